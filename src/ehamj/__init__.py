@@ -1,0 +1,24 @@
+"""ehamj: open simulator for active hydraulic machine isolation.
+
+    import ehamj
+    scenario = ehamj.load_scenario("recorded")
+    result = ehamj.simulate(scenario)
+    result.dataset["cg_velocity"]
+"""
+
+from ehamj.errors import InputError, SimulationFailed
+from ehamj.result import Result, load_result
+from ehamj.scenario import Scenario, load_scenario, parse_scenario
+from ehamj.simulate import simulate, simulate_many
+
+__all__ = [
+    "InputError",
+    "Result",
+    "Scenario",
+    "SimulationFailed",
+    "load_result",
+    "load_scenario",
+    "parse_scenario",
+    "simulate",
+    "simulate_many",
+]

@@ -1,0 +1,263 @@
+"""From a raw record to displacement without drift: pure functions of arrays, no files.
+
+The order is deliberate, and the notes of the motion repeat it:
+
+1. cut to the part that is used plus what the high-pass remembers,
+2. detrend, with weights that vanish at both ends, so that vibration cannot tilt the line,
+3. fade in and out (a quintic), so that padding adds no step,
+4. pad with zeros for as long as the high-pass remembers, and transform,
+5. divide by the instrument's response, kept above the water level and inside a band,
+6. high-pass without phase, 1/(1 + (f_c/f)⁸): a fourth-order Butterworth run forwards and backwards,
+7. integrate, dividing by iω once for velocity and twice for acceleration,
+8. transform back on a finer grid: band-limited resampling, dense enough for a quintic spline.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import ceil
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+from scipy.fft import irfft, next_fast_len, rfft
+
+from ehamj.parameters import Settings, Unlimited
+from ehamj.signals import Array, Sampled
+
+Quantity = Literal["displacement", "velocity", "acceleration"]
+Axis = Literal["x", "y", "z"]
+Response = Callable[[Array], NDArray[np.complex128]]
+Positive = Annotated[float, Field(gt=0)]
+
+INTEGRATIONS: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
+USABLE = 0.8
+"""Share of the Nyquist frequency up to which a record is believed; above it the anti-alias filter bites."""
+
+_DENSITY = 4  # least ratio of resampled to recorded rate: keeps the spline within 1e-3 up to the usable end
+_MEMORY = 6.0  # periods of the corner after which the high-pass has forgotten all but 1e-6
+_CLIPPED_RUN = 3  # equal samples in a row at the extreme value that look like clipping
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One recorded component: finite samples (n,) at ``time`` + k/``rate``.
+
+    The samples are SI of ``quantity``, or counts where ``response`` says how many counts one SI unit gives at
+    frequencies [Hz]. Raises ValueError where samples are not finite or fewer than 16.
+    """
+
+    axis: Axis
+    name: str
+    rate: float
+    """Sampling rate [Hz]."""
+    quantity: Quantity
+    samples: Array = field(repr=False)
+    time: float = 0.0
+    """Time of the first sample, counted from the record's beginning [s]."""
+    response: Response | None = None
+
+    def __post_init__(self) -> None:
+        if self.samples.ndim != 1 or self.samples.size < 16:
+            raise ValueError(
+                f"ground.file: channel {self.name} holds {self.samples.size} samples; at least 16 are needed"
+            )
+        wrong = np.flatnonzero(~np.isfinite(self.samples))
+        if wrong.size:
+            where = f"sample {wrong[0] + 1} (at {self.time + wrong[0] / self.rate:g} s)"
+            raise ValueError(
+                f"ground.file: channel {self.name} holds {wrong.size} values that are not finite, the first is {where} "
+                f"= {self.samples[wrong[0]]}; every sample must be a finite number"
+            )
+
+    @property
+    def end(self) -> float:
+        """Time at which the last sample's interval ends [s]."""
+        return self.time + self.samples.size / self.rate
+
+    @property
+    def usable(self) -> float:
+        """Highest frequency that the channel is believed at [Hz]."""
+        return USABLE * self.rate / 2
+
+    def section(self, begin: float, end: float) -> "Channel":
+        """The part from ``begin`` to ``end`` [s], or as much of it as there is."""
+        first = max(0, int((begin - self.time) * self.rate))
+        last = min(self.samples.size, ceil((end - self.time) * self.rate) + 1)
+        time = self.time + first / self.rate
+        return Channel(self.axis, self.name, self.rate, self.quantity, self.samples[first:last], time, self.response)
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a file holds: channels on one clock that begins where the last of them begins, and remarks on reading."""
+
+    name: str
+    channels: tuple[Channel, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """Time that every channel covers [s]."""
+        return min(channel.end for channel in self.channels)
+
+
+class Treatment(Settings):
+    """How a record becomes displacement."""
+
+    detrend: Literal["none", "constant", "linear"] = Field("linear", description="what is subtracted first")
+    highpass: float = Field(
+        0.1, ge=0, description="corner of the zero-phase high-pass [Hz]; 0, none, is for displacement records only"
+    )
+    taper: Positive = Field(1.0, description="time over which the record fades in and out at its two ends [s]")
+    rate: float = Field(1000.0, gt=0, le=1e5, description="least rate to which the record is resampled [Hz]")
+    water_level: Unlimited = Field(
+        60.0,
+        gt=0,
+        description="how far below its peak the instrument's response is still divided by [dB] (inf: all of it)",
+    )
+    pre_filter: tuple[float, float, float, float] | None = Field(
+        None,
+        description="band kept when the response is removed: two frequencies where it rises, two where it falls [Hz]; "
+        "default: falls from 0.8 to 1 times the Nyquist frequency",
+    )
+
+    @model_validator(mode="after")
+    def _rising(self) -> Self:
+        band = self.pre_filter
+        if band is not None and not 0 <= band[0] <= band[1] < band[2] <= band[3]:
+            raise ValueError(f"pre_filter = {list(band)} must be four rising frequencies, 0 or more, in Hz")
+        return self
+
+    @property
+    def memory(self) -> float:
+        """How long the filters ring [s]."""
+        return _MEMORY / self.highpass if self.highpass > 0 else 10.0
+
+    def band(self, channel: Channel) -> tuple[float, float, float, float]:
+        """Corners of the band inside which the response is removed [Hz]."""
+        return self.pre_filter or (0.0, 0.0, channel.usable, channel.rate / 2)
+
+
+def weighted_trend(samples: Array, kind: Literal["none", "constant", "linear"]) -> Array:
+    """Mean or line through ``samples`` (n,) by least squares with Hann weights, shape (n,).
+
+    Without weights a sine of amplitude A tilts the line by about 6A/(π periods), which integration turns into drift.
+    """
+    if kind == "none":
+        return np.zeros_like(samples)
+    along = np.linspace(-1.0, 1.0, samples.size)
+    weight = 0.5 + 0.5 * np.cos(np.pi * along)
+    mean = np.sum(weight * samples) / np.sum(weight)
+    # Even weights and an odd slope: the two are orthogonal, so each is fitted alone.
+    slope = np.sum(weight * along * samples) / np.sum(weight * along**2) if kind == "linear" else 0.0
+    return mean + slope * along
+
+
+def fade(size: int, width: float) -> Array:
+    """Window of ``size`` samples that rises and falls over ``width`` samples, smooth to the second derivative."""
+    index = np.arange(size)
+    s = np.clip(np.minimum(index, size - 1 - index) / width, 0.0, 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+
+
+def highpass_gain(frequency: Array, corner: float) -> Array:
+    """Gain of the zero-phase high-pass, 1/(1 + (f_c/f)⁸), shape (n,); within 0.1 % of one above 2.4 f_c."""
+    if corner == 0:
+        return np.ones_like(frequency)
+    ratio8 = (frequency / corner) ** 8
+    return ratio8 / (1.0 + ratio8)
+
+
+def band_gain(frequency: Array, band: tuple[float, float, float, float]) -> Array:
+    """Cosine flanks between the first two and the last two corners of ``band`` [Hz], shape (n,)."""
+    low, rising, falling, high = band
+    up = np.where(frequency >= rising, 1.0, np.clip((frequency - low) / max(rising - low, 1e-300), 0.0, 1.0))
+    down = np.where(frequency <= falling, 1.0, np.clip((high - frequency) / max(high - falling, 1e-300), 0.0, 1.0))
+    return np.sin(0.5 * np.pi * up) ** 2 * np.sin(0.5 * np.pi * down) ** 2
+
+
+def inverse_response(response: NDArray[np.complex128], water_level: float) -> NDArray[np.complex128]:
+    """Reciprocal of ``response`` (n,), its magnitude held ``water_level`` dB below the peak; zero where it is zero."""
+    size = np.abs(response)
+    held = np.maximum(size, size.max() * 10.0 ** (-water_level / 20.0))
+    return np.divide(response.conj(), size * held, out=np.zeros_like(response), where=size > 0)
+
+
+def held_frequencies(channel: Channel, treatment: Treatment) -> Array:
+    """Frequencies in the channel's usable band at which the water level holds the response [Hz], shape (n,)."""
+    if channel.response is None:
+        return np.empty(0)
+    frequency = np.geomspace(max(treatment.highpass, 1e-3), channel.usable, 500)
+    size = np.abs(channel.response(frequency))
+    return frequency[size < size.max() * 10.0 ** (-treatment.water_level / 20.0)]
+
+
+def clipped_samples(samples: Array) -> int:
+    """Samples that stand at the largest or smallest value several times in a row, which clipping looks like."""
+    count = 0
+    for extreme in {float(samples.max()), float(samples.min())}:
+        if extreme == 0 or np.ptp(samples) == 0:
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], samples == extreme, [False]]).astype(int)))
+        runs = edges[1::2] - edges[::2]
+        count += int(runs[runs >= _CLIPPED_RUN].sum())
+    return count
+
+
+def check(channel: Channel, treatment: Treatment) -> None:
+    """Raise ValueError where ``treatment`` does not suit ``channel``."""
+    length = channel.samples.size / channel.rate
+    if treatment.rate < channel.rate:
+        raise ValueError(
+            f"ground.rate = {treatment.rate:g} Hz is below the sampling rate of {channel.name}, {channel.rate:g} Hz; "
+            "it must be at least that"
+        )
+    if 2 * treatment.taper > length:
+        raise ValueError(f"ground.taper = {treatment.taper:g} s must be at most half of the record, {length / 2:g} s")
+    if treatment.highpass == 0 and channel.quantity != "displacement":
+        raise ValueError(
+            f"ground.highpass = 0 Hz is allowed for displacement records only: {channel.name} holds "
+            f"{channel.quantity}, which drifts when it is integrated"
+        )
+    least = 0.1 / length
+    if treatment.highpass and not least <= treatment.highpass < channel.usable:
+        raise ValueError(
+            f"ground.highpass = {treatment.highpass:g} Hz must be at least {least:g} Hz, since the record lasts "
+            f"{length:g} s, and below {channel.usable:g} Hz, where it ends"
+        )
+
+
+def displacement(channel: Channel, treatment: Treatment, begin: float, duration: float) -> Sampled:
+    """Displacement [m] of ``channel`` from ``begin`` for ``duration`` [s], its own time counting from ``begin``.
+
+    Raises ValueError where the treatment does not suit the channel.
+    """
+    check(channel, treatment)
+    reach = treatment.memory + treatment.taper
+    part = channel.section(begin - reach, begin + duration + reach)
+    samples = part.samples - weighted_trend(part.samples, treatment.detrend)
+    samples = samples * fade(samples.size, treatment.taper * part.rate)
+
+    pad = ceil(treatment.memory * part.rate)
+    size = next_fast_len(samples.size + 2 * pad, real=True)
+    frequency = np.arange(size // 2 + 1) * (part.rate / size)
+    spectrum = rfft(np.concatenate([np.zeros(pad), samples]), size) * highpass_gain(frequency, treatment.highpass)
+    if part.response is not None:
+        inverse = inverse_response(part.response(frequency), treatment.water_level)
+        spectrum = spectrum * inverse * band_gain(frequency, treatment.band(part))
+    spectrum[1:] /= (2j * np.pi * frequency[1:]) ** INTEGRATIONS[part.quantity]
+    if INTEGRATIONS[part.quantity]:
+        spectrum[0] = 0.0
+    if size % 2 == 0:
+        # On a finer grid the Nyquist bin splits into a positive and a negative frequency.
+        spectrum[-1] *= 0.5
+
+    finer = max(_DENSITY, ceil(treatment.rate / part.rate))
+    rate = finer * part.rate
+    values = irfft(spectrum, finer * size) * finer
+    first_time = part.time - pad / part.rate - begin
+    # A few samples beyond both ends keep the spline's boundaries out of what is simulated.
+    first = max(0, int(-first_time * rate) - 16)
+    last = min(values.size, ceil((duration - first_time) * rate) + 17)
+    return Sampled(rate, values[first:last], first_time + first / rate)

@@ -1,0 +1,6 @@
+"""How the kernels are compiled: without the GIL, and with IEEE division so that a bad state becomes a NaN, not a crash."""
+
+import numba
+
+kernel = numba.njit(nogil=True, error_model="numpy")
+"""Decorator of every kernel. Kernels are compiled into their callers, which hold the cache."""

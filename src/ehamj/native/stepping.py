@@ -1,0 +1,255 @@
+"""The stepping loop, compiled: inputs in, one Runge–Kutta step of the engine, a row out now and then."""
+
+import ctypes
+from functools import cache
+from typing import Any, Final, NamedTuple
+
+import mujoco
+import numba
+import numpy as np
+from numba import carray, types
+from numpy.typing import NDArray
+
+from ehamj.hydraulics.kernel import kernel
+from ehamj.hydraulics.valve import spool_target
+from ehamj.layout import (
+    CUBICS,
+    N_INPUTS,
+    N_MOUNTS,
+    N_STATES,
+    N_USERDATA,
+    STAGE_COMMAND,
+    STAGE_DRAWN,
+    STAGE_FLOW,
+    STAGE_GROUND,
+    STEP_RATE,
+    STEP_START,
+)
+from ehamj.native.cache import compiled_here
+from ehamj.native.callbacks import (
+    AREA,
+    DRIVE_LIMIT,
+    FREQUENCY,
+    MOVING,
+    N_PARAMETERS,
+    SPOOL_STROKE,
+    SUPPLY,
+    VALVE_GAIN,
+    VAPOUR_PRESSURE,
+    VOLTAGE_LIMIT,
+    VOLUME_1,
+    VOLUME_2,
+)
+from ehamj.native.hold import library
+from ehamj.native.offsets import offsets
+from ehamj.native.pointers import call_on_state, call_runge_kutta, doubles_at, store_double
+
+Array = NDArray[np.float64]
+
+DONE: Final = 0
+NOT_FINITE: Final = 1
+CHAMBER_1_EMPTY: Final = 2
+CHAMBER_2_EMPTY: Final = 3
+
+TALLY: Final = ("command", "spool", "spool_drive", "cavitation")
+"""What is counted per step and mount; then come the sums of supply flow, its peak, and supply power."""
+TALLY_FLOW: Final = len(TALLY) * N_MOUNTS
+N_TALLY: Final = TALLY_FLOW + 3
+
+
+class Stopped(NamedTuple):
+    """How a stretch ended: steps done, why (`DONE`, `NOT_FINITE`, …), and at which mount (−1: the machine)."""
+
+    steps: int
+    status: int
+    mount: int
+
+
+@kernel
+def write_inputs(shared, time, rate, start, end):  # type: ignore[no-untyped-def]
+    """Hand a step its inputs: (n_inputs, 2) values and slopes·step at its start and end."""
+    shared[STEP_START] = time
+    shared[STEP_RATE] = rate
+    for channel in range(N_INPUTS):
+        offset = CUBICS + 4 * channel
+        shared[offset], shared[offset + 1] = start[channel, 0], start[channel, 1]
+        shared[offset + 2], shared[offset + 3] = end[channel, 0], end[channel, 1]
+
+
+@kernel
+def check(act, act_dot, qacc, length, shared, table):  # type: ignore[no-untyped-def]
+    """Status and mount of the present state: everything finite, no chamber empty."""
+    for mount in range(N_MOUNTS):
+        own = N_PARAMETERS * mount
+        total = 0.0
+        for k in range(N_STATES * mount, N_STATES * (mount + 1)):
+            total += act[k] - act[k] + act_dot[k] - act_dot[k]
+        if total != 0.0:  # a NaN or an infinity is the only number that is not itself minus itself
+            return NOT_FINITE, mount
+        moved = table[own + MOVING] * table[own + AREA] * (length[mount] - shared[STAGE_GROUND + mount])
+        if table[own + VOLUME_1] + moved <= 0.0:
+            return CHAMBER_1_EMPTY, mount
+        if table[own + VOLUME_2] - moved <= 0.0:
+            return CHAMBER_2_EMPTY, mount
+    for k in range(qacc.size):
+        if qacc[k] - qacc[k] != 0.0:
+            return NOT_FINITE, -1
+    return DONE, -1
+
+
+@kernel
+def count_limits(act, control, shared, table, tally):  # type: ignore[no-untyped-def]
+    """Add the present state to the tally of limits reached, and of oil drawn."""
+    drawn, power = 0.0, 0.0
+    for mount in range(N_MOUNTS):
+        own, first = N_PARAMETERS * mount, N_STATES * mount
+        command = control[mount] + shared[STAGE_COMMAND + mount]
+        target = spool_target(command, table[own + VALVE_GAIN], table[own + VOLTAGE_LIMIT])
+        drive = table[own + FREQUENCY] ** 2 * (target - act[first])
+        vapour = table[own + VAPOUR_PRESSURE]
+        tally[mount] += abs(command) >= table[own + VOLTAGE_LIMIT]
+        tally[N_MOUNTS + mount] += abs(act[first]) >= table[own + SPOOL_STROKE]
+        tally[2 * N_MOUNTS + mount] += abs(drive) >= table[own + DRIVE_LIMIT]
+        tally[3 * N_MOUNTS + mount] += act[first + 2] <= vapour or act[first + 3] <= vapour
+        flow = shared[STAGE_DRAWN + mount]
+        drawn += flow
+        power += flow * table[own + SUPPLY]
+    tally[TALLY_FLOW] += drawn
+    tally[TALLY_FLOW + 1] = max(tally[TALLY_FLOW + 1], drawn)
+    tally[TALLY_FLOW + 2] += power
+
+
+class Columns(NamedTuple):
+    """Where each quantity lies in a recorded row, as (first, end)."""
+
+    qpos: tuple[int, int]
+    qvel: tuple[int, int]
+    qacc: tuple[int, int]
+    act: tuple[int, int]
+    command: tuple[int, int]
+    flow: tuple[int, int]
+    drawn: tuple[int, int]
+
+
+def columns(model: mujoco.MjModel) -> Columns:
+    """Row layout for a model."""
+    sizes = (model.nq, model.nv, model.nv, model.na, N_MOUNTS, 2 * N_MOUNTS, N_MOUNTS)
+    ends = np.cumsum(sizes)
+    return Columns(*((int(end - size), int(end)) for size, end in zip(sizes, ends, strict=True)))
+
+
+def row_size(model: mujoco.MjModel) -> int:
+    """Length of a recorded row."""
+    return columns(model).drawn[1]
+
+
+@cache
+def _engine() -> tuple[int, int]:
+    """Addresses of mj_forward and mj_RungeKutta."""
+    forward, runge_kutta = library().mj_forward, library().mj_RungeKutta
+    return tuple(ctypes.cast(f, ctypes.c_void_p).value for f in (forward, runge_kutta))  # type: ignore[return-value]
+
+
+@cache
+def _advance() -> Any:
+    at = offsets()
+    time_at, user_at, shared_at, ctrl_at, length_at = at.time, at.actuator_user, at.userdata, at.ctrl, at.actuator_length
+    qpos_at, qvel_at, qacc_at, act_at, act_dot_at = at.qpos, at.qvel, at.qacc, at.act, at.act_dot
+
+    def advance(forward, runge_kutta, model, data, nq, nv, first, steps, h, last, start, end, every, rows, tally):  # type: ignore[no-untyped-def]
+        shared = carray(doubles_at(data, shared_at), N_USERDATA)
+        table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
+        control = carray(doubles_at(data, ctrl_at), N_MOUNTS)
+        length = carray(doubles_at(data, length_at), N_MOUNTS)
+        qpos, qvel = carray(doubles_at(data, qpos_at), nq), carray(doubles_at(data, qvel_at), nv)
+        qacc = carray(doubles_at(data, qacc_at), nv)
+        act = carray(doubles_at(data, act_at), N_STATES * N_MOUNTS)
+        act_dot = carray(doubles_at(data, act_dot_at), N_STATES * N_MOUNTS)
+        row = 0
+        for k in range(steps + last):
+            time = (first + k) * h
+            store_double(data, time_at, time)
+            write_inputs(shared, time, 1.0 / h, start[k], end[k])
+            call_on_state(forward, model, data)
+            status, mount = check(act, act_dot, qacc, length, shared, table)
+            if status != DONE:
+                return k, status, mount, row
+            count_limits(act, control, shared, table, tally)
+            if (first + k) % every == 0:
+                out = rows[row]
+                row += 1
+                column = 0
+                for part in (qpos, qvel, qacc, act):
+                    out[column : column + part.size] = part
+                    column += part.size
+                for mount in range(N_MOUNTS):
+                    out[column + mount] = control[mount] + shared[STAGE_COMMAND + mount]
+                column += N_MOUNTS
+                out[column:] = shared[STAGE_FLOW : STAGE_FLOW + 3 * N_MOUNTS]
+            if k < steps:
+                call_runge_kutta(runge_kutta, model, data, 4)
+        return steps, DONE, -1, row
+
+    floats2, floats3 = types.float64[:, ::1], types.Array(types.float64, 3, "C", readonly=True)
+    signature = (
+        *(types.intp,) * 4,
+        *(types.int64,) * 4,
+        types.float64,
+        types.int64,
+        floats3,
+        floats3,
+        types.int64,
+        floats2,
+        types.float64[::1],
+    )
+    with compiled_here() as kept:
+        return numba.njit([signature], nogil=True, error_model="numpy", cache=kept)(advance)
+
+
+def advance(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    first: int,
+    steps: int,
+    inputs: tuple[Array, Array],
+    every: int,
+    rows: Array,
+    tally: Array,
+    last: bool = False,
+) -> tuple[Stopped, int]:
+    """Take ``steps`` steps from step number ``first``; call it with the hydraulics installed.
+
+    Args:
+        model: compiled model.
+        data: its state, which is advanced.
+        first: number of the first step; its time is first·timestep.
+        steps: how many.
+        inputs: values and slopes·timestep at the start and at the end of each step, (steps (+1), n_inputs, 2) each.
+        every: record each step whose number is a multiple of this.
+        rows: where rows go, (n, row_size).
+        tally: counts of limits, see `TALLY`; added to.
+        last: also evaluate (and record) the state after the last step; ``inputs`` then have one row more.
+
+    Returns:
+        How it stopped, and the number of rows recorded.
+    """
+    start, end = (np.ascontiguousarray(part) for part in inputs)
+    for part in (start, end):
+        part.flags.writeable = False
+    steps_done, status, mount, recorded = _advance()(
+        *_engine(),
+        model._address,
+        data._address,
+        model.nq,
+        model.nv,
+        first,
+        steps,
+        model.opt.timestep,
+        int(last),
+        start,
+        end,
+        every,
+        rows,
+        tally,
+    )
+    return Stopped(steps_done, status, mount), recorded

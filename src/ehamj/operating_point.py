@@ -1,0 +1,121 @@
+"""The compiled model as a state equation: its rates, its static equilibrium, its Jacobian.
+
+The state is (qpos, qvel, activations); the inputs are ground displacement and velocity per mount and axis, and the
+four commands. Call everything here with the hydraulics installed (`ehamj.native.hydraulics`).
+"""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.layout import COLUMN, CUBICS, N_INPUTS, N_MOUNTS, N_STATES, N_USERDATA, STEP_RATE, STEP_START
+
+Array = NDArray[np.float64]
+
+
+class EquilibriumError(RuntimeError):
+    """No static equilibrium was found."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Held inputs: ground displacement [m] and velocity [m/s] (mount, axis), command [V] (mount)."""
+
+    displacement: Array
+    velocity: Array
+    command: Array
+
+    @classmethod
+    def rest(cls) -> "Inputs":
+        """Ground at rest, valves centred."""
+        return cls(np.zeros((N_MOUNTS, 3)), np.zeros((N_MOUNTS, 3)), np.zeros(N_MOUNTS))
+
+    def write(self, data: mujoco.MjData) -> None:
+        """Hand the inputs to the callbacks as the start of a step of one second."""
+        shared = np.zeros(N_USERDATA)
+        shared[STEP_START], shared[STEP_RATE] = data.time, 1.0
+        cubics = shared[CUBICS : CUBICS + 4 * N_INPUTS].reshape(N_INPUTS, 4)
+        cubics[:12, 0], cubics[:12, 1] = self.displacement.ravel(), self.velocity.ravel()
+        cubics[12:, 0] = self.command
+        data.userdata[:] = shared
+
+
+def state_of(data: mujoco.MjData) -> Array:
+    """The state as one vector."""
+    return np.concatenate([data.qpos, data.qvel, data.act])
+
+
+def rates(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
+    """Time derivative of ``state`` under held ``inputs``: (qvel, qacc, activation rates)."""
+    nq, nv = model.nq, model.nv
+    data.qpos[:], data.qvel[:], data.act[:] = state[:nq], state[nq : nq + nv], state[nq + nv :]
+    inputs.write(data)
+    mujoco.mj_forward(model, data)
+    return np.concatenate([data.qvel, data.qacc, data.act_dot])
+
+
+def scales(model: mujoco.MjModel) -> Array:
+    """A small motion of each state, as a step for differences: 0.1 µm or µrad, 0.1 mm/s, 10 µA, 10 mA/s, 100 Pa."""
+    return np.concatenate([np.full(model.nq, 1e-7), np.full(model.nv, 1e-4), np.tile([1e-2, 10.0, 1e2, 1e2], N_MOUNTS)])
+
+
+def jacobian(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
+    """∂rates/∂state by central differences, shape (n, n)."""
+    columns = []
+    for k, step in enumerate(scales(model)):
+        shift = np.zeros_like(state)
+        shift[k] = step
+        ahead, behind = (rates(model, data, state + s * shift, inputs) for s in (1.0, -1.0))
+        columns.append((ahead - behind) / (2.0 * step))
+    return np.array(columns).T
+
+
+def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> Array:
+    """Static equilibrium under gravity with held inputs, left in ``data`` and returned as a state.
+
+    Spools stand where the commands put them; positions and pressures are found by Newton's method from the unloaded
+    machine with chambers at mid pressure. Where the pressures are not determined (no leakage over the edges: the mean
+    pressure is neutral), the solution nearest to that start is taken, which keeps the mean.
+
+    Raises:
+        EquilibriumError: if Newton's method does not converge.
+    """
+    table = model.actuator_user
+    mid = 0.5 * (table[:, COLUMN["supply_pressure"]] + table[:, COLUMN["tank_pressure"]])
+    limit = table[:, COLUMN["voltage_limit"]]
+    state = np.zeros(model.nq + model.nv + model.na)
+    act = state[model.nq + model.nv :].reshape(N_MOUNTS, N_STATES)
+    act[:, 0] = table[:, COLUMN["valve_gain"]] * np.clip(inputs.command, -limit, limit)
+    act[:, 2:] = mid[:, None]
+    pressures = model.nq + model.nv + np.arange(model.na).reshape(N_MOUNTS, N_STATES)[:, 2:].ravel()
+    unknown = np.concatenate([np.arange(model.nq), pressures])
+    balance = np.concatenate([model.nq + np.arange(model.nv), pressures])
+    still = Inputs(inputs.displacement, np.zeros_like(inputs.velocity), inputs.command)
+    unit = np.concatenate([np.full(model.nq, 1e-5), np.repeat(mid, 2)])
+    stiffness = table[:, COLUMN["bulk_modulus"]] / table[:, COLUMN["volume_1"]]
+    flow = table[:, COLUMN["flow_gain"]] * table[:, COLUMN["spool_stroke"]]
+    tolerance = np.concatenate([np.full(model.nv, 1e-7), np.repeat(1e-9 * stiffness * flow, 2)])
+
+    def residual(at: Array) -> Array:
+        return rates(model, data, at, still)[balance] / tolerance
+
+    error = residual(state)
+    for _ in range(60):
+        if np.abs(error).max() <= 1.0:
+            mujoco.mj_forward(model, data)
+            return state
+        matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
+        change = np.linalg.lstsq(matrix, -error, rcond=1e-12)[0] * unit
+        for _ in range(30):  # halve the step until the balance improves
+            trial = state.copy()
+            trial[unknown] += change
+            trial_error = residual(trial)
+            if np.linalg.norm(trial_error) < np.linalg.norm(error):
+                break
+            change = 0.5 * change
+        else:
+            break
+        state, error = trial, trial_error
+    raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")

@@ -1,0 +1,221 @@
+"""Physical parameters: frozen, validated, in SI, each value with its source.
+
+A source is one of
+
+- ``paper``: Table I or the text of the source paper,
+- ``identified``: fitted to something that the paper states,
+- ``assumed``: chosen, because nobody measured it,
+- ``given``: set by the user.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from ehamj.layout import MOUNTS
+
+Source = Literal["paper", "identified", "assumed", "given"]
+Position2 = tuple[float, float]
+Vector3 = tuple[float, float, float]
+
+
+class Settings(BaseModel):
+    """Base of everything a user writes: frozen, no unknown keys, finite numbers unless a field says otherwise."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=False)
+
+
+def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **limits: Any) -> Any:
+    """A field with its unit, symbol and source; ``limits`` are pydantic's (gt, ge, lt, le, …)."""
+    extra = {"unit": unit, "symbol": symbol, "source": source}
+    return Field(default, description=f"{text} [{unit}]", json_schema_extra=extra, **limits)
+
+
+class Parameters(Settings):
+    """Settings whose every value carries a source; a value that differs from the default is ``given``."""
+
+    sources: dict[str, Source] = Field(default_factory=dict, description="where each value comes from")
+
+    @model_validator(mode="after")
+    def _complete_sources(self) -> Self:
+        known = self.quantities()
+        for name in self.sources:
+            if name not in known:
+                raise ValueError(f"sources names {name!r}, which is not one of {', '.join(known)}")
+        complete: dict[str, Source] = {}
+        for name, (_, _, source) in known.items():
+            is_default = getattr(self, name) == type(self).model_fields[name].default
+            complete[name] = self.sources.get(name, source if is_default else "given")
+        object.__setattr__(self, "sources", complete)
+        return self
+
+    @classmethod
+    def quantities(cls) -> dict[str, tuple[str, str, Source]]:
+        """Unit, symbol and default source of each physical value, by name."""
+        found = {}
+        for name, field in cls.model_fields.items():
+            extra = field.json_schema_extra
+            if isinstance(extra, dict) and "unit" in extra:
+                found[name] = (str(extra["unit"]), str(extra["symbol"]), extra["source"])
+        return found  # type: ignore[return-value]
+
+    def with_values(self, values: dict[str, Any]) -> Self:
+        """A copy with other values, which become ``given`` unless they are what they were."""
+        changed = {name: value for name, value in values.items() if name == "sources" or getattr(self, name, None) != value}
+        sources = {name: source for name, source in self.sources.items() if name not in changed}
+        sources.update(changed.pop("sources", {}))
+        return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
+
+
+Unlimited = Annotated[float, Field(allow_inf_nan=True)]
+
+
+class Actuator(Parameters):
+    """One electro-hydraulic isolator: valve, double-acting cylinder, membrane spring, plate and foot.
+
+    Defaults are the first-generation prototype of the paper (Table I).
+    """
+
+    piston_area: float = quantity(3.18e-2, "m²", "A_p", "active area of the piston annulus", "paper", gt=0)
+    chamber_volume: float = quantity(5.39e-4, "m³", "V_t", "oil volume of both chambers together", "paper", gt=0)
+    moving_volume: bool = Field(True, description="chamber volumes follow the stroke (false: constant)")
+    bulk_modulus: float = quantity(1.4e9, "Pa", "β", "effective bulk modulus of the oil", "paper", gt=0)
+    vapour_pressure: float = quantity(0.0, "Pa", "P_v", "pressure at which the oil cavitates", "assumed", ge=0)
+    membrane_stiffness: float = quantity(6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0)
+    membrane_damping: float = quantity(3900.0, "N s/m", "C", "vertical viscous damping", "paper", ge=0)
+    lateral_stiffness: float = quantity(2e8, "N/m", "k_h", "lateral stiffness, each direction", "assumed", ge=0)
+    lateral_damping: float = quantity(2e4, "N s/m", "c_h", "lateral damping, each direction", "assumed", ge=0)
+    plate_mass: float = quantity(14.0, "kg", "m_p", "mass of the moving pressure plate", "assumed", ge=0)
+    foot_stiffness: Unlimited = quantity(math.inf, "N/m", "k_f", "stiffness plate to machine (inf: rigid)", "assumed", gt=0)
+    foot_damping: float = quantity(0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0)
+    flow_gain: float = quantity(1.94e-6, "m³/s/mA", "K_Q", "flow gain at null", "paper", gt=0)
+    flow_pressure: float = quantity(6.6e-11, "m³/s/Pa", "K_C", "flow-pressure coefficient at null", "paper", ge=0)
+    edge_leakage_share: float = quantity(
+        0.05, "-", "g_0/K_C", "share of K_C that leaks over the valve's edges; the rest leaks across the piston", "assumed", ge=0, le=1
+    )
+    laminar_ratio: float = quantity(
+        1e-3, "-", "ε", "pressure drop, over the rated one, below which an edge turns laminar", "assumed", ge=0, le=0.1
+    )
+    valve_gain: float = quantity(2.0, "mA/V", "K_v", "spool position per command", "paper", gt=0)
+    valve_frequency: float = quantity(1571.0, "rad/s", "ω_v", "natural frequency of the valve at ±5 %", "paper", gt=0)
+    valve_damping: float = quantity(0.65, "-", "ζ", "damping ratio of the valve", "paper", gt=0)
+    spool_drive_limit: Unlimited = quantity(
+        5.42e6, "mA/s²", "a_max", "limit of the solenoid's drive ω_v²(c − x) (inf: none)", "identified", gt=0
+    )
+    spool_stroke: float = quantity(20.0, "mA", "x_max", "spool position at which the edges are fully open", "assumed", gt=0)
+    voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
+
+    @property
+    def edge_leakage(self) -> float:
+        """Laminar conductance of each of the four edges, g₀ [m³/s/Pa]."""
+        return self.edge_leakage_share * self.flow_pressure
+
+    @property
+    def cross_leakage(self) -> float:
+        """Laminar conductance across the piston, c = K_C − g₀ [m³/s/Pa]."""
+        return (1.0 - self.edge_leakage_share) * self.flow_pressure
+
+    @property
+    def hydraulic_stiffness(self) -> float:
+        """Stiffness of the trapped oil, K_h = 4βA_p²/V_t [N/m]."""
+        return 4.0 * self.bulk_modulus * self.piston_area**2 / self.chamber_volume
+
+    @property
+    def maximum_stroke(self) -> float:
+        """Stroke at which one chamber is empty, V_t/(2A_p) [m]."""
+        return 0.5 * self.chamber_volume / self.piston_area
+
+    @property
+    def rigid_foot(self) -> bool:
+        """Whether the plate is rigidly bound to the machine."""
+        return math.isinf(self.foot_stiffness)
+
+
+FIRST_GENERATION = Actuator()
+"""The paper's first prototype (Table I)."""
+
+RECOMMENDED = Actuator(
+    chamber_volume=FIRST_GENERATION.chamber_volume / 2,
+    piston_area=FIRST_GENERATION.piston_area * 2,
+    flow_pressure=FIRST_GENERATION.flow_pressure * 2,
+    sources={"chamber_volume": "paper", "piston_area": "paper", "flow_pressure": "paper"},
+)
+"""The paper's recommendation (section 5): half the volume, twice the area and the flow-pressure coefficient."""
+
+ACTUATOR_PRESETS: dict[str, Actuator] = {"first-generation": FIRST_GENERATION, "recommended": RECOMMENDED}
+
+
+class Supply(Parameters):
+    """Oil supply and tank; pressures are absolute."""
+
+    pressure: float = quantity(70e5, "Pa", "P_s", "supply pressure", "assumed", gt=0)
+    tank_pressure: float = quantity(0.0, "Pa", "P_t", "tank pressure", "assumed", ge=0)
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.pressure <= self.tank_pressure:
+            raise ValueError(f"pressure = {self.pressure:g} Pa must be above tank_pressure = {self.tank_pressure:g} Pa")
+        return self
+
+    @property
+    def rating_pressure(self) -> float:
+        """Pressure drop per edge at which the flow gain holds, Δp₀ = (P_s − P_t)/2 [Pa]."""
+        return 0.5 * (self.pressure - self.tank_pressure)
+
+
+class Machine(Parameters):
+    """The rigid machine: mass properties and outline; the origin is the mount plane's centre, z up."""
+
+    mass: float = quantity(4000.0, "kg", "m", "mass without the plates", "assumed", gt=0)
+    inertia: Vector3 = quantity((2000.0, 3000.0, 4000.0), "kg m²", "J", "principal inertia about the CG, x, y, z", "assumed")
+    cg: Vector3 = quantity((0.0, 0.0, 0.75), "m", "r_CG", "centre of gravity from the mount plane's centre", "assumed")
+    size: Vector3 = quantity((2.2, 1.6, 1.9), "m", "l", "outline: length in x, width in y, height", "assumed")
+
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        for name in ("inertia", "size"):
+            if min(getattr(self, name)) <= 0:
+                raise ValueError(f"{name} = {list(getattr(self, name))} must be positive in each entry")
+        a, b, c = self.inertia
+        if max(a, b, c) > a + b + c - max(a, b, c):
+            raise ValueError(f"inertia = {[a, b, c]} is of no rigid body: each entry is at most the sum of the other two")
+        half_x, half_y = self.size[0] / 2, self.size[1] / 2
+        if abs(self.cg[0]) > half_x or abs(self.cg[1]) > half_y or not 0 <= self.cg[2] <= self.size[2]:
+            raise ValueError(f"cg = {list(self.cg)} lies outside the machine's outline, size = {list(self.size)}")
+        return self
+
+
+class Mount(Settings):
+    """Where one actuator stands under the machine."""
+
+    name: Literal["front-left", "front-right", "rear-left", "rear-right"]
+    position: Position2 = Field(description="x and y from the mount plane's centre [m]")
+    actuator: str = Field("isolator", description="name of a table [actuators.NAME]")
+
+
+DEFAULT_MOUNTS: tuple[Mount, ...] = tuple(
+    Mount(name=name, position=position)
+    for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)  # type: ignore[arg-type]
+)
+
+
+@dataclass(frozen=True)
+class Plant:
+    """Everything physical that is simulated: the machine, its four isolators in the order of the mounts, the supply."""
+
+    machine: Machine
+    positions: tuple[Position2, ...]
+    """x and y of each mount [m]."""
+    actuators: tuple[Actuator, ...]
+    supply: Supply
+    gravity: float
+    """Gravitational acceleration, downwards positive [m/s²]."""
+    plates: Literal["sliding", "tied"]
+    """``sliding``: each plate on a joint of its own; ``tied``: the plate's inertia on the stroke coordinate."""
+
+    @property
+    def total_mass(self) -> float:
+        """Machine and plates [kg]."""
+        return self.machine.mass + sum(actuator.plate_mass for actuator in self.actuators)

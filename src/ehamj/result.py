@@ -1,0 +1,122 @@
+"""A labelled result, and its files: ``result.nc``, ``summary.json``, ``scenario.toml``, ``model.xml``."""
+
+import contextlib
+import json
+import os
+import secrets
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ehamj.errors import InputError
+from ehamj.layout import AXES, CHAMBERS, DOFS, MOUNTS
+from ehamj.scenario import Scenario, load_scenario
+
+COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
+    "mount": (list(MOUNTS), {"long_name": "mount (+x front, +y left)"}),
+    "axis": (list(AXES), {"long_name": "axis"}),
+    "dof": (list(DOFS), {"long_name": "degree of freedom of the machine, at the mount plane's centre"}),
+    "chamber": (list(CHAMBERS), {"long_name": "chamber; oil in chamber 1 lifts the plate"}),
+}
+
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
+    "ground_velocity": (("mount", "axis"), "m/s", "velocity of the ground below each mount"),
+    "ground_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the ground below each mount"),
+    "machine_displacement": (("dof",), "m (rx, ry, rz: rad)", "displacement of the mount plane's centre"),
+    "machine_velocity": (("dof",), "m/s (rx, ry, rz: rad/s)", "velocity of the mount plane's centre"),
+    "foot_displacement": (("mount", "axis"), "m", "displacement of the machine's foot at each mount"),
+    "foot_velocity": (("mount", "axis"), "m/s", "velocity of the machine's foot at each mount"),
+    "foot_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the machine's foot at each mount"),
+    "cg_displacement": (("axis",), "m", "displacement of the machine's centre of gravity"),
+    "cg_velocity": (("axis",), "m/s", "velocity of the machine's centre of gravity"),
+    "cg_acceleration": (("axis",), "m/s^2", "acceleration of the machine's centre of gravity"),
+    "stroke": (("mount",), "m", "plate relative to the ground below it"),
+    "stroke_velocity": (("mount",), "m/s", "plate relative to the ground below it"),
+    "spool": (("mount",), "mA", "spool position"),
+    "valve_command": (("mount",), "V", "command to the valve"),
+    "actuator_force": (("mount",), "N", "force of the oil on the plate, up positive"),
+    "chamber_pressure": (("mount", "chamber"), "Pa", "absolute pressure in each chamber"),
+    "chamber_flow": (("mount", "chamber"), "m^3/s", "flow into each chamber"),
+    "supply_pressure": ((), "Pa", "absolute supply pressure"),
+}
+"""Every variable of a result beside ``time``: further dimensions, units, long name."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a simulation gave.
+
+    ``dataset`` holds the time histories (`VARIABLES`), ``summary`` the numbers a person asks for first,
+    ``model_xml`` the compiled model as MJCF.
+    """
+
+    scenario: Scenario
+    dataset: xr.Dataset
+    summary: dict[str, Any]
+    model_xml: str = field(repr=False, default="")
+
+    @property
+    def complete(self) -> bool:
+        """Whether the simulation reached its end."""
+        return bool(self.summary["complete"])
+
+    def save(self, folder: Path) -> None:
+        """Write the result's files into an existing folder, each renamed into place when it is whole."""
+        with written_whole(folder / "scenario.toml") as path:
+            path.write_text(self.scenario.to_toml(), encoding="utf-8")
+        with written_whole(folder / "model.xml") as path:
+            path.write_text(self.model_xml, encoding="utf-8")
+        with written_whole(folder / "result.nc") as path:
+            encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.dataset.data_vars}
+            self.dataset.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+        with written_whole(folder / "summary.json") as path:
+            path.write_text(json.dumps(self.summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def load_result(folder: str | Path) -> Result:
+    """Read a result folder.
+
+    Raises:
+        InputError: if the folder is not a result.
+    """
+    folder = Path(folder)
+    missing = [name for name in ("scenario.toml", "result.nc", "summary.json") if not (folder / name).is_file()]
+    if missing:
+        raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
+    with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as stored:
+        dataset = stored.load()
+    model = folder / "model.xml"
+    return Result(
+        scenario=load_scenario(folder / "scenario.toml"),
+        dataset=dataset,
+        summary=json.loads((folder / "summary.json").read_text(encoding="utf-8")),
+        model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
+    )
+
+
+@contextlib.contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A temporary name beside ``path`` to write to; renamed to ``path`` at the end, removed on failure."""
+    temporary = path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def make_dataset(time: np.ndarray, values: dict[str, np.ndarray], attributes: dict[str, Any]) -> xr.Dataset:
+    """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`."""
+    data = {}
+    for name, array in values.items():
+        dimensions, units, long_name = VARIABLES[name]
+        data[name] = (("time", *dimensions), array, {"units": units, "long_name": long_name})
+    coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s", "long_name": "time"})}
+    for name, (labels, attrs) in COORDINATES.items():
+        coordinates[name] = (name, labels, attrs)
+    return xr.Dataset(data, coordinates, attributes)

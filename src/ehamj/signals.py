@@ -1,0 +1,153 @@
+"""Scalar signals of time with their first two derivatives; ground motion and commands are made of these."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+
+Array = NDArray[np.float64]
+
+
+class Sample(NamedTuple):
+    """A signal at some times, shape (n,) each: value, first and second derivative by time."""
+
+    value: Array
+    slope: Array
+    curvature: Array
+
+
+class Signal(Protocol):
+    """Anything that can be sampled; ``left`` asks for the limit from the left where the signal jumps."""
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        """Value and derivatives at ``time`` [s], shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Zero:
+    """Nothing moves."""
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        zero = np.zeros_like(time)
+        return Sample(zero, zero, zero)
+
+
+@dataclass(frozen=True)
+class Multisine:
+    """Sum of ``amplitudes``·sin(2π ``frequencies`` t + ``phases``), frequencies in Hz, phases in rad."""
+
+    amplitudes: Array
+    frequencies: Array
+    phases: Array
+
+    @classmethod
+    def of(cls, amplitudes: ArrayLike, frequencies: ArrayLike, phases: ArrayLike = 0.0) -> "Multisine":
+        """Broadcast the three against each other."""
+        return cls(*np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (amplitudes, frequencies, phases))))
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        value, slope, curvature = np.zeros((3, time.size))
+        for amplitude, frequency, phase in zip(self.amplitudes, self.frequencies, self.phases, strict=True):
+            omega = 2.0 * np.pi * frequency
+            angle = omega * time + phase
+            wave = amplitude * np.sin(angle)
+            value += wave
+            slope += amplitude * omega * np.cos(angle)
+            curvature -= omega * omega * wave
+        return Sample(value, slope, curvature)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A jump by ``height`` at ``start`` [s]."""
+
+    height: float
+    start: float
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        # Half a nanosecond of slack: the times of steps are multiples of the step with rounding.
+        after = time > self.start + 5e-10 if left else time >= self.start - 5e-10
+        zero = np.zeros_like(time)
+        return Sample(np.where(after, self.height, 0.0), zero, zero)
+
+
+@dataclass(frozen=True)
+class Chirp:
+    """Exponential sine sweep from ``first`` to ``last`` [Hz] in ``duration`` [s] from ``start``; zero outside."""
+
+    amplitude: float
+    first: float
+    last: float
+    duration: float
+    start: float = 0.0
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        growth = np.log(self.last / self.first) / self.duration
+        since = time - self.start
+        inside = (since >= 0.0) & (since <= self.duration)
+        since = np.clip(since, 0.0, self.duration)
+        if growth == 0.0:
+            angle, omega = 2 * np.pi * self.first * since, np.full_like(since, 2 * np.pi * self.first)
+        else:
+            omega = 2 * np.pi * self.first * np.exp(growth * since)
+            angle = (omega - 2 * np.pi * self.first) / growth
+        sine, cosine = np.where(inside, np.sin(angle), 0.0), np.where(inside, np.cos(angle), 0.0)
+        curvature = self.amplitude * (growth * omega * cosine - omega**2 * sine)
+        return Sample(self.amplitude * sine, self.amplitude * omega * cosine, curvature)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A quintic spline through uniform samples, so that its two derivatives belong to it exactly.
+
+    ``values`` (n,) at ``start`` + k/``rate``; the samples should be at least four times as dense as the highest
+    frequency needs. Outside the samples the first and last value hold.
+    """
+
+    rate: float
+    values: Array = field(repr=False)
+    start: float = 0.0
+
+    @cached_property
+    def _splines(self) -> tuple[BSpline, BSpline, BSpline]:
+        times = self.start + np.arange(self.values.size) / self.rate
+        spline = make_interp_spline(times, self.values, k=5)
+        return spline, spline.derivative(1), spline.derivative(2)
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        end = self.start + (self.values.size - 1) / self.rate
+        inside = (time >= self.start) & (time <= end)
+        clipped = np.clip(time, self.start, end)
+        value, slope, curvature = (spline(clipped) for spline in self._splines)
+        return Sample(value, np.where(inside, slope, 0.0), np.where(inside, curvature, 0.0))
+
+
+@dataclass(frozen=True)
+class Faded:
+    """A signal that fades in over ``duration`` [s] (a quintic, smooth to the second derivative)."""
+
+    signal: Signal
+    duration: float
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        value, slope, curvature = self.signal.sample(time, left)
+        s = np.clip(time / self.duration, 0.0, 1.0)
+        w = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        w1 = 30.0 * s**2 * (1.0 - s) ** 2 / self.duration
+        w2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.duration**2
+        return Sample(w * value, w1 * value + w * slope, w2 * value + 2.0 * w1 * slope + w * curvature)
+
+
+@dataclass(frozen=True)
+class Total:
+    """The sum of several signals."""
+
+    signals: tuple[Signal, ...]
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        parts = [signal.sample(time, left) for signal in self.signals]
+        return Sample(*(np.sum(column, axis=0) for column in zip(*parts, strict=True)))

@@ -1,0 +1,272 @@
+"""Run one scenario, or many → Result."""
+
+import math
+import time as clock
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.errors import InputError, SimulationFailed
+from ehamj.ground import Motion
+from ehamj.kinematics import point_motion
+from ehamj.layout import DOF_OF_JOINT, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES
+from ehamj.model import build_model, build_spec
+from ehamj.native import hydraulics
+from ehamj.native.stepping import (
+    CHAMBER_1_EMPTY,
+    CHAMBER_2_EMPTY,
+    DONE,
+    N_TALLY,
+    Stopped,
+    advance,
+    columns,
+    row_size,
+)
+from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian
+from ehamj.parameters import Plant
+from ehamj.result import Result, make_dataset
+from ehamj.scenario import Scenario
+from ehamj.signals import Signal
+from ehamj.summary import summarise
+
+Array = NDArray[np.float64]
+Progress = Callable[[float], None]
+
+STRETCH = 2048
+"""Steps between two returns to Python."""
+
+STEP_PER_TIME_CONSTANT = 1.2
+"""Largest |λ|·step of the automatic step. RK4 is stable to 2.8; at 1.2 the fastest mode itself is followed to a few per
+cent and motions below 100 Hz to 1e-4."""
+
+
+class Incomplete(SimulationFailed):
+    """A simulation that stopped early; ``result`` holds what was computed until then."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """A scenario ready to step."""
+
+    scenario: Scenario
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    motion: Motion
+    commands: tuple[Signal, ...]
+    every: int
+    steps: int
+
+
+def simulate(scenario: Scenario, progress: Progress | None = None) -> Result:
+    """Run a scenario.
+
+    Args:
+        scenario: what to simulate.
+        progress: called now and then with the fraction done.
+
+    Raises:
+        InputError: if the scenario cannot be run as it is.
+        Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
+    """
+    started = clock.perf_counter()
+    with hydraulics():
+        prepared = _prepare(scenario)
+        rows, tally, stopped, wall = _run(prepared, progress)
+    values = _channels(prepared, rows)
+    seconds = rows.shape[0] and (rows.shape[0] - 1) * prepared.every * prepared.model.opt.timestep
+    times = np.arange(rows.shape[0]) * prepared.every * prepared.model.opt.timestep
+    complete = stopped.status == DONE
+    dataset = make_dataset(times, values, {"title": scenario.name, "complete": int(complete)})
+    summary = summarise(
+        scenario=scenario,
+        dataset=dataset,
+        tally=tally,
+        steps=stopped.steps,
+        timestep=prepared.model.opt.timestep,
+        stepping_seconds=wall,
+        total_seconds=clock.perf_counter() - started,
+        complete=complete,
+        notes=prepared.motion.notes,
+    )
+    xml = build_spec(scenario.plant, prepared.model.opt.timestep, drawn=True).to_xml()
+    result = Result(scenario, dataset, summary, xml)
+    if not complete:
+        message = _why(stopped, prepared, seconds)
+        summary["failure"] = message
+        raise Incomplete(message, result)
+    return result
+
+
+def simulate_many(scenarios: Iterable[Scenario], threads: int | None = None) -> list[Result]:
+    """Run scenarios on threads inside this process; results come in order.
+
+    Raises:
+        As `simulate`, for the first scenario that fails.
+    """
+    with hydraulics(), ThreadPoolExecutor(max_workers=threads) as pool:
+        return list(pool.map(simulate, scenarios))
+
+
+def choose_timestep(scenario: Scenario) -> float:
+    """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
+
+    The automatic step divides the recording period. Call it with the hydraulics installed.
+
+    Raises:
+        InputError: if a stated step does not divide the recording period.
+    """
+    period = 1.0 / scenario.record_rate
+    if scenario.timestep != "auto":
+        ratio = period / scenario.timestep
+        if abs(ratio - round(ratio)) > 1e-6 * ratio or round(ratio) < 1:
+            raise InputError(
+                f"timestep = {scenario.timestep:g} s must divide the recording period 1/record_rate = {period:g} s; "
+                f"nearest: {period / max(1, round(ratio)):.9g}"
+            )
+        return period / round(ratio)
+    model, data, inputs = _model(reduced(scenario.plant), 1e-4), None, Inputs.rest()
+    data = mujoco.MjData(model)
+    matrix = jacobian(model, data, equilibrium(model, data, inputs), inputs)
+    fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    return period / math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9)
+
+
+def reduced(plant: Plant) -> Plant:
+    """The plant with its plates tied where all feet are rigid: the same equations without the constraint's own modes."""
+    rigid = all(actuator.rigid_foot for actuator in plant.actuators)
+    return replace(plant, plates="tied") if rigid else plant
+
+
+def _model(plant: Plant, timestep: float) -> mujoco.MjModel:
+    try:
+        return build_model(plant, timestep)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def _prepare(scenario: Scenario) -> _Prepared:
+    motion, commands = scenario.motion(), scenario.commands()
+    try:
+        timestep = choose_timestep(scenario)
+        model = _model(scenario.plant, timestep)
+        data = mujoco.MjData(model)
+        start = np.zeros(1)
+        ground = motion.sample(start)
+        command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
+        equilibrium(model, data, Inputs(ground.displacement[0], ground.velocity[0], command))
+    except EquilibriumError as error:
+        raise InputError(f"{error} (machine.mass, actuators, supply, control)") from error
+    steps = round(scenario.duration / timestep)
+    every = round(1.0 / (scenario.record_rate * timestep))
+    if steps < every:
+        raise InputError(f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s")
+    return _Prepared(scenario, model, data, motion, commands, every, steps)
+
+
+def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
+    """Step to the end, or until something fails: rows, tally, how it ended, seconds spent in the stepping loop."""
+    rows = np.empty((prepared.steps // prepared.every + 1, row_size(prepared.model)))
+    tally = np.zeros(N_TALLY)
+    done, recorded, wall = 0, 0, 0.0
+    stopped = Stopped(0, DONE, -1)
+    while stopped.status == DONE and done < prepared.steps:
+        steps = min(STRETCH, prepared.steps - done)
+        last = done + steps == prepared.steps
+        inputs = sample_inputs(prepared.motion, prepared.commands, done, steps + last, prepared.model.opt.timestep)
+        began = clock.perf_counter()
+        stopped, count = advance(
+            prepared.model, prepared.data, done, steps, inputs, prepared.every, rows[recorded:], tally, last
+        )
+        wall += clock.perf_counter() - began
+        done += stopped.steps
+        recorded += count
+        if progress is not None:
+            progress(done / prepared.steps)
+    return rows[:recorded], tally, stopped._replace(steps=done), wall
+
+
+def sample_inputs(
+    motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
+) -> tuple[Array, Array]:
+    """Inputs of some steps as cubics: values and slopes·timestep at start and end, (steps, n_inputs, 2) each."""
+    times = np.arange(first, first + steps + 1) * timestep
+    points = np.zeros((steps + 1, N_INPUTS, 2))
+    if not motion.at_rest:
+        ground = motion.sample(times)
+        points[:, :12, 0] = ground.displacement.reshape(-1, 12)
+        points[:, :12, 1] = ground.velocity.reshape(-1, 12)
+    starts = points[:-1].copy()
+    ends = points[1:]
+    for mount, signal in enumerate(commands):
+        now = signal.sample(times[:-1])
+        then = signal.sample(times[1:], left=True)
+        starts[:, 12 + mount, 0], starts[:, 12 + mount, 1] = now.value, now.slope
+        ends[:, 12 + mount, 0], ends[:, 12 + mount, 1] = then.value, then.slope
+    starts[:, :, 1] *= timestep
+    ends[:, :, 1] *= timestep
+    return starts, ends
+
+
+def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
+    """Everything that a result holds, from the recorded rows."""
+    model, plant = prepared.model, prepared.scenario.plant
+    at = columns(model)
+    times = np.arange(rows.shape[0]) * prepared.every * model.opt.timestep
+    ground = prepared.motion.sample(times)
+    dofs = list(DOF_OF_JOINT)
+    displacement, velocity, acceleration = (
+        rows[:, slice(*part)][:, dofs] for part in (at.qpos, at.qvel, at.qacc)
+    )
+    feet = [point_motion(displacement, velocity, acceleration, (*position, 0.0)) for position in plant.positions]
+    foot = [np.stack(part, axis=1) for part in zip(*feet, strict=True)]
+    cg = point_motion(displacement, velocity, acceleration, plant.machine.cg)
+    act = rows[:, slice(*at.act)].reshape(-1, N_MOUNTS, N_STATES)
+    area = np.array([actuator.piston_area for actuator in plant.actuators])
+    if plant.plates == "sliding":
+        plate, plate_velocity = rows[:, slice(*at.qpos)][:, 6:], rows[:, slice(*at.qvel)][:, 6:]
+    else:
+        lever = np.array([[0, 0, 1, y, -x, 0] for x, y in plant.positions])
+        plate, plate_velocity = displacement @ lever.T, velocity @ lever.T
+    return {
+        "ground_displacement": ground.displacement,
+        "ground_velocity": ground.velocity,
+        "ground_acceleration": ground.acceleration,
+        "machine_displacement": displacement,
+        "machine_velocity": velocity,
+        "foot_displacement": foot[0],
+        "foot_velocity": foot[1],
+        "foot_acceleration": foot[2],
+        "cg_displacement": cg[0],
+        "cg_velocity": cg[1],
+        "cg_acceleration": cg[2],
+        "stroke": plate - ground.displacement[:, :, 2],
+        "stroke_velocity": plate_velocity - ground.velocity[:, :, 2],
+        "spool": act[:, :, 0],
+        "valve_command": rows[:, slice(*at.command)],
+        "actuator_force": area * (act[:, :, 2] - act[:, :, 3]),
+        "chamber_pressure": act[:, :, 2:],
+        "chamber_flow": rows[:, slice(*at.flow)].reshape(-1, N_MOUNTS, 2),
+        "supply_pressure": np.full(rows.shape[0], plant.supply.pressure),
+    }
+
+
+def _why(stopped: Stopped, prepared: _Prepared, recorded: float) -> str:
+    """What failed, where and when, and what is kept."""
+    where = MOUNTS[stopped.mount] if stopped.mount >= 0 else "the machine"
+    what = {
+        CHAMBER_1_EMPTY: "chamber 1 ran empty (the stroke reached its lower end)",
+        CHAMBER_2_EMPTY: "chamber 2 ran empty (the stroke reached its upper end)",
+    }.get(stopped.status, "a state is no longer finite")
+    at = stopped.steps * prepared.model.opt.timestep
+    return (
+        f"simulation failed at {at:.6g} s, at {where}: {what}; step {prepared.model.opt.timestep:.3g} s. "
+        f"Kept until {recorded:.6g} s, marked incomplete. A shorter timestep or smaller commands may help"
+    )

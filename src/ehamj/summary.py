@@ -1,0 +1,104 @@
+"""The numbers a person asks for first, from a run's dataset and its tally."""
+
+import platform
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.scenario import Scenario
+
+REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
+
+
+def summarise(
+    *,
+    scenario: Scenario,
+    dataset: xr.Dataset,
+    tally: np.ndarray,
+    steps: int,
+    timestep: float,
+    stepping_seconds: float,
+    total_seconds: float,
+    complete: bool,
+    notes: tuple[str, ...],
+) -> dict[str, Any]:
+    """The content of summary.json: plain numbers, SI, null where something is undefined."""
+    peak, rms = levels(dataset)
+    simulated = float(dataset.time[-1]) if dataset.time.size else 0.0
+    saturation = _saturation(tally, max(steps, 1))
+    return {
+        "name": scenario.name,
+        "complete": complete,
+        "warnings": list(notes) + _warnings(saturation),
+        "peak": peak,
+        "rms": rms,
+        "saturation": saturation,
+        "oil": _oil(tally, max(steps, 1), timestep),
+        "timing": {
+            "simulated_s": simulated,
+            "wall_s": total_seconds,
+            "stepping_s": stepping_seconds,
+            "steps": steps,
+            "timestep_s": timestep,
+            "ratio": simulated / stepping_seconds if stepping_seconds > 0 else None,
+        },
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
+        "seed": scenario.seed,
+    }
+
+
+def levels(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Peak and RMS of every variable and channel about its first value, which is the equilibrium."""
+    peak: dict[str, Any] = {}
+    rms: dict[str, Any] = {}
+    for name, variable in dataset.data_vars.items():
+        if not variable.size:
+            continue
+        about = variable - variable[0]
+        peak[str(name)] = _nested(abs(about).max("time"))
+        rms[str(name)] = _nested(np.sqrt((about**2).mean("time")))
+    return peak, rms
+
+
+def _nested(values: xr.DataArray) -> Any:
+    """Labelled numbers as nested dictionaries; a number that is not finite becomes null."""
+    if values.ndim == 0:
+        number = float(values)
+        return number if np.isfinite(number) else None
+    dimension = values.dims[0]
+    return {str(label): _nested(values.sel({dimension: label})) for label in values[dimension].values}
+
+
+def _saturation(tally: np.ndarray, steps: int) -> dict[str, dict[str, float]]:
+    """Share of steps spent at each limit, per mount."""
+    names = ("command", "spool", "spool_drive", "cavitation")
+    shares = tally[: len(names) * N_MOUNTS].reshape(len(names), N_MOUNTS) / steps
+    return {name: dict(zip(MOUNTS, map(float, row), strict=True)) for name, row in zip(names, shares, strict=True)}
+
+
+def _oil(tally: np.ndarray, steps: int, timestep: float) -> dict[str, float]:
+    total, peak, power = (float(value) for value in tally[-3:])
+    return {
+        "mean_flow_m3_s": total / steps,
+        "peak_flow_m3_s": peak,
+        "volume_m3": total * timestep,
+        "mean_power_w": power / steps,
+    }
+
+
+def _warnings(saturation: dict[str, dict[str, float]]) -> list[str]:
+    words = {
+        "command": "the command was at its limit",
+        "spool": "the spool was fully open",
+        "spool_drive": "the spool's drive was at its limit",
+        "cavitation": "oil cavitated",
+    }
+    found = []
+    for name, shares in saturation.items():
+        mount, share = max(shares.items(), key=lambda item: item[1])
+        if share > 0:
+            found.append(f"{words[name]} for up to {100 * share:.2g} % of the time ({mount})")
+    return found
