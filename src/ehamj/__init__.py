@@ -1,9 +1,9 @@
 """ehamj: open simulator for active hydraulic machine isolation.
 
-    import ehamj
-    scenario = ehamj.load_scenario("recorded")
-    result = ehamj.simulate(scenario)
-    result.dataset["cg_velocity"]
+import ehamj
+scenario = ehamj.load_scenario("recorded")
+result = ehamj.simulate(scenario)
+result.dataset["cg_velocity"]
 """
 
 from ehamj.errors import InputError, SimulationFailed

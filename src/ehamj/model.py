@@ -24,9 +24,9 @@ PAD_HEIGHT = -2 * PLATE_HALF_HEIGHT - PAD_HALF_HEIGHT
 CONSTRAINT_SOFTENING = 1e-3
 """Factor on the compliance of the rigid-foot constraint.
 
-MuJoCo's constraint is a spring of about m_plate/((1 − d)τ²) with d ≤ 0.9999, which at a step of 1e-4 s costs 1e-4 of the
-response. Its compliance is proportional to the tendon's inverse weight in the compiled model; scaled by this factor it
-no longer shows beside the integration error, while the constraint's time constant τ stays.
+MuJoCo's constraint is a spring of about m_plate/((1 − d)τ²) with d ≤ 0.9999, which at a step of 1e-4 s costs 1e-4 of
+the response. Its compliance is proportional to the tendon's inverse weight in the compiled model; scaled by this factor
+it no longer shows beside the integration error, while the constraint's time constant τ stays.
 """
 
 
@@ -220,9 +220,7 @@ def _draw(spec: mujoco.MjSpec, plant: Plant) -> None:
             size=[0.06, FOOT_HEIGHT / 2, 0.0],
             pos=[*position, FOOT_HEIGHT / 2],
         )
-        carrier, height = (
-            (machine, -PLATE_HALF_HEIGHT) if plant.plates == "tied" else (spec.body(f"plate {name}"), 0.0)
-        )
+        carrier, height = (machine, -PLATE_HALF_HEIGHT) if plant.plates == "tied" else (spec.body(f"plate {name}"), 0.0)
         offset = [*position, height] if plant.plates == "tied" else [0.0, 0.0, height]
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset)
         pad = spec.worldbody.add_body(name=f"pad {name}", pos=[*position, PAD_HEIGHT], mocap=True)

@@ -29,7 +29,7 @@ class Settings(BaseModel):
 
 def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **limits: Any) -> Any:
     """A field with its unit, symbol and source; ``limits`` are pydantic's (gt, ge, lt, le, …)."""
-    extra = {"unit": unit, "symbol": symbol, "source": source}
+    extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "source": source}
     return Field(default, description=f"{text} [{unit}]", json_schema_extra=extra, **limits)
 
 
@@ -63,7 +63,9 @@ class Parameters(Settings):
 
     def with_values(self, values: dict[str, Any]) -> Self:
         """A copy with other values, which become ``given`` unless they are what they were."""
-        changed = {name: value for name, value in values.items() if name == "sources" or getattr(self, name, None) != value}
+        changed = {
+            name: value for name, value in values.items() if name == "sources" or getattr(self, name, None) != value
+        }
         sources = {name: source for name, source in self.sources.items() if name not in changed}
         sources.update(changed.pop("sources", {}))
         return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
@@ -83,17 +85,29 @@ class Actuator(Parameters):
     moving_volume: bool = Field(True, description="chamber volumes follow the stroke (false: constant)")
     bulk_modulus: float = quantity(1.4e9, "Pa", "β", "effective bulk modulus of the oil", "paper", gt=0)
     vapour_pressure: float = quantity(0.0, "Pa", "P_v", "pressure at which the oil cavitates", "assumed", ge=0)
-    membrane_stiffness: float = quantity(6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0)
+    membrane_stiffness: float = quantity(
+        6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0
+    )
     membrane_damping: float = quantity(3900.0, "N s/m", "C", "vertical viscous damping", "paper", ge=0)
     lateral_stiffness: float = quantity(2e8, "N/m", "k_h", "lateral stiffness, each direction", "assumed", ge=0)
     lateral_damping: float = quantity(2e4, "N s/m", "c_h", "lateral damping, each direction", "assumed", ge=0)
     plate_mass: float = quantity(14.0, "kg", "m_p", "mass of the moving pressure plate", "assumed", ge=0)
-    foot_stiffness: Unlimited = quantity(math.inf, "N/m", "k_f", "stiffness plate to machine (inf: rigid)", "assumed", gt=0)
-    foot_damping: float = quantity(0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0)
+    foot_stiffness: Unlimited = quantity(
+        math.inf, "N/m", "k_f", "stiffness plate to machine (inf: rigid)", "assumed", gt=0
+    )
+    foot_damping: float = quantity(
+        0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0
+    )
     flow_gain: float = quantity(1.94e-6, "m³/s/mA", "K_Q", "flow gain at null", "paper", gt=0)
     flow_pressure: float = quantity(6.6e-11, "m³/s/Pa", "K_C", "flow-pressure coefficient at null", "paper", ge=0)
     edge_leakage_share: float = quantity(
-        0.05, "-", "g_0/K_C", "share of K_C that leaks over the valve's edges; the rest leaks across the piston", "assumed", ge=0, le=1
+        0.05,
+        "-",
+        "g_0/K_C",
+        "share of K_C that leaks over the valve's edges; the rest leaks across the piston",
+        "assumed",
+        ge=0,
+        le=1,
     )
     laminar_ratio: float = quantity(
         1e-3, "-", "ε", "pressure drop, over the rated one, below which an edge turns laminar", "assumed", ge=0, le=0.1
@@ -104,7 +118,9 @@ class Actuator(Parameters):
     spool_drive_limit: Unlimited = quantity(
         5.42e6, "mA/s²", "a_max", "limit of the solenoid's drive ω_v²(c − x) (inf: none)", "identified", gt=0
     )
-    spool_stroke: float = quantity(20.0, "mA", "x_max", "spool position at which the edges are fully open", "assumed", gt=0)
+    spool_stroke: float = quantity(
+        20.0, "mA", "x_max", "spool position at which the edges are fully open", "assumed", gt=0
+    )
     voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
 
     @property
@@ -169,7 +185,9 @@ class Machine(Parameters):
     """The rigid machine: mass properties and outline; the origin is the mount plane's centre, z up."""
 
     mass: float = quantity(4000.0, "kg", "m", "mass without the plates", "assumed", gt=0)
-    inertia: Vector3 = quantity((2000.0, 3000.0, 4000.0), "kg m²", "J", "principal inertia about the CG, x, y, z", "assumed")
+    inertia: Vector3 = quantity(
+        (2000.0, 3000.0, 4000.0), "kg m²", "J", "principal inertia about the CG, x, y, z", "assumed"
+    )
     cg: Vector3 = quantity((0.0, 0.0, 0.75), "m", "r_CG", "centre of gravity from the mount plane's centre", "assumed")
     size: Vector3 = quantity((2.2, 1.6, 1.9), "m", "l", "outline: length in x, width in y, height", "assumed")
 
@@ -180,7 +198,9 @@ class Machine(Parameters):
                 raise ValueError(f"{name} = {list(getattr(self, name))} must be positive in each entry")
         a, b, c = self.inertia
         if max(a, b, c) > a + b + c - max(a, b, c):
-            raise ValueError(f"inertia = {[a, b, c]} is of no rigid body: each entry is at most the sum of the other two")
+            raise ValueError(
+                f"inertia = {[a, b, c]} is of no rigid body: each entry is at most the sum of the other two"
+            )
         half_x, half_y = self.size[0] / 2, self.size[1] / 2
         if abs(self.cg[0]) > half_x or abs(self.cg[1]) > half_y or not 0 <= self.cg[2] <= self.size[2]:
             raise ValueError(f"cg = {list(self.cg)} lies outside the machine's outline, size = {list(self.size)}")
@@ -197,7 +217,7 @@ class Mount(Settings):
 
 DEFAULT_MOUNTS: tuple[Mount, ...] = tuple(
     Mount(name=name, position=position)
-    for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)  # type: ignore[arg-type]
+    for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)
 )
 
 

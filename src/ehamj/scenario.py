@@ -135,7 +135,7 @@ class Scenario(Settings):
 
     def to_toml(self) -> str:
         """The complete scenario as TOML; it runs again to the same result."""
-        return tomli_w.dumps(self.model_dump(mode="python"), multiline_strings=False)
+        return tomli_w.dumps(self.model_dump(mode="python", exclude_none=True), multiline_strings=False)
 
 
 def scenario_schema() -> str:
@@ -205,10 +205,8 @@ def _override(table: dict[str, Any], text: str) -> None:
     *parents, last = key.strip().split(".")
     place: Any = table
     for depth, part in enumerate(parents):
-        if isinstance(place, list):
-            place = place[_index(place, part, text)]
-        else:
-            place = place.setdefault(part, {})
+        is_list = isinstance(place, list)
+        place = place[_index(place, part, text)] if is_list else place.setdefault(part, {})
         if not isinstance(place, dict | list):
             raise InputError(f"--set {text!r}: {'.'.join(parents[: depth + 1])} is a value, not a table")
     if isinstance(place, list):
@@ -282,5 +280,3 @@ def _allowed_beside(location: tuple[int | str, ...]) -> str:
     near = difflib.get_close_matches(str(location[-1]), keys, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed: {', '.join(keys)}"
-
-

@@ -47,7 +47,8 @@ class Multisine:
     @classmethod
     def of(cls, amplitudes: ArrayLike, frequencies: ArrayLike, phases: ArrayLike = 0.0) -> "Multisine":
         """Broadcast the three against each other."""
-        return cls(*np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (amplitudes, frequencies, phases))))
+        parts = (np.atleast_1d(np.asarray(part, float)) for part in (amplitudes, frequencies, phases))
+        return cls(*np.broadcast_arrays(*parts))
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         value, slope, curvature = np.zeros((3, time.size))

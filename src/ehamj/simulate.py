@@ -24,6 +24,7 @@ from ehamj.native.stepping import (
     Stopped,
     advance,
     columns,
+    compile_loop,
     row_size,
 )
 from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian
@@ -81,8 +82,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Result:
         prepared = _prepare(scenario)
         rows, tally, stopped, wall = _run(prepared, progress)
     values = _channels(prepared, rows)
-    seconds = rows.shape[0] and (rows.shape[0] - 1) * prepared.every * prepared.model.opt.timestep
-    times = np.arange(rows.shape[0]) * prepared.every * prepared.model.opt.timestep
+    times = _recorded_times(prepared, rows)
     complete = stopped.status == DONE
     dataset = make_dataset(times, values, {"title": scenario.name, "complete": int(complete)})
     summary = summarise(
@@ -99,7 +99,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Result:
     xml = build_spec(scenario.plant, prepared.model.opt.timestep, drawn=True).to_xml()
     result = Result(scenario, dataset, summary, xml)
     if not complete:
-        message = _why(stopped, prepared, seconds)
+        message = _why(stopped, prepared, float(times[-1]) if times.size else 0.0)
         summary["failure"] = message
         raise Incomplete(message, result)
     return result
@@ -140,7 +140,7 @@ def choose_timestep(scenario: Scenario) -> float:
 
 
 def reduced(plant: Plant) -> Plant:
-    """The plant with its plates tied where all feet are rigid: the same equations without the constraint's own modes."""
+    """The plant with its plates tied if all feet are rigid: the same equations without the constraint's own modes."""
     rigid = all(actuator.rigid_foot for actuator in plant.actuators)
     return replace(plant, plates="tied") if rigid else plant
 
@@ -167,12 +167,15 @@ def _prepare(scenario: Scenario) -> _Prepared:
     steps = round(scenario.duration / timestep)
     every = round(1.0 / (scenario.record_rate * timestep))
     if steps < every:
-        raise InputError(f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s")
+        raise InputError(
+            f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s"
+        )
     return _Prepared(scenario, model, data, motion, commands, every, steps)
 
 
 def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
     """Step to the end, or until something fails: rows, tally, how it ended, seconds spent in the stepping loop."""
+    compile_loop()
     rows = np.empty((prepared.steps // prepared.every + 1, row_size(prepared.model)))
     tally = np.zeros(N_TALLY)
     done, recorded, wall = 0, 0, 0.0
@@ -197,7 +200,7 @@ def sample_inputs(
     motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
 ) -> tuple[Array, Array]:
     """Inputs of some steps as cubics: values and slopes·timestep at start and end, (steps, n_inputs, 2) each."""
-    times = np.arange(first, first + steps + 1) * timestep
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
     points = np.zeros((steps + 1, N_INPUTS, 2))
     if not motion.at_rest:
         ground = motion.sample(times)
@@ -215,16 +218,19 @@ def sample_inputs(
     return starts, ends
 
 
+def _recorded_times(prepared: _Prepared, rows: Array) -> Array:
+    """Time of each recorded row [s]."""
+    return np.arange(rows.shape[0], dtype=np.float64) / prepared.scenario.record_rate
+
+
 def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
     """Everything that a result holds, from the recorded rows."""
     model, plant = prepared.model, prepared.scenario.plant
     at = columns(model)
-    times = np.arange(rows.shape[0]) * prepared.every * model.opt.timestep
+    times = _recorded_times(prepared, rows)
     ground = prepared.motion.sample(times)
     dofs = list(DOF_OF_JOINT)
-    displacement, velocity, acceleration = (
-        rows[:, slice(*part)][:, dofs] for part in (at.qpos, at.qvel, at.qacc)
-    )
+    displacement, velocity, acceleration = (rows[:, slice(*part)][:, dofs] for part in (at.qpos, at.qvel, at.qacc))
     feet = [point_motion(displacement, velocity, acceleration, (*position, 0.0)) for position in plant.positions]
     foot = [np.stack(part, axis=1) for part in zip(*feet, strict=True)]
     cg = point_motion(displacement, velocity, acceleration, plant.machine.cg)

@@ -59,7 +59,7 @@ def levels(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
             continue
         about = variable - variable[0]
         peak[str(name)] = _nested(abs(about).max("time"))
-        rms[str(name)] = _nested(np.sqrt((about**2).mean("time")))
+        rms[str(name)] = _nested((about**2).mean("time") ** 0.5)
     return peak, rms
 
 

@@ -125,7 +125,7 @@ def test_clipping_is_a_run_at_the_extreme() -> None:
 
 
 def test_no_motion_is_lost_up_to_the_usable_end() -> None:
-    # 0.8 of the Nyquist frequency at the least density, four times the record's rate: quintic splines lose 5e-5 there
+    # 0.8 of the Nyquist frequency at the least density, four times the record's rate: quintic splines lose 2e-4 there
     # in the acceleration (measured; the bound is the 1e-3 that the module promises).
     rate, frequency = 1000.0, 400.0
     t = np.arange(8000) / rate
@@ -141,6 +141,15 @@ def test_no_motion_is_lost_up_to_the_usable_end() -> None:
     assert np.abs(value * omega**2 + wave).max() < 1e-3
 
 
+def test_resampling_passes_through_the_samples() -> None:
+    # White up to the very Nyquist frequency; even and odd numbers of samples make transforms of both kinds.
+    for size in (1000, 1001, 1013):
+        channel = Channel("z", "z", 100.0, "displacement", noise(size))
+        moved = displacement(channel, Treatment(highpass=0.0, detrend="none"), 0.0, 10.0)
+        found = moved.sample(np.arange(200, 800) / 100.0).value
+        np.testing.assert_allclose(found, channel.samples[200:800], atol=1e-9)  # rounding of transform and spline
+
+
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
 def test_white_records_do_not_drift(quantity: Any) -> None:
     rate, duration, corner = 200.0, 60.0, 0.1
@@ -153,9 +162,10 @@ def test_white_records_do_not_drift(quantity: Any) -> None:
     expected = np.sqrt(2 / rate / TAU ** (2 * order) * corner ** (1 - 2 * order) / (2 * order - 1))
     assert 0.3 * expected < value.std() < 2 * expected
     slope, offset = np.polyfit(np.linspace(-1, 1, value.size), value, 1)
-    # No frequency below the corner is left, so mean and trend over six periods stay a fraction of the RMS.
+    # No frequency below the corner is left: over eight seeds mean and trend were at most 0.04 and 0.07 of the RMS.
+    # Summed without a high-pass the trend is 1.5 to 3 times the RMS.
     assert abs(offset) < 0.1 * value.std()
-    assert abs(slope) < 0.3 * value.std()
+    assert abs(slope) < 0.2 * value.std()
 
 
 # --- the motion ---------------------------------------------------------------------------------------------------
@@ -182,8 +192,8 @@ def test_multisine_comes_back_in_all_three_quantities(tmp_path: Path, unit: str,
     for derivative, found in enumerate(one_mount(sample)):
         expected = exact(query, derivative)
         # 3 Hz stands six times above the corner (loss 6e-7), the ends are 15 s or 7.5 periods of it away (4e-8), and
-        # the spline is 24 times as dense as the highest line: 1e-5 is left, well inside the 1e-3 that is promised.
-        assert np.abs(found[:, 2] - expected).max() < 1e-4 * np.abs(expected).max()
+        # the spline is 24 times as dense as the highest line: 4e-6 of the acceleration is lost (1e-3 is promised).
+        assert np.abs(found[:, 2] - expected).max() < 1e-5 * np.abs(expected).max()
         np.testing.assert_allclose(found[:, 0], -found[:, 2], atol=1e-12 * np.abs(expected).max())  # rounding
         assert not found[:, 1].any()  # a missing column is at rest
     for field in sample:
@@ -215,8 +225,8 @@ def test_example_velocity_is_obspys(example: Motion) -> None:
     velocity = one_mount(ours.sample(query))[1]
     for axis, component in enumerate("ENZ"):
         expected = stream.select(component=component)[0].data[500:2500]
-        # What differs is the memory of the ends in the band's lower flank; a wrong phase, sign or gain shows as 1.
-        assert np.abs(velocity[:, axis] - expected).max() < 2e-2 * np.abs(expected).max()
+        # What differs is the memory of the ends in the band's lower flank (5e-4 measured); a wrong sign shows as 2.
+        assert np.abs(velocity[:, axis] - expected).max() < 2e-3 * np.abs(expected).max()
 
 
 def test_example_is_the_real_record_and_says_its_limits(example: Motion) -> None:
@@ -401,6 +411,17 @@ def test_truncated_miniseed_is_refused_wherever_it_breaks_off(tmp_path: Path) ->
     assert len(read_seismic(path, quantity="velocity", remove_response=False).channels) == 3
 
 
+def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.mseed"
+    counts = (1000 * noise(3000)).astype(np.int32)
+    Stream([trace(counts, "HHZ")]).write(str(path), format="MSEED", reclen=512, encoding="STEIM2")
+    content = bytearray(path.read_bytes())
+    content[3 * 512 + 200 : 3 * 512 + 210] = b"\x55" * 10  # amid the samples of the fourth block
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read, .* damaged: .*integrity check"):
+        read_seismic(path, quantity="velocity", remove_response=False)
+
+
 # --- CSV ----------------------------------------------------------------------------------------------------------
 
 names = st.text(st.characters(categories=["Ll", "Lu", "Nd"], include_characters=" _-."), min_size=1, max_size=12)
@@ -461,11 +482,11 @@ def test_csv_gap_is_refused_or_filled(tmp_path: Path) -> None:
     t = np.arange(2000) / 100.0
     keep = (t < 5.0) | (t >= 5.3)
     file = csv(tmp_path, "time [s], z [m]", [t[keep], t[keep]])
-    with pytest.raises(ValueError, match=r"has 1 gap, 30 samples or 0\.3 s in total; set ground\.gaps"):
+    with pytest.raises(ValueError, match=r"has 1 gap, 0\.3 s in total; set ground\.gaps"):
         read_csv(tmp_path / file)
     record = read_csv(tmp_path / file, gaps="interpolate")
     np.testing.assert_allclose(record.channels[0].samples, t, atol=1e-9)  # a line filled with a line; rounding
-    assert any("30 samples" in note for note in record.notes)
+    assert any("1 gap, 0.3 s in total, filled" in note for note in record.notes)
 
 
 def test_a_displacement_record_may_go_without_highpass(tmp_path: Path) -> None:
@@ -475,6 +496,22 @@ def test_a_displacement_record_may_go_without_highpass(tmp_path: Path) -> None:
     query = np.linspace(5.0, 35.0, 100)
     # Nothing is removed, so even 0.2 Hz comes back to rounding and the spline's 1e-9.
     np.testing.assert_allclose(moving.sample(query).displacement[:, 0, 2], 1e-3 * np.sin(TAU * 0.2 * query), atol=1e-9)
+
+
+def test_a_record_too_short_for_its_highpass_says_so(tmp_path: Path) -> None:
+    file = csv(tmp_path, "# rate_hz = 100\nz [m/s]", [noise(500)])
+    assert any("resolves nothing below 0.2 Hz" in note for note in motion(tmp_path, 5.0, file).notes)
+    file = csv(tmp_path, "# rate_hz = 100\nz [m/s]", [noise(2000)])
+    assert not any("resolves nothing" in note for note in motion(tmp_path, 5.0, file).notes)
+
+
+def test_resolved_settings_run_again(tmp_path: Path) -> None:
+    settings = ground(EXAMPLE, scale=350.0)
+    assert RecordGround.model_validate(settings.model_dump(exclude_none=True)) == settings
+    query = np.linspace(0.0, 5.0, 50)
+    again = RecordGround.model_validate(settings.model_dump(exclude_none=True))
+    start = Start(POSITIONS, 5.0, 1, tmp_path)
+    np.testing.assert_array_equal(settings.motion(start).sample(query), again.motion(start).sample(query))
 
 
 def test_clipping_is_reported(tmp_path: Path) -> None:
@@ -511,6 +548,11 @@ CSV_FAULTS = {
     "unknown column": ((TIMES, "up [m/s]"), {}, r"ground\.axes does not say which axis 'up' is"),
     "axis not there": ((TIMES, "z [m/s]"), {"axes": {"up": "z"}}, r"ground\.axes names 'up', .* it holds z"),
     "unknown time unit": ("time [h], z [m]\n0, 1\n1, 2\n", {}, r"'time' has the unit 'h'; known are s and ms"),
+    "time is infinite": (
+        "time [s], z [m]\n0, 1\ninf, 2\n",
+        {},
+        r"time must rise from row to row; it does not at sample 2",
+    ),
     "time stands": (
         "time [s], z [m]\n0, 1\n0, 2\n1, 3\n",
         {},
@@ -542,6 +584,7 @@ CSV_FAULTS = {
     "low highpass": ((TIMES, "z [m/s]"), {"highpass": 1e-3}, r"ground\.highpass = 0\.001 Hz must be at least 0\.01 Hz"),
     "high highpass": ((TIMES, "z [m/s]"), {"highpass": 45}, r"ground\.highpass = 45 Hz must be .* below 40 Hz"),
     "nan": ("# rate_hz = 9\nz [m]\n" + "1\n" * 20 + "nan\n", {}, r"channel z holds 1 values .* sample 21 .* = nan"),
+    "mostly gap": ("time [s], z [m]\n0, 1\n1, 2\n2, 3\n9, 1\n", {"gaps": "interpolate"}, r"6 s in total, more than it"),
     "few samples": ("# rate_hz = 9\nz [m]\n1\n2\n", {}, r"channel z holds 2 samples; at least 16"),
 }
 
@@ -576,6 +619,7 @@ SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
         {"inventory": "z.xml"},
         r"ground\.inventory has no response of XX\.ONE\.\.HHN",
     ),
+    "no units": ([trace(WAVE, "HHZ")], {"inventory": "empty.xml"}, r"XX\.ONE\.\.HHZ senses ''; known are M, M/S and"),
     "wrong quantity": (
         [trace(WAVE, "HHZ")],
         {"inventory": "z.xml", "quantity": "acceleration"},
@@ -613,6 +657,7 @@ def test_seismic_faults_are_named(tmp_path: Path, fault: str) -> None:
     Stream(traces).write(str(tmp_path / "a.mseed"), format="MSEED")
     (tmp_path / "junk").write_text("this is no inventory")
     write_inventory(tmp_path / "z.xml", geophone(), ("HHZ",))
+    write_inventory(tmp_path / "empty.xml", Response(), ("HHZ",))
     with pytest.raises(ValueError, match=message) as caught:
         motion(tmp_path, 5.0, "a.mseed", **settings)
     assert "\n" not in str(caught.value)

@@ -60,8 +60,9 @@ class RecordGround(Treatment):
 
     kind: Literal["record"]
     file: str = Field(
+        min_length=1,
         description="record, relative to the scenario's folder: *.csv, anything ObsPy reads (the name may hold "
-        f"wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries"
+        f"wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries",
     )
     quantity: QuantityChoice = Field(
         "auto",
@@ -130,21 +131,18 @@ class RecordGround(Treatment):
 
     def _notes(self, record: Record) -> list[str]:
         """Processing and limits of ``record`` in plain words."""
-        first = record.channels[0]
         steps = [] if self.detrend == "none" else [f"{self.detrend} trend subtracted (Hann weights)"]
         steps.append(f"faded in and out over {self.taper:g} s at the record's ends")
-        if first.response is not None:
-            low, rising, falling, high = self.band(first)
-            steps.append(
-                f"instrument response removed (water level {self.water_level:g} dB; "
-                f"kept from {rising:g} to {falling:g} Hz, nothing outside {low:g} to {high:g} Hz)"
-            )
+        if any(channel.response is not None for channel in record.channels):
+            band = f"band {list(self.pre_filter)} Hz" if self.pre_filter else "falling from 0.8 to 1 times Nyquist"
+            steps.append(f"instrument response removed (water level {self.water_level:g} dB, {band})")
         if self.highpass:
             steps.append(
                 f"zero-phase high-pass at {self.highpass:g} Hz (within 0.1 % above {2.4 * self.highpass:g} Hz)"
             )
-        times = max(INTEGRATIONS[channel.quantity] for channel in record.channels)
-        steps.append(f"integrated to displacement {('zero times', 'once', 'twice')[times]} (in the frequency domain)")
+        times = sorted({INTEGRATIONS[channel.quantity] for channel in record.channels} - {0})
+        if times:
+            steps.append(f"integrated {' or '.join(('once', 'twice')[n - 1] for n in times)} (in the frequency domain)")
         steps.append(f"resampled to at least {self.rate:g} Hz")
         if self.scale != 1:
             steps.append(f"scaled by {self.scale:g}")
@@ -156,6 +154,8 @@ class RecordGround(Treatment):
 
     def _limits(self, record: Record) -> list[str]:
         notes = []
+        if 0 < self.highpass * record.duration < 1:
+            notes.append(f"record {record.name} resolves nothing below {1 / record.duration:.3g} Hz: it is too short")
         for rate in sorted({channel.rate for channel in record.channels}):
             channels = [channel for channel in record.channels if channel.rate == rate]
             end = channels[0].usable
@@ -244,7 +244,7 @@ def parse_header(line: str, delimiter: str = ",") -> list[Column]:
     for cell in line.split(delimiter):
         match = re.fullmatch(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?\s*", cell)
         if match is None or not match[1]:
-            raise ValueError(f"ground.file: CSV header cell {cell.strip()!r} is not of the form 'name [unit]'")
+            raise ValueError(f"ground.file: CSV header cell {cell.strip()[:40]!r} is not of the form 'name [unit]'")
         columns.append(Column(match[1], None if match[2] is None else match[2].strip()))
     twice = [name for name, count in Counter(column.name for column in columns).items() if count > 1]
     if twice:
@@ -366,8 +366,9 @@ def _uniform(table: Array, clock: Column, at: int, path: Path, gaps: GapChoice) 
         raise ValueError(f"ground.file: CSV column {clock.name!r} has the unit {clock.unit!r}; known are s and ms")
     time = table[:, at] * TIME_UNITS[clock.unit]
     forward = np.diff(time)
-    if time.size < 2 or not np.all(forward > 0):  # also where a time is not finite
-        row = int(np.flatnonzero(~(forward > 0))[0]) + 2 if time.size > 1 else 1
+    rising = (forward > 0) & np.isfinite(forward)
+    if time.size < 2 or not rising.all():
+        row = int(np.argmin(rising)) + 2 if time.size > 1 else 1
         raise ValueError(f"ground.file = {path.name!r}: time must rise from row to row; it does not at sample {row}")
     index = np.concatenate([[0.0], np.cumsum(np.maximum(1.0, np.round(forward / np.median(forward))))])
     step = (time[-1] - time[0]) / index[-1]
@@ -382,16 +383,22 @@ def _uniform(table: Array, clock: Column, at: int, path: Path, gaps: GapChoice) 
     if not missing:
         return 1.0 / step, table, []
     holes = int(np.sum(np.diff(index) > 1))
-    whole = f"{holes} gap{'s' if holes > 1 else ''}, {missing} samples or {missing * step:.4g} s in total"
-    if gaps == "error":
-        raise ValueError(_gap_message(path.name, whole))
+    note = _filled(path.name, holes, missing * step, time.size * step, gaps)
     grid = np.arange(int(index[-1]) + 1)
     filled = np.column_stack([np.interp(grid, index, column) for column in table.T])
-    return 1.0 / step, filled, [f"record {path.name} has {whole}, filled with straight lines"]
+    return 1.0 / step, filled, [note]
 
 
-def _gap_message(name: str, whole: str) -> str:
-    return f'ground.file = {name!r} has {whole}; set ground.gaps = "interpolate" to fill with straight lines'
+def _filled(name: str, holes: int, missing: float, recorded: float, gaps: GapChoice) -> str:
+    """The remark on ``missing`` seconds in so many holes; raises ValueError where they may not be filled."""
+    whole = f"{holes} gap{'s' if holes > 1 else ''}, {missing:.4g} s in total"
+    if missing > recorded:
+        raise ValueError(f"ground.file = {name!r} has {whole}, more than it holds ({recorded:.4g} s); cut it")
+    if gaps == "error":
+        raise ValueError(
+            f'ground.file = {name!r} has {whole}; set ground.gaps = "interpolate" to fill with straight lines'
+        )
+    return f"record {name} has {whole}, filled with straight lines"
 
 
 # --- seismic formats ----------------------------------------------------------------------------------------------
@@ -512,14 +519,12 @@ def _join(stream: "Stream", label: str, gaps: GapChoice) -> list[str]:
             raise ValueError(f"traces of {'.'.join(overlaps[0][:4])} overlap by {-overlaps[0][6]:.4g} s")
         if not holes:
             return []
-        whole = f"{len(holes)} gap{'s' if len(holes) > 1 else ''}, {sum(hole[6] for hole in holes):.4g} s in total"
-        if gaps == "interpolate":
-            stream.merge(method=1, fill_value="interpolate")
     except Exception as error:  # ObsPy raises Exception itself, such as for rates that differ within a channel
         raise ValueError(f"ground.file = {label!r}: {error}; each channel must be one trace") from error
-    if gaps == "error":
-        raise ValueError(_gap_message(label, whole))
-    return [f"record {label} has {whole}, filled with straight lines"]
+    recorded = sum(trace.stats.npts * trace.stats.delta for trace in stream)
+    note = _filled(label, len(holes), sum(hole[6] for hole in holes), recorded, gaps)
+    stream.merge(method=1, fill_value="interpolate")
+    return [note]
 
 
 def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, Response]:
@@ -533,8 +538,8 @@ def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, 
         found = trace.stats.response if inventory is None else inventory.get_response(trace.id, trace.stats.starttime)
     except Exception as error:  # ObsPy raises Exception itself
         raise ValueError(f"ground.inventory has no response of {trace.id} at {trace.stats.starttime}") from error
-    sensitivity = found.instrument_sensitivity
-    units = str(sensitivity.input_units if sensitivity else found.response_stages[0].input_units)
+    stated = (found.instrument_sensitivity, *found.response_stages)
+    units = next((str(part.input_units) for part in stated if part is not None and part.input_units), "")
     per = re.sub(r"\*\*|\^|[()\s]", "", units.upper()).replace("SEC", "S").replace("S/S", "S2")
     kind = re.fullmatch(r"[NUMC]?M(|/S|/S2)", per)
     if kind is None:

@@ -1,4 +1,4 @@
-"""How the kernels are compiled: without the GIL, and with IEEE division so that a bad state becomes a NaN, not a crash."""
+"""How the kernels are compiled: without the GIL, and with IEEE division: a bad state becomes a NaN, not a crash."""
 
 import numba
 

@@ -42,6 +42,19 @@ def installed() -> dict[str, bool]:
 
 
 @contextlib.contextmanager
+def default_timer(off: bool) -> Iterator[None]:
+    """Within, the profiling timer that the bindings install is ``off`` or as it was; for timings only."""
+    slot = _slot("time")
+    before = slot.value
+    try:
+        if off:
+            slot.value = None
+        yield
+    finally:
+        slot.value = before
+
+
+@contextlib.contextmanager
 def hydraulics() -> Iterator[None]:
     """Within, MuJoCo's user actuators are ehamj's hydraulics. Re-entrant, and shared by threads.
 
@@ -50,7 +63,7 @@ def hydraulics() -> Iterator[None]:
     Raises:
         ForeignCallbackError: if one of the callbacks is taken.
     """
-    global _depth, _timer  # noqa: PLW0603  (the callbacks are global themselves)
+    global _depth, _timer
     ours = callbacks()
     with _lock:
         if _depth == 0:

@@ -90,7 +90,7 @@ def offsets() -> Offsets:
     Raises:
         LayoutError: if an address found through the offsets is not the one that the bindings report.
     """
-    from mujoco.introspect import ast_nodes, structs  # noqa: PLC0415  (large, and needed here only)
+    from mujoco.introspect import ast_nodes, structs
 
     data_type = _structure(structs.STRUCTS["mjData"], structs.STRUCTS, ast_nodes)
     model_type = _structure(structs.STRUCTS["mjModel"], structs.STRUCTS, ast_nodes)
@@ -104,7 +104,7 @@ def offsets() -> Offsets:
         owner = model if name in _OF_MODEL else data
         seen[name] = ctypes.c_void_p.from_address(owner._address + getattr(found, name)).value or 0
         array = getattr(owner, name)
-        assert isinstance(array, np.ndarray) and array.size
+        assert isinstance(array, np.ndarray)
         expected[name] = array.ctypes.data
     wrong = [name for name in seen if seen[name] != expected[name]]
     if wrong:

@@ -2,13 +2,13 @@
 
 from typing import Any
 
-import numba
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-def _field(builder: Any, struct: Any, offset: Any, kind: Any) -> Any:
+def _field(builder: Any, kind: Any, struct: Any, offset: Any) -> Any:
     """LLVM pointer to the ``kind`` that lies ``offset`` bytes into the struct at address ``struct``."""
     return builder.inttoptr(builder.add(struct, offset), ir.PointerType(kind))
 
@@ -20,7 +20,7 @@ def doubles_at(typing_context: Any, struct: Any, offset: Any) -> Any:
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         pointer = ir.PointerType(ir.DoubleType())
-        return builder.load(_field(builder, *arguments, pointer))
+        return builder.load(_field(builder, pointer, *arguments))
 
     return signature, codegen
 
@@ -30,7 +30,7 @@ def load_double(typing_context: Any, struct: Any, offset: Any) -> Any:
     """The double stored ``offset`` bytes into the struct at address ``struct``."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load(_field(builder, *arguments, ir.DoubleType()))
+        return builder.load(_field(builder, ir.DoubleType(), *arguments))
 
     return types.float64(types.intp, types.intp), codegen
 
@@ -41,7 +41,7 @@ def store_double(typing_context: Any, struct: Any, offset: Any, value: Any) -> A
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         struct, offset, value = arguments
-        builder.store(value, _field(builder, struct, offset, ir.DoubleType()))
+        builder.store(value, _field(builder, ir.DoubleType(), struct, offset))
         return context.get_dummy_value()
 
     return types.void(types.intp, types.intp, types.float64), codegen
@@ -71,4 +71,4 @@ def call_runge_kutta(typing_context: Any, function: Any, model: Any, data: Any, 
         builder.call(builder.inttoptr(address, ir.PointerType(kind)), [model, data, order])
         return context.get_dummy_value()
 
-    return types.void(types.intp, types.intp, types.intp, numba.int32), codegen
+    return types.void(types.intp, types.intp, types.intp, types.int32), codegen

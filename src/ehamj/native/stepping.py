@@ -131,6 +131,11 @@ class Columns(NamedTuple):
     drawn: tuple[int, int]
 
 
+def compile_loop() -> None:
+    """Compile the stepping loop now, or take it from the cache, so that no simulation's timing contains it."""
+    _advance()
+
+
 def columns(model: mujoco.MjModel) -> Columns:
     """Row layout for a model."""
     sizes = (model.nq, model.nv, model.nv, model.na, N_MOUNTS, 2 * N_MOUNTS, N_MOUNTS)
@@ -153,7 +158,13 @@ def _engine() -> tuple[int, int]:
 @cache
 def _advance() -> Any:
     at = offsets()
-    time_at, user_at, shared_at, ctrl_at, length_at = at.time, at.actuator_user, at.userdata, at.ctrl, at.actuator_length
+    time_at, user_at, shared_at, ctrl_at, length_at = (
+        at.time,
+        at.actuator_user,
+        at.userdata,
+        at.ctrl,
+        at.actuator_length,
+    )
     qpos_at, qvel_at, qacc_at, act_at, act_dot_at = at.qpos, at.qvel, at.qacc, at.act, at.act_dot
 
     def advance(forward, runge_kutta, model, data, nq, nv, first, steps, h, last, start, end, every, rows, tally):  # type: ignore[no-untyped-def]

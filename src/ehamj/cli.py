@@ -1,0 +1,262 @@
+"""The command line: printing, paths and exit codes, nothing else."""
+
+import json
+import re
+import secrets
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from ehamj.errors import InputError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help="""Simulate a machine on active hydraulic isolators.
+
+    Begin with `ehamj run`: it simulates the shipped scenario *recorded* and writes numbers and a replay.
+    `ehamj scenarios` lists what else ships; copy one, change a value, run it again.
+    Results go to standard output (with `--json` one JSON object), progress and messages to standard error.
+    Exit codes: 0 done, 2 bad input, 3 the simulation failed.""",
+)
+log = Console(stderr=True)
+out = Console()
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+ScenarioArgument = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scenario, e.g. machine.mass=4500."),
+]
+OutOption = Annotated[Path | None, typer.Option("--out", help="Folder for the result [default: a new runs/NNNN].")]
+OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace an existing --out.")]
+
+
+def main() -> NoReturn:
+    """Run the command line; every error becomes one message and an exit code."""
+    from ehamj.errors import SimulationFailed
+
+    try:
+        app()
+    except InputError as error:
+        log.print(f"[bold red]ehamj:[/] {_plain(error)}", highlight=False, soft_wrap=True)
+        sys.exit(2)
+    except SimulationFailed as error:
+        log.print(f"[bold red]ehamj:[/] {_plain(error)}", highlight=False, soft_wrap=True)
+        sys.exit(3)
+    sys.exit(0)
+
+
+def _plain(error: Exception) -> str:
+    return str(error).replace("[", r"\[")
+
+
+@app.command()
+def run(
+    scenario: ScenarioArgument = "recorded",
+    out_folder: OutOption = None,
+    overwrite: OverwriteOption = False,
+    overrides: SetOption = None,
+    no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate one scenario into a result folder.
+
+    The folder holds result.nc (all time histories, opens with xarray), summary.json, scenario.toml (complete; runs
+    again to the same result), model.xml (opens in any MuJoCo viewer) and replay.rrd (open it with `ehamj replay`).
+    """
+    from ehamj.scenario import load_scenario
+
+    folder = _free_folder(out_folder, overwrite)
+    loaded = load_scenario(scenario, overrides or ())
+    result, failure = _simulate(loaded)
+    with _new_folder(folder, overwrite) as target:
+        result.save(target)
+        if loaded.output.replay and not no_replay and result.dataset.time.size:
+            from ehamj.replay import write_replay
+
+            with log.status("writing the replay"):
+                write_replay(target / "replay.rrd", {loaded.name: result}, loaded.output.exaggeration)
+    if as_json:
+        _print_json({"folder": str(folder), "summary": result.summary})
+    else:
+        _print_summary(result.summary, folder)
+    if failure is not None:
+        raise failure
+
+
+@app.command()
+def scenarios(as_json: JsonOption = False) -> None:
+    """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
+    from ehamj.scenario import load_scenario, shipped_scenarios
+
+    found = {name: load_scenario(name).description for name in shipped_scenarios()}
+    if as_json:
+        _print_json({"scenarios": [{"name": name, "description": text} for name, text in found.items()]})
+        return
+    for name, text in found.items():
+        out.print(f"[bold]{name:16}[/] {text}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
+    from ehamj.scenario import scenario_schema
+
+    sys.stdout.write(scenario_schema() + "\n")
+
+
+@app.command()
+def replay(
+    folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
+    compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Build the Rerun recording of a stored result, and open it where there is a screen.
+
+    With `--compare` (repeatable) the recording shows the results side by side with one exaggeration and one clock, in
+    RESULT/replay-compare.rrd.
+    """
+    from ehamj.replay import open_viewer, write_replay
+    from ehamj.result import load_result
+
+    folders = [folder, *(compare or [])]
+    loaded = [load_result(one) for one in folders]
+    labels = _distinct([result.scenario.name for result in loaded], folders)
+    path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
+    write_replay(path, dict(zip(labels, loaded, strict=True)), loaded[0].scenario.output.exaggeration)
+    opened = open_viewer(path)
+    if as_json:
+        _print_json({"replay": str(path), "opened": opened})
+    else:
+        out.print(f"replay: {path}" + ("" if opened else "  (no screen here; open it with: rerun " + str(path) + ")"))
+
+
+@app.command()
+def bench(
+    repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
+    as_json: JsonOption = False,
+) -> None:
+    """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
+    from ehamj.bench import bench as measure
+
+    with log.status("timing"):
+        figures = measure(repetitions)
+    if as_json:
+        _print_json(figures)
+        return
+    table = Table("figure", "value", title="ehamj bench (medians; ratios are what to compare)")
+    for name, value in _flat(figures):
+        table.add_row(name, f"{value:.4g}")
+    out.print(table)
+
+
+def _simulate(scenario: Any) -> tuple[Any, Exception | None]:
+    """The result, and the failure that cut it short, if any."""
+    from ehamj.simulate import Incomplete, simulate
+
+    bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
+    with bar:
+        task = bar.add_task(scenario.name, total=1.0)
+        try:
+            return simulate(scenario, lambda fraction: bar.update(task, completed=fraction)), None
+        except Incomplete as failure:
+            return failure.result, failure
+
+
+def _free_folder(folder: Path | None, overwrite: bool) -> Path:
+    """Where the result will go: ``--out`` if it is free or may be replaced, else the next number under runs/."""
+    if folder is not None:
+        if folder.exists() and not overwrite:
+            raise InputError(f"--out {str(folder)!r}: exists already; name another folder or add --overwrite")
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"--out {str(folder)!r}: is a file, not a folder")
+        if folder.is_dir() and any(folder.iterdir()) and not (folder / "scenario.toml").is_file():
+            raise InputError(f"--out {str(folder)!r}: --overwrite replaces result folders only, and this is none")
+        return folder
+    runs = Path("runs")
+    numbers = [int(found.group()) for p in runs.glob("*") if (found := re.match(r"\d+", p.name))]
+    return runs / f"{max(numbers, default=0) + 1:04d}"
+
+
+@contextmanager
+def _new_folder(folder: Path, overwrite: bool) -> Iterator[Path]:
+    """A temporary folder that takes the place of ``folder`` when everything in it is written."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
+        temporary.mkdir()
+    except OSError as error:
+        raise InputError(f"--out {str(folder)!r}: cannot be written ({error.strerror})") from error
+    try:
+        yield temporary
+        if overwrite and folder.is_dir():
+            shutil.rmtree(folder)
+        temporary.replace(folder)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _distinct(names: list[str], folders: list[Path]) -> list[str]:
+    """Labels for results: their scenario's name, and the folder's where that is not enough."""
+    if len(set(names)) == len(names):
+        return names
+    return [f"{name} ({folder.resolve().name})" for name, folder in zip(names, folders, strict=True)]
+
+
+def _print_json(content: dict[str, Any]) -> None:
+    sys.stdout.write(json.dumps(content, allow_nan=False) + "\n")
+
+
+def _flat(content: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, float]]:
+    for name, value in content.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
+
+
+def _print_summary(summary: dict[str, Any], folder: Path) -> None:
+    """The few numbers that say how it went, and where everything is."""
+    timing = summary["timing"]
+    state = "complete" if summary["complete"] else "INCOMPLETE"
+    out.print(
+        f"[bold]{summary['name']}[/]: {timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s, {state}",
+        highlight=False,
+    )
+    table = Table("about equilibrium", "unit", "peak", "RMS")
+    rows: list[tuple[str, str, float, Callable[[dict[str, Any]], float]]] = []
+    for axis in "xyz":
+        rows.append((f"ground velocity {axis} (front-left)", "µm/s", 1e6, _pick("ground_velocity", "front-left", axis)))
+        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, _pick("cg_velocity", axis)))
+    for dof in ("rx", "ry"):
+        rows.append((f"machine rotation {dof}", "µrad", 1e6, _pick("machine_displacement", dof)))
+    rows.append(("stroke (front-left)", "µm", 1e6, _pick("stroke", "front-left")))
+    rows.append(("spool (front-left)", "mA", 1.0, _pick("spool", "front-left")))
+    for label, unit, factor, pick in rows:
+        table.add_row(label, unit, f"{factor * pick(summary['peak']):.3g}", f"{factor * pick(summary['rms']):.3g}")
+    if summary["peak"]:
+        out.print(table)
+    for warning in summary["warnings"]:
+        out.print(f"note: {warning}", highlight=False, soft_wrap=True)
+    out.print(f"result: {folder}", highlight=False, soft_wrap=True)
+
+
+def _pick(*keys: str) -> Callable[[dict[str, Any]], float]:
+    def pick(levels: dict[str, Any]) -> float:
+        value: Any = levels
+        for key in keys:
+            value = value[key]
+        return float("nan") if value is None else float(value)
+
+    return pick

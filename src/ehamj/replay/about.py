@@ -1,0 +1,138 @@
+"""The page beside the picture: what was simulated, what came out, how to read the picture."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ehamj.layout import MOUNTS
+from ehamj.parameters import Parameters
+from ehamj.replay.scene import length_text
+from ehamj.result import Result
+
+
+def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
+    """The page as Markdown.
+
+    Args:
+        results: what is shown, by label.
+        factor: exaggeration of the motions.
+        speed: playback speed, simulated seconds per second.
+    """
+    first = next(iter(results.values())).scenario
+    parts = [f"# {first.name}", first.description, *_warnings(results), _numbers(results), _reading(first.plates, factor, speed)]
+    return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def _numbers(results: Mapping[str, Result]) -> str:
+    columns = [_figures(result) for result in results.values()]
+    rows = [[name, *(column[name] for column in columns)] for name in columns[0]]
+    return _table(["about the equilibrium", *results], rows)
+
+
+def _figures(result: Result) -> dict[str, str]:
+    """The numbers a person asks for first, each as text with its unit."""
+    data = result.dataset
+    if not data.time.size:
+        return {"simulated": "nothing"}
+    ground, cg = data.ground_velocity.values.mean(axis=1), data.cg_velocity.values
+    floor_z, cg_z = _rms(ground[:, 2]), _rms(cg[:, 2])
+    ratio = f"{20 * math.log10(cg_z / floor_z):+.1f} dB" if floor_z > 0 and cg_z > 0 else "–"
+    stroke = data.stroke.values - data.stroke.values[0]
+    full = np.array([actuator.spool_stroke for actuator in result.scenario.plant.actuators])
+    return {
+        "vertical velocity of the CG, RMS": _speed(cg_z),
+        "vertical velocity of the CG, peak": _speed(_peak(cg[:, 2])),
+        "vertical velocity of the floor, RMS": _speed(floor_z),
+        "CG over floor, vertical RMS": ratio,
+        "horizontal velocity of the CG, RMS": _speed(math.hypot(_rms(cg[:, 0]), _rms(cg[:, 1]))),
+        "largest stroke": length_text(_peak(stroke)),
+        "largest command": f"{_peak(data.valve_command.values):.3g} V",
+        "largest spool opening": f"{100 * _peak(data.spool.values / full):.3g} %",
+        "simulated": f"{float(data.time[-1]):.4g} s" + ("" if result.complete else ", **incomplete**"),
+    }
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _peak(values: np.ndarray) -> float:
+    return float(np.abs(values).max())
+
+
+def _speed(velocity: float) -> str:
+    return f"{1e6 * velocity:.3g} µm/s"
+
+
+def _warnings(results: Mapping[str, Result]) -> list[str]:
+    """Failure, warnings and saturation of each result; nothing when there is nothing to say."""
+    lines = []
+    for label, result in results.items():
+        said = [str(result.summary[key]) for key in ("failure",) if key in result.summary]
+        said += [str(warning) for warning in result.summary.get("warnings", [])]
+        for limit, shares in result.summary.get("saturation", {}).items():
+            reached = [f"{mount} {100 * shares[mount]:.2g} %" for mount in MOUNTS if shares.get(mount, 0.0) > 0.0]
+            if reached:
+                said.append(f"share of time at the limit of {limit.replace('_', ' ')}: {', '.join(reached)}")
+        lines += [f"- {label}: {text}" for text in said]
+    return ["## Warnings", "\n".join(lines)] if lines else []
+
+
+def _reading(plates: str, factor: float, speed: float) -> str:
+    carried = "drawn on the machine" if plates == "tied" else "each on its own slide"
+    return f"""## How to read the picture
+
+- Real motions are micrometres. Every motion is drawn **{factor:g} times** larger about the position of equilibrium, by
+  the same factor everywhere: {length_text(0.1 / factor)} look like 10 cm. The white bar gives the scale. The machine's
+  size is not enlarged, so large rotations look stranger than they are.
+- Blue pads and the floor are the ground. Orange plates ({carried}) are what the oil lifts. The grey outline is the
+  machine at rest.
+- Playback runs at {speed:g} × real time; space starts and stops it, and the window of the plot below the scene follows."""
+
+
+def _parameters(results: Mapping[str, Result]) -> list[str]:
+    """Parameters with unit and source; once where results share them."""
+    found: dict[str, list[str]] = {}
+    for label, result in results.items():
+        scenario = result.scenario
+        tables: dict[str, Parameters] = {"Machine": scenario.machine}
+        tables |= {f"Actuator {name}": actuator for name, actuator in scenario.actuators.items()}
+        tables["Supply"] = scenario.supply
+        text = "\n\n".join(f"### {name}\n\n{_quantities(values)}" for name, values in tables.items())
+        found.setdefault(text, []).append(label)
+    parts = []
+    for text, labels in found.items():
+        whose = f" of {', '.join(labels)}" if len(found) > 1 else ""
+        parts += [f"## Parameters{whose}", text]
+    return [*parts, "## Ground and control", *_settings(results)]
+
+
+def _quantities(values: Parameters) -> str:
+    rows = []
+    for name, (unit, symbol, _) in values.quantities().items():
+        rows.append([name.replace("_", " "), symbol, f"{_number(getattr(values, name))} {unit}", values.sources[name]])
+    return _table(["quantity", "symbol", "value", "source"], rows)
+
+
+def _settings(results: Mapping[str, Result]) -> list[str]:
+    """Ground and control of each result in one line each, without long tables of numbers."""
+    lines = []
+    for label, result in results.items():
+        for what in ("ground", "control"):
+            settings = getattr(result.scenario, what).model_dump()
+            plain = [f"{key} {value}" for key, value in settings.items() if isinstance(value, str | int | float)]
+            lines.append(f"- {label}, {what}: {', '.join(plain)}")
+    return ["\n".join(lines)]
+
+
+def _number(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return "(" + ", ".join(_number(part) for part in value) + ")"
+    return "∞" if math.isinf(value) else f"{value:.4g}"

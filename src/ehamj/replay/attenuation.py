@@ -1,0 +1,123 @@
+"""Attenuation over frequency, drawn as lines: Rerun's own plots have no logarithmic axis."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import rerun as rr
+
+from ehamj.replay.names import Array, Color, entity, result_color
+from ehamj.result import Result
+
+ROOT = "attenuation"
+WIDTH, HEIGHT = 320.0, 300.0
+"""Size of the chart between its axes, in the view's units."""
+
+MARGINS = (50.0, 30.0, 30.0, 45.0)
+"""Room left, right, above and below the chart for its labels."""
+
+TICKS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+GRID: Color = (62, 66, 72)
+ZERO: Color = (150, 155, 160)
+TEXT: Color = (170, 175, 180)
+
+TITLES = {"x": "along x", "y": "along y", "z": "vertical", "rx": "roll rx", "ry": "pitch ry"}
+
+
+class Curve(NamedTuple):
+    """Attenuation of one result: band centres [Hz] and values [dB], nan where undecided."""
+
+    frequency: Array
+    decibel: Array
+
+
+def curves_of(results: Mapping[str, Result]) -> dict[str, dict[str, Curve]]:
+    """Attenuation by axis and result, as far as the summaries have it; vertical first."""
+    found: dict[str, dict[str, Curve]] = {}
+    for label, result in results.items():
+        table = result.summary.get("attenuation_db")
+        for axis, bands in (table.items() if isinstance(table, Mapping) else ()):
+            curve = _curve(bands)
+            if curve is not None:
+                found.setdefault(axis, {})[label] = curve
+    return dict(sorted(found.items(), key=lambda item: (item[0] != "z", len(item[0]), item[0])))
+
+
+def _curve(bands: Any) -> Curve | None:
+    if not isinstance(bands, Mapping):
+        return None
+    points = sorted((float(centre), math.nan if value is None else float(value)) for centre, value in bands.items())
+    frequency, decibel = np.array(points).reshape(-1, 2).T
+    return Curve(frequency, decibel) if np.isfinite(decibel).any() else None
+
+
+def log_attenuation(
+    recording: rr.RecordingStream, curves: Mapping[str, Mapping[str, Curve]], labels: tuple[str, ...]
+) -> None:
+    """Log one chart per axis; ``labels`` are all results in order, which decides the colours."""
+    for axis, by_label in curves.items():
+        chart = _Chart.around(by_label)
+        _log_grid(recording, entity(ROOT, axis, "grid"), chart)
+        for label, curve in by_label.items():
+            _log_curve(recording, entity(ROOT, axis, "curve", label), label, curve, chart, result_color(labels.index(label)))
+
+
+class _Chart(NamedTuple):
+    """Ranges of the axes: frequency [Hz], attenuation [dB]."""
+
+    lowest: float
+    highest: float
+    bottom: float
+    top: float
+
+    @classmethod
+    def around(cls, curves: Mapping[str, Curve]) -> "_Chart":
+        shown = [(curve.frequency[ok], curve.decibel[ok]) for curve in curves.values() for ok in [np.isfinite(curve.decibel)]]
+        frequency, decibel = (np.concatenate(parts) for parts in zip(*shown, strict=True))
+        lowest = max((tick for tick in TICKS if tick <= frequency.min() * 1.05), default=float(frequency.min()))
+        highest = min((tick for tick in TICKS if tick >= frequency.max() * 0.95), default=float(frequency.max()))
+        bottom = min(-10.0, 10.0 * math.floor(float(decibel.min()) / 10.0))
+        top = max(10.0, 10.0 * math.ceil(float(decibel.max()) / 10.0))
+        return cls(lowest, max(highest, 2.0 * lowest), bottom, top)
+
+    def place(self, frequency: Any, decibel: Any) -> Array:
+        """Points (n, 2) in the view; y points down there."""
+        x = WIDTH * np.log(np.asarray(frequency, float) / self.lowest) / math.log(self.highest / self.lowest)
+        y = HEIGHT * (self.top - np.asarray(decibel, float)) / (self.top - self.bottom)
+        return np.column_stack(np.broadcast_arrays(x, y))
+
+
+def _log_grid(recording: rr.RecordingStream, path: str, chart: _Chart) -> None:
+    """Lines at the ticks, their numbers, and what the axes are."""
+    frequencies = [tick for tick in TICKS if chart.lowest <= tick <= chart.highest]
+    step = 10.0 if chart.top - chart.bottom <= 100.0 else 20.0
+    levels = np.arange(chart.bottom, chart.top + 0.5, step)
+    ends, sides = [chart.bottom, chart.top], [chart.lowest, chart.highest]
+    strips = [chart.place(tick, ends) for tick in frequencies] + [chart.place(sides, level) for level in levels]
+    colors = [GRID] * len(frequencies) + [ZERO if level == 0.0 else GRID for level in levels]
+    lines = rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0)
+    recording.log(path, lines, static=True, strict=True)
+    below = [(point[0], HEIGHT + 4.0) for tick in frequencies for point in chart.place(tick, chart.bottom)]
+    beside = [(-20.0, point[1] - 8.0) for level in levels for point in chart.place(chart.lowest, level)]
+    titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -24.0)]
+    words = [f"{tick:g}" for tick in frequencies] + [f"{level:g}" for level in levels]
+    words += ["third-octave band [Hz]", "attenuation [dB]: up is quieter than the floor"]
+    text = rr.Points2D(below + beside + titles, radii=0.01, colors=[TEXT], labels=words, show_labels=True)
+    recording.log(f"{path}/text", text, static=True, strict=True)
+
+
+def _log_curve(
+    recording: rr.RecordingStream, path: str, label: str, curve: Curve, chart: _Chart, color: Color
+) -> None:
+    """A line broken where a band is undecided, a dot per band, the label at its last point."""
+    known = np.isfinite(curve.decibel)
+    points = chart.place(curve.frequency, curve.decibel)
+    gaps = np.flatnonzero(np.diff(np.flatnonzero(known)) > 1) + 1
+    strips = np.split(points[known], gaps)
+    lines = rr.LineStrips2D(strips, colors=[color], radii=rr.Radius.ui_points(1.5), draw_order=10.0)
+    recording.log(path, lines, static=True, strict=True)
+    dots = rr.Points2D(points[known], radii=rr.Radius.ui_points(3.0), colors=[color], draw_order=11.0)
+    recording.log(f"{path}/bands", dots, static=True, strict=True)
+    name = rr.Points2D(points[known][-1:], radii=0.01, colors=[color], labels=[label], show_labels=True)
+    recording.log(f"{path}/name", name, static=True, strict=True)

@@ -1,0 +1,49 @@
+"""What the parts of a recording share: its timeline, entity paths and colours."""
+
+from typing import Final
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Color = tuple[int, int, int]
+
+TIMELINE: Final = "sim_time"
+"""Simulated time, in whole nanoseconds."""
+
+GROUND_COLOR: Final[Color] = (110, 165, 235)
+"""Everything that is the ground: its lines, its pads."""
+
+RESULT_COLORS: Final[tuple[Color, ...]] = (
+    (255, 152, 56),
+    (92, 214, 140),
+    (226, 112, 190),
+    (240, 220, 90),
+    (105, 220, 225),
+    (190, 150, 255),
+)
+"""One per result, over again when there are more."""
+
+MOUNT_COLORS: Final[tuple[Color, ...]] = ((79, 195, 247), (255, 183, 77), (129, 199, 132), (240, 110, 130))
+"""One per mount, in their order."""
+
+
+def entity(*parts: str) -> str:
+    """An entity path, its parts escaped: labels and mounts may hold blanks and slashes."""
+    return rr.new_entity_path(list(parts))
+
+
+def result_color(index: int) -> Color:
+    """Colour of a result by its place in the comparison."""
+    return RESULT_COLORS[index % len(RESULT_COLORS)]
+
+
+def nanoseconds(time: Array) -> NDArray[np.int64]:
+    """Time stamps [s] as whole nanoseconds; Rerun truncates float seconds and would be off by one."""
+    return np.round(time * 1e9).astype(np.int64)
+
+
+def time_column(stamps: NDArray[np.int64]) -> rr.TimeColumn:
+    """The timeline's column for stamps in nanoseconds."""
+    return rr.TimeColumn(TIMELINE, duration=stamps.view("timedelta64[ns]"))

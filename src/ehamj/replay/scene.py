@@ -1,0 +1,217 @@
+"""The moving machine: the drawn model's shapes, and poses with the motion exaggerated about the equilibrium."""
+
+import itertools
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+import rerun as rr
+
+from ehamj.kinematics import point_motion
+from ehamj.layout import MOUNTS
+from ehamj.model import build_spec
+from ehamj.replay.names import Array, entity, nanoseconds, time_column
+from ehamj.result import Result
+
+LARGEST_DRAWN = 0.12
+"""Largest motion in the picture with automatic exaggeration [m]: a pad's half height, so that nothing collides."""
+
+POSE_RATE = 200.0
+"""Poses per second [Hz], unless the motion needs more."""
+
+POSES_PER_PERIOD = 20.0
+MOST_POSES = 120_000
+
+GHOST = (235, 240, 245, 70)
+
+
+class Pose(NamedTuple):
+    """Motion of one body in the picture: translation (n, 3) [m], quaternion xyzw (n, 4), or None if it never turns."""
+
+    translation: Array
+    quaternion: Array | None = None
+
+
+def exaggeration_for(results: Iterable[Result]) -> float:
+    """The factor, one of 1, 2, 5·10ⁿ, that draws the largest motion of any result about `LARGEST_DRAWN` high."""
+    largest = max((_largest_motion(result) for result in results), default=0.0)
+    return nice(LARGEST_DRAWN / largest) if largest > 0.0 else 1.0
+
+
+def nice(value: float) -> float:
+    """The nearest of 1, 2, 5·10ⁿ, by ratio."""
+    exponent = math.floor(math.log10(value))
+    candidates = [float(f"{digit}e{exponent + up}") for up, digits in ((0, (1, 2, 5)), (1, (1,))) for digit in digits]
+    return min(candidates, key=lambda candidate: abs(math.log(candidate / value)))
+
+
+def main_frequency(results: Iterable[Result]) -> float:
+    """Frequency of the drawn motion [Hz]: RMS velocity over RMS displacement of feet and ground; 0 at rest."""
+    velocity = displacement = 0.0
+    for result in results:
+        for name in ("ground", "foot"):
+            moved = result.dataset[f"{name}_displacement"].values[_drawn(result)]
+            if len(moved):
+                displacement += float(np.sum((moved - moved.mean(axis=0)) ** 2)) / len(moved)
+                rate = result.dataset[f"{name}_velocity"].values[_drawn(result)]
+                velocity += float(np.sum(rate**2)) / len(moved)
+    return math.sqrt(velocity / displacement) / (2 * math.pi) if displacement > 0.0 else 0.0
+
+
+def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
+    """Log one result's machine: shapes once, poses over time, a ghost of the machine at rest, a scale.
+
+    Args:
+        recording: where to.
+        label: the result's name, first part of every path.
+        result: what to draw.
+        factor: exaggeration of translations and rotations.
+    """
+    xml = result.model_xml or build_spec(result.scenario.plant, 1e-4, drawn=True).to_xml()
+    model = mujoco.MjModel.from_xml_string(xml)
+    _log_shapes(recording, label, model)
+    _log_scale(recording, label, result, factor)
+    rows = _pose_rows(result)
+    stamps = nanoseconds(result.dataset.time.values[rows])
+    for body, pose in poses(result, model, factor, rows).items():
+        columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
+        recording.send_columns(entity(label, "world", body), [time_column(stamps)], columns, strict=True)
+
+
+def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray) -> dict[str, Pose]:
+    """Pose of every drawn body at some rows: rest position plus ``factor`` times the motion about the equilibrium."""
+
+    def moved(name: str) -> Array:
+        values = result.dataset[name].values
+        return factor * (values[rows] - values[:1])
+
+    machine, ground, foot, stroke = (
+        moved(name) for name in ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
+    )
+    slab = _fitted_slab(ground, np.array(result.scenario.plant.positions))
+    found = {
+        "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
+        "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
+    }
+    for mount, name in enumerate(MOUNTS):
+        found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount])
+        if result.scenario.plates == "sliding":
+            # The model's plate has its stroke only; drawn, it goes sideways with the foot that stands on it.
+            height = ground[:, mount, 2] + stroke[:, mount]
+            plate = np.column_stack([foot[:, mount, :2], height])
+            found[f"plate {name}"] = Pose(model.body(f"plate {name}").pos + plate)
+    return found
+
+
+def quaternion(angles: Array) -> Array:
+    """Rotation by yaw rz, then rx, then ry about the turned axes, as quaternion xyzw, shape (n, 4).
+
+    Args:
+        angles: rx, ry, rz [rad], shape (n, 3); the order of turns is that of `ehamj.kinematics`.
+    """
+    (sx, sy, sz), (cx, cy, cz) = np.sin(0.5 * angles.T), np.cos(0.5 * angles.T)
+    return np.column_stack(
+        [
+            cz * sx * cy - sz * cx * sy,
+            cz * cx * sy + sz * sx * cy,
+            sz * cx * cy + cz * sx * sy,
+            cz * cx * cy - sz * sx * sy,
+        ]
+    )
+
+
+def _fitted_slab(ground: Array, positions: Array) -> Array:
+    """Motion of the rigid slab closest to the four mounts' ground: x, y, z, rx, ry, rz, shape (n, 6)."""
+    x, y = positions.T
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    rows = [[one, zero, zero, zero, zero, -y], [zero, one, zero, zero, zero, x], [zero, zero, one, y, -x, zero]]
+    lever = np.array(rows).transpose(2, 0, 1).reshape(-1, 6)
+    return ground.reshape(len(ground), -1) @ np.linalg.pinv(lever).T
+
+
+def _drawn(result: Result) -> slice:
+    """Rows that can be drawn: all up to the first that is not finite."""
+    names = ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
+    finite = [
+        np.isfinite(result.dataset[name].values).reshape(result.dataset.time.size, -1).all(axis=1) for name in names
+    ]
+    whole = np.logical_and.reduce(finite)
+    return slice(0, whole.size if whole.all() else int(np.argmin(whole)))
+
+
+def _pose_rows(result: Result) -> np.ndarray:
+    """Rows at which poses are logged."""
+    count = len(range(*_drawn(result).indices(result.dataset.time.size)))
+    rate = max(POSE_RATE, POSES_PER_PERIOD * main_frequency([result]))
+    every = max(1, math.floor(result.scenario.record_rate / rate), math.ceil(count / MOST_POSES))
+    return np.arange(0, count, every)
+
+
+def _largest_motion(result: Result) -> float:
+    """Largest displacement from the equilibrium of a corner of the machine or of the ground below a mount [m]."""
+    rows = _drawn(result)
+    machine = result.dataset.machine_displacement.values[rows]
+    ground = result.dataset.ground_displacement.values[rows]
+    if not len(machine):
+        return 0.0
+    still = np.zeros_like(machine)
+    length, width, height = result.scenario.machine.size
+    corners = itertools.product((-length / 2, length / 2), (-width / 2, width / 2), (0.0, height))
+    largest = float(np.linalg.norm(ground - ground[0], axis=-1).max())
+    for corner in corners:
+        path = point_motion(machine, still, still, corner)[0]
+        largest = max(largest, float(np.linalg.norm(path - path[0], axis=-1).max()))
+    return largest
+
+
+def _log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:
+    """The model's geoms, static, below their bodies; the machine and its plates once more as a ghost that stays."""
+    recording.log(entity(label, "world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
+    for geom in range(model.ngeom):
+        name = model.geom(geom).name or f"geom {geom}"
+        body = model.body(model.geom_bodyid[geom]).name
+        owner = name if body == "world" else body  # what stands on the world, the floor, moves as a body of its own
+        path = entity(label, "world", owner, "geoms", name)
+        color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
+        recording.log(path, _shape(model, geom, color, "solid"), static=True, strict=True)
+        if owner == "machine" and not name.startswith(("plate", "foot")):
+            ghost = _shape(model, geom, GHOST, "majorwireframe")
+            recording.log(entity(label, "world", "ghost", name), ghost, static=True, strict=True)
+
+
+def _shape(model: mujoco.MjModel, geom: int, color: tuple[int, ...], fill: str) -> rr.Boxes3D | rr.Cylinders3D:
+    """A geom as a Rerun shape in its body's frame; other kinds than box and cylinder as their bounding box."""
+    centre, size = model.geom_pos[geom], model.geom_size[geom]
+    turn = model.geom_quat[geom][[1, 2, 3, 0]]  # wxyz → xyzw
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        return rr.Cylinders3D(
+            radii=[size[0]], lengths=[2 * size[1]], centers=[centre], quaternions=[turn], colors=[color], fill_mode=fill
+        )
+    half = size if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX else model.geom_aabb[geom, 3:]
+    return rr.Boxes3D(half_sizes=[half], centers=[centre], quaternions=[turn], colors=[color], fill_mode=fill)
+
+
+def _log_scale(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
+    """A bar beside the machine that says how long a motion is drawn."""
+    length = nice(1.5 * LARGEST_DRAWN / factor)
+    x, y = 0.5 * result.scenario.machine.size[0] + 0.25, -0.5 * result.scenario.machine.size[1] - 0.1
+    bottom, top, wing = -0.3, -0.3 + factor * length, 0.06
+    strips = [
+        [[x, y, bottom], [x, y, top]],
+        [[x - wing, y, bottom], [x + wing, y, bottom]],
+        [[x - wing, y, top], [x + wing, y, top]],
+    ]
+    bar = rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=[(255, 255, 255)])
+    recording.log(entity(label, "world", "scale"), bar, static=True, strict=True)
+    text = rr.Points3D([[x, y, top]], radii=0.001, labels=[length_text(length)], show_labels=True)
+    recording.log(entity(label, "world", "scale", "text"), text, static=True, strict=True)
+
+
+def length_text(length: float) -> str:
+    """A length [m] in the unit that keeps it short."""
+    for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
+        if length >= 0.999 * size:
+            return f"{length / size:.4g} {unit}"
+    return f"{length / 1e-9:.4g} nm"
