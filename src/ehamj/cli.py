@@ -1,17 +1,20 @@
 """The command line: printing, paths and exit codes, nothing else."""
 
+import itertools
 import json
+import os
 import re
 import secrets
 import shutil
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -40,6 +43,7 @@ SetOption = Annotated[
 ]
 OutOption = Annotated[Path | None, typer.Option("--out", help="Folder for the result [default: a new runs/NNNN].")]
 OverwriteOption = Annotated[bool, typer.Option("--overwrite", help="Replace an existing --out.")]
+RUNS = Path("runs")
 
 
 def main() -> NoReturn:
@@ -48,17 +52,10 @@ def main() -> NoReturn:
 
     try:
         app()
-    except InputError as error:
-        log.print(f"[bold red]ehamj:[/] {_plain(error)}", highlight=False, soft_wrap=True)
-        sys.exit(2)
-    except SimulationFailed as error:
-        log.print(f"[bold red]ehamj:[/] {_plain(error)}", highlight=False, soft_wrap=True)
-        sys.exit(3)
+    except (InputError, SimulationFailed) as error:
+        log.print(f"[bold red]ehamj:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
+        sys.exit(2 if isinstance(error, InputError) else 3)
     sys.exit(0)
-
-
-def _plain(error: Exception) -> str:
-    return str(error).replace("[", r"\[")
 
 
 @app.command()
@@ -77,10 +74,10 @@ def run(
     """
     from ehamj.scenario import load_scenario
 
-    folder = _free_folder(out_folder, overwrite)
+    _check_out(out_folder, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     result, failure = _simulate(loaded)
-    with _new_folder(folder, overwrite) as target:
+    with _new_folder(out_folder, overwrite) as (folder, target):
         result.save(target)
         if loaded.output.replay and not no_replay and result.dataset.time.size:
             from ehamj.replay import write_replay
@@ -139,7 +136,8 @@ def replay(
     if as_json:
         _print_json({"replay": str(path), "opened": opened})
     else:
-        out.print(f"replay: {path}" + ("" if opened else "  (no screen here; open it with: rerun " + str(path) + ")"))
+        hint = "" if opened else f"  (no screen here; open it with: rerun {path})"
+        out.print(f"replay: {path}{hint}", markup=False, highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -167,44 +165,62 @@ def _simulate(scenario: Any) -> tuple[Any, Exception | None]:
 
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
     with bar:
-        task = bar.add_task(scenario.name, total=1.0)
+        task = bar.add_task(escape(scenario.name), total=1.0)
         try:
             return simulate(scenario, lambda fraction: bar.update(task, completed=fraction)), None
         except Incomplete as failure:
             return failure.result, failure
 
 
-def _free_folder(folder: Path | None, overwrite: bool) -> Path:
-    """Where the result will go: ``--out`` if it is free or may be replaced, else the next number under runs/."""
-    if folder is not None:
-        if folder.exists() and not overwrite:
+def _check_out(folder: Path | None, overwrite: bool) -> None:
+    """Raise InputError unless the result may be written to ``folder``; called before anything is computed."""
+    from ehamj.result import RESULT_FILES
+
+    if folder is not None and folder.exists():
+        if not overwrite:
             raise InputError(f"--out {str(folder)!r}: exists already; name another folder or add --overwrite")
-        if folder.exists() and not folder.is_dir():
+        if not folder.is_dir():
             raise InputError(f"--out {str(folder)!r}: is a file, not a folder")
-        if folder.is_dir() and any(folder.iterdir()) and not (folder / "scenario.toml").is_file():
+        if any(folder.iterdir()) and not all((folder / name).is_file() for name in RESULT_FILES):
             raise InputError(f"--out {str(folder)!r}: --overwrite replaces result folders only, and this is none")
-        return folder
-    runs = Path("runs")
-    numbers = [int(found.group()) for p in runs.glob("*") if (found := re.match(r"\d+", p.name))]
-    return runs / f"{max(numbers, default=0) + 1:04d}"
+    folder = folder or RUNS
+    above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        raise InputError(f"--out {str(folder)!r}: cannot be written, since {str(above)!r} is no writable folder")
+
+
+def _numbered() -> Path:
+    """Make the next number under runs/; of two runs that end together each gets its own."""
+    RUNS.mkdir(exist_ok=True)
+    numbers = [int(found.group()) for path in RUNS.glob("*") if (found := re.match(r"\d+", path.name))]
+    for number in itertools.count(max(numbers, default=0) + 1):
+        with suppress(FileExistsError):
+            (RUNS / f"{number:04d}").mkdir()
+            break
+    return RUNS / f"{number:04d}"
 
 
 @contextmanager
-def _new_folder(folder: Path, overwrite: bool) -> Iterator[Path]:
-    """A temporary folder that takes the place of ``folder`` when everything in it is written."""
+def _new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Path]]:
+    """The result's folder, and a temporary one that takes its place when everything in it is written."""
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
+        folder = wanted or _numbered()
+        final = folder.resolve()
+        final.parent.mkdir(parents=True, exist_ok=True)
+        temporary = final.with_name(f".{final.name}-{secrets.token_hex(4)}")
         temporary.mkdir()
     except OSError as error:
-        raise InputError(f"--out {str(folder)!r}: cannot be written ({error.strerror})") from error
+        raise InputError(f"--out {str(wanted or RUNS)!r}: cannot be written ({error.strerror})") from error
     try:
-        yield temporary
-        if overwrite and folder.is_dir():
-            shutil.rmtree(folder)
-        temporary.replace(folder)
+        yield folder, temporary
+        if overwrite and final.is_dir():
+            shutil.rmtree(final)
+        temporary.replace(final)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+        if wanted is None:
+            with suppress(OSError):
+                final.rmdir()  # only succeeds where nothing took its place
 
 
 def _distinct(names: list[str], folders: list[Path]) -> list[str]:
@@ -230,10 +246,8 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
     timing = summary["timing"]
     state = "complete" if summary["complete"] else "INCOMPLETE"
-    out.print(
-        f"[bold]{summary['name']}[/]: {timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s, {state}",
-        highlight=False,
-    )
+    times = f"{timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s"
+    out.print(f"[bold]{escape(summary['name'])}[/]: {times}, {state}", highlight=False)
     table = Table("about equilibrium", "unit", "peak", "RMS")
     rows: list[tuple[str, str, float, Callable[[dict[str, Any]], float]]] = []
     for axis in "xyz":
@@ -248,8 +262,8 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     if summary["peak"]:
         out.print(table)
     for warning in summary["warnings"]:
-        out.print(f"note: {warning}", highlight=False, soft_wrap=True)
-    out.print(f"result: {folder}", highlight=False, soft_wrap=True)
+        out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
+    out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _pick(*keys: str) -> Callable[[dict[str, Any]], float]:

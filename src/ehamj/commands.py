@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from ehamj.layout import MOUNTS
-from ehamj.parameters import Settings
+from ehamj.parameters import Plant, Settings
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
 
 MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
@@ -80,6 +80,9 @@ class Passive(Settings):
 
     kind: Literal["passive"] = "passive"
 
+    def controller(self, plant: Plant) -> None:
+        """There is none."""
+
     def commands(self) -> tuple[Signal, ...]:
         """One signal per mount [V]."""
         return (Zero(),) * len(MOUNTS)
@@ -90,6 +93,9 @@ class OpenLoop(Settings):
 
     kind: Literal["open-loop"]
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
+
+    def controller(self, plant: Plant) -> None:
+        """There is none."""
 
     def commands(self) -> tuple[Signal, ...]:
         """One signal per mount [V]."""

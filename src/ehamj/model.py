@@ -59,13 +59,14 @@ def parameter_row(actuator: Actuator, position: Position2, plant: Plant) -> list
     return [values[name] if name in values else getattr(actuator, name) for name in PARAMETERS]
 
 
-def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjSpec:
+def build_spec(plant: Plant, timestep: float, drawn: bool = False, memory: int = 0) -> mujoco.MjSpec:
     """The model as an editable MjSpec.
 
     Args:
         plant: what is simulated.
         timestep: integration step [s]; the rigid-foot constraint is tuned to it.
         drawn: with geometry and movable ground pads, to look at; without, for speed. The physics is the same.
+        memory: numbers that a digital controller keeps in the simulation's state.
 
     Raises:
         ValueError: if the plant cannot be built with these plates.
@@ -74,7 +75,7 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     spec = mujoco.MjSpec.from_file(str(template()))
     spec.option.timestep = timestep
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
-    spec.nuserdata = N_USERDATA
+    spec.nuserdata = N_USERDATA + memory
     spec.nuser_actuator = len(PARAMETERS)
     _set_machine(spec, plant)
     _add_lateral_membranes(spec, plant)
@@ -102,9 +103,9 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     return spec
 
 
-def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjModel:
+def build_model(plant: Plant, timestep: float, drawn: bool = False, memory: int = 0) -> mujoco.MjModel:
     """The compiled model; see `build_spec`."""
-    spec = build_spec(plant, timestep, drawn)
+    spec = build_spec(plant, timestep, drawn, memory)
     model = spec.compile()
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
     return model

@@ -39,7 +39,7 @@ class Inputs:
         cubics = shared[CUBICS : CUBICS + 4 * N_INPUTS].reshape(N_INPUTS, 4)
         cubics[:12, 0], cubics[:12, 1] = self.displacement.ravel(), self.velocity.ravel()
         cubics[12:, 0] = self.command
-        data.userdata[:] = shared
+        data.userdata[:N_USERDATA] = shared
 
 
 def state_of(data: mujoco.MjData) -> Array:

@@ -9,6 +9,7 @@ A source is one of
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
@@ -22,9 +23,17 @@ Vector3 = tuple[float, float, float]
 
 
 class Settings(BaseModel):
-    """Base of everything a user writes: frozen, no unknown keys, finite numbers unless a field says otherwise."""
+    """Base of everything a user writes: frozen, no unknown keys, no conversion of types (a string or ``true`` is not a
+    number), finite numbers unless a field says otherwise."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _lists_are_tuples(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping):
+            return table
+        return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
 
 
 def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **limits: Any) -> Any:
@@ -197,7 +206,7 @@ class Machine(Parameters):
             if min(getattr(self, name)) <= 0:
                 raise ValueError(f"{name} = {list(getattr(self, name))} must be positive in each entry")
         a, b, c = self.inertia
-        if max(a, b, c) > a + b + c - max(a, b, c):
+        if a + b < c or b + c < a or c + a < b:  # as the engine has it, to the last bit
             raise ValueError(
                 f"inertia = {[a, b, c]} is of no rigid body: each entry is at most the sum of the other two"
             )
@@ -216,7 +225,7 @@ class Mount(Settings):
 
 
 DEFAULT_MOUNTS: tuple[Mount, ...] = tuple(
-    Mount(name=name, position=position)
+    Mount(name=name, position=position)  # type: ignore[arg-type]
     for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)
 )
 

@@ -15,6 +15,9 @@ from ehamj.errors import InputError
 from ehamj.layout import AXES, CHAMBERS, DOFS, MOUNTS
 from ehamj.scenario import Scenario, load_scenario
 
+RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
+"""Files without which a folder is no result."""
+
 COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
     "mount": (list(MOUNTS), {"long_name": "mount (+x front, +y left)"}),
     "axis": (list(AXES), {"long_name": "axis"}),
@@ -81,19 +84,23 @@ def load_result(folder: str | Path) -> Result:
     """Read a result folder.
 
     Raises:
-        InputError: if the folder is not a result.
+        InputError: if the folder is not a result, or damaged.
     """
     folder = Path(folder)
-    missing = [name for name in ("scenario.toml", "result.nc", "summary.json") if not (folder / name).is_file()]
+    missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
     if missing:
         raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
-    with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as stored:
-        dataset = stored.load()
+    try:
+        with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as stored:
+            dataset = stored.load()
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"result {str(folder)!r}: is damaged: {error}") from error
     model = folder / "model.xml"
     return Result(
         scenario=load_scenario(folder / "scenario.toml"),
         dataset=dataset,
-        summary=json.loads((folder / "summary.json").read_text(encoding="utf-8")),
+        summary=summary,
         model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
     )
 

@@ -2,8 +2,11 @@
 
 import difflib
 import json
+import math
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -14,16 +17,57 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from ehamj.commands import OpenLoop, Passive
+from ehamj.controllers import Controller
+from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.errors import InputError
 from ehamj.ground import Motion, Start
+from ehamj.ground.broadband import BroadbandGround
+from ehamj.ground.combined import Combined
 from ehamj.ground.records import RecordGround
-from ehamj.ground.synthetic import RestGround, SineGround
+from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
 from ehamj.layout import MOUNTS
 from ehamj.parameters import ACTUATOR_PRESETS, DEFAULT_MOUNTS, Actuator, Machine, Mount, Plant, Settings, Supply
 from ehamj.signals import Signal
 
-Ground = Annotated[RestGround | SineGround | RecordGround, Field(discriminator="kind")]
-Control = Annotated[Passive | OpenLoop, Field(discriminator="kind")]
+SingleGround = Annotated[
+    RestGround | SineGround | MultisineGround | SweepGround | ShockGround | BroadbandGround | RecordGround,
+    Field(discriminator="kind"),
+]
+
+
+class SumGround(Settings):
+    """Several grounds at once."""
+
+    kind: Literal["sum"]
+    parts: tuple[SingleGround, ...] = Field(description="grounds that add up", min_length=1)
+
+    def motion(self, start: Start) -> Motion:
+        """Build the motion."""
+        return Combined(tuple(part.motion(replace(start, part=(k,))) for k, part in enumerate(self.parts)))
+
+
+Ground = Annotated[
+    RestGround | SineGround | MultisineGround | SweepGround | ShockGround | BroadbandGround | RecordGround | SumGround,
+    Field(discriminator="kind"),
+]
+
+
+class Law(Settings):
+    """A control law from a file that `ehamj.Controller.save` or `ehamj design` wrote."""
+
+    kind: Literal["law"]
+    file: str = Field(description="JSON file of the law, relative to the scenario", min_length=1)
+
+    def controller(self, plant: Plant) -> Controller:
+        """Read the law."""
+        return Controller.load(Path(self.file))
+
+    def commands(self) -> tuple[Signal, ...]:
+        """No open-loop command beside the controller's."""
+        return Passive().commands()
+
+
+Control = Annotated[Passive | OpenLoop | FeedforwardSettings | Law, Field(discriminator="kind")]
 
 
 class Isolator(Actuator):
@@ -41,14 +85,17 @@ class Isolator(Actuator):
         preset = ACTUATOR_PRESETS[table.get("preset", "first-generation")]
         values = preset.model_dump(exclude={"sources"})
         sources = {k: v for k, v in preset.sources.items() if k not in table or table[k] == values[k]}
-        return {**values, **table, "sources": {**sources, **table.get("sources", {})}}
+        own = table.get("sources", {})
+        return {**values, **table, "sources": {**sources, **own} if isinstance(own, Mapping) else own}
 
 
 class Output(Settings):
     """What is written beside the numbers."""
 
     replay: bool = Field(True, description="write replay.rrd")
-    exaggeration: float | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
+    exaggeration: Annotated[float, Field(gt=0)] | Literal["auto"] = Field(
+        "auto", description="factor on the motions drawn in the replay"
+    )
 
 
 class Scenario(Settings):
@@ -65,6 +112,9 @@ class Scenario(Settings):
     record_rate: float = Field(1000.0, gt=0, description="rows of the result per second [Hz]")
     plates: Literal["sliding", "tied"] = Field(
         "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
+    )
+    compare: tuple[Literal["passive", "feedforward"], ...] = Field(
+        (), description="variants to run beside it, into folders of their names"
     )
     machine: Machine = Machine()
     mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="the four mounts")
@@ -133,14 +183,33 @@ class Scenario(Settings):
         """The open-loop command of each mount [V]."""
         return self.control.commands()
 
+    def controller(self) -> Controller | None:
+        """The digital controller, if there is one.
+
+        Raises:
+            InputError: if a law cannot be read or run.
+        """
+        return self.control.controller(self.plant)
+
+    def variant(self, name: str) -> "Scenario":
+        """The same scenario under another control: ``passive`` or ``feedforward`` with its defaults."""
+        control = Passive() if name == "passive" else FeedforwardSettings(kind="feedforward")
+        return self.model_copy(update={"control": control, "compare": (), "name": f"{self.name}, {name}"})
+
     def to_toml(self) -> str:
         """The complete scenario as TOML; it runs again to the same result."""
         return tomli_w.dumps(self.model_dump(mode="python", exclude_none=True), multiline_strings=False)
 
 
 def scenario_schema() -> str:
-    """JSON schema of a scenario file."""
-    return json.dumps(Scenario.model_json_schema(), indent=2)
+    """JSON schema of a scenario file; defaults that JSON has no number for (infinity) are left out."""
+
+    def finite(node: Any) -> Any:
+        if isinstance(node, dict):
+            return {k: finite(v) for k, v in node.items() if not (isinstance(v, float) and math.isinf(v))}
+        return [finite(entry) for entry in node] if isinstance(node, list) else node
+
+    return json.dumps(finite(Scenario.model_json_schema()), indent=2, allow_nan=False)
 
 
 def shipped_scenarios() -> dict[str, Path]:
@@ -154,7 +223,8 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
 
     Args:
         source: a TOML file, or the name of a shipped scenario.
-        overrides: ``a.b=value`` each, applied to the file's content; values are TOML, or else strings.
+        overrides: ``a.b=value`` each, applied to the file's content; values are TOML, or else strings. File names in
+            them are relative to the working directory.
 
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
@@ -166,9 +236,10 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error
+    _anchor_files(table.get("ground"), path.resolve().parent)
     for override in overrides:
         _override(table, override)
-    _anchor_files(table.get("ground"), path.resolve().parent)
+    _anchor_files(table.get("ground"), Path.cwd())
     return parse_scenario(table)
 
 
@@ -196,23 +267,25 @@ def _find(source: str | Path) -> Path:
 
 def _override(table: dict[str, Any], text: str) -> None:
     key, equals, value = text.partition("=")
-    if not equals or not key.strip():
+    *parents, last = (part.strip() for part in key.split("."))
+    if not equals or not all((*parents, last)):
         raise InputError(f"--set {text!r}: must be key=value, such as machine.mass=4500")
     try:
-        parsed = tomllib.loads(f"value = {value}")["value"]
+        parsed = tomllib.loads(f"value = {value}") if "\n" not in value else {}
     except tomllib.TOMLDecodeError:
-        parsed = value.strip()
-    *parents, last = key.strip().split(".")
+        parsed = {}
+    if parents[:1] == ["mount"]:
+        table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
     place: Any = table
     for depth, part in enumerate(parents):
         is_list = isinstance(place, list)
         place = place[_index(place, part, text)] if is_list else place.setdefault(part, {})
         if not isinstance(place, dict | list):
             raise InputError(f"--set {text!r}: {'.'.join(parents[: depth + 1])} is a value, not a table")
-    if isinstance(place, list):
-        place[_index(place, last, text)] = parsed
-    else:
-        place[last] = parsed
+    at = _index(place, last, text) if isinstance(place, list) else last
+    place[at] = parsed.get("value", value.strip())
+    if isinstance(place, dict) and isinstance(place.get("sources"), dict):
+        place["sources"].pop(last, None)  # a resolved scenario states the source of the value that was there before
 
 
 def _index(place: list[Any], part: str, text: str) -> int:
@@ -225,58 +298,84 @@ def _anchor_files(ground: Any, folder: Path) -> None:
     """Make the file names of records absolute, so that the resolved scenario runs from anywhere."""
     if not isinstance(ground, dict):
         return
+    for part in ground.get("parts", []) if isinstance(ground.get("parts"), list) else []:
+        _anchor_files(part, folder)
     for key in ("file", "inventory"):
         name = ground.get(key)
-        if isinstance(name, str) and not name.startswith("example:"):
+        if isinstance(name, str) and name and not name.startswith("example:"):
             ground[key] = str(folder / name)
 
 
 def explain(error: ValidationError) -> str:
-    """Pydantic's findings as one plain message: key = value: what is allowed."""
-    lines = []
-    for found in error.errors():
-        key = ".".join(str(part) for part in found["loc"] if part not in _KINDS)
-        message = found["msg"].removeprefix("Value error, ")
-        if found["type"] == "extra_forbidden":
-            message = f"unknown key; {_allowed_beside(found['loc'])}"
-        elif found["type"] == "missing":
-            message = "is missing"
-        if found["type"] in ("missing", "value_error") and isinstance(found.get("input"), Mapping):
-            lines.append(f"{key}: {message}" if key else message)
-        else:
-            lines.append(f"{key} = {found.get('input')!r}: {message}")
-    return "\n".join(dict.fromkeys(lines))
+    """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
+    findings = error.errors()
+    inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
+    lines: dict[str, list[str]] = {}
+    for found in findings:
+        if found["type"] == "too_short" and found["loc"] in inside:
+            continue  # only because pydantic left out the entry that another finding names
+        what, allowed = _finding(found)
+        lines.setdefault(what, []).append(allowed)
+    return "\n".join(
+        f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
+    )
 
 
-_KINDS = {"rest", "sine", "record", "passive", "open-loop", "multisine", "step", "chirp", "float", "literal['auto']"}
-"""Tags that pydantic puts into a location for unions; no user wrote them."""
+def _finding(found: Any) -> tuple[str, str]:
+    """One finding as ``key = value`` and what is allowed there."""
+    location, value, kind, context = found["loc"], found.get("input"), found["type"], found.get("ctx", {})
+    key = _key(location)
+    message = found["msg"].removeprefix("Value error, ").replace(" after validation", "")
+    message = re.sub(r"^(Input|String|Tuple|Dictionary) should (be|have)\b", r"must \2", message)
+    if kind == "extra_forbidden":
+        message = f"unknown key; {_allowed_beside(location)}"
+    elif kind == "union_tag_invalid":
+        key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
+    elif kind == "union_tag_not_found":
+        kinds = _walk(location)[1].get("discriminator", {}).get("mapping", {})
+        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, kinds))}"
+    elif kind in ("model_type", "model_attributes_type", "dict_type"):
+        message = "must be a table"
+    elif kind == "tuple_type":
+        message = "must be a list"
+    elif kind == "missing" and isinstance(location[-1], int):
+        key, message = _key(location[:-1]), f"entry {location[-1] + 1} is missing"
+    elif kind == "missing":
+        return key, "is missing"
+    elif kind == "value_error" and isinstance(value, Mapping):
+        return key, message
+    shown = repr(list(value) if isinstance(value, tuple) else value)
+    return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
 
 
 def _allowed_beside(location: tuple[int | str, ...]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    schema: Any = Scenario.model_json_schema()
-    definitions = schema.get("$defs", {})
-
-    def resolve(node: Any, tag: Any) -> Any:
-        while "$ref" in node or "oneOf" in node:
-            if "oneOf" in node:
-                mapping = node["discriminator"]["mapping"]
-                node = {"$ref": mapping[tag]} if tag in mapping else {}
-            else:
-                node = definitions[node["$ref"].rsplit("/", 1)[1]]
-        return node
-
-    node = schema
-    for position, part in enumerate(location[:-1]):
-        node = resolve(node, part)
-        if part in node.get("properties", {}):
-            node = node["properties"][part]
-        elif isinstance(part, int):
-            node = node.get("items", {})
-        elif "additionalProperties" in node and isinstance(node["additionalProperties"], dict):
-            node = node["additionalProperties"]
-        node = resolve(node, location[position + 1])
-    keys = list(node.get("properties", {}))
+    keys = list(_walk(location[:-1])[1].get("properties", {}))
     near = difflib.get_close_matches(str(location[-1]), keys, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed: {', '.join(keys)}"
+
+
+def _key(location: tuple[int | str, ...]) -> str:
+    return ".".join(_walk(location)[0])
+
+
+def _walk(location: tuple[int | str, ...]) -> tuple[list[str], dict[str, Any]]:
+    """Where a location leads: the keys as the user wrote them (without the tags of unions), and the schema there."""
+    schema: Any = Scenario.model_json_schema()
+    keys, node = [], schema
+    for part in location:
+        choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
+        if len(choices) == 1:
+            node = choices[0]
+        if "discriminator" in node:
+            node = {"$ref": node["discriminator"]["mapping"][part]}
+        elif len(choices) > 1:
+            node = {}
+        else:
+            keys.append(str(part))
+            further = node.get("items" if isinstance(part, int) else "additionalProperties", {})
+            node = node.get("properties", {}).get(part, further) or {}
+        while "$ref" in node:
+            node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
+    return keys, node

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import PPoly, make_interp_spline
 
 Array = NDArray[np.float64]
 
@@ -114,9 +114,10 @@ class Sampled:
     start: float = 0.0
 
     @cached_property
-    def _splines(self) -> tuple[BSpline, BSpline, BSpline]:
+    def _splines(self) -> tuple[PPoly, PPoly, PPoly]:
         times = self.start + np.arange(self.values.size) / self.rate
-        spline = make_interp_spline(times, self.values, k=5)
+        # As piecewise polynomials, which evaluate three times faster than B-splines.
+        spline = PPoly.from_spline(make_interp_spline(times, self.values, k=5))
         return spline, spline.derivative(1), spline.derivative(2)
 
     def sample(self, time: Array, left: bool = False) -> Sample:

@@ -5,11 +5,13 @@ import time as clock
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.controllers import Controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.ground import Motion
 from ehamj.kinematics import point_motion
@@ -25,6 +27,7 @@ from ehamj.native.stepping import (
     advance,
     columns,
     compile_loop,
+    make_loop,
     row_size,
 )
 from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian
@@ -62,16 +65,18 @@ class _Prepared:
     data: mujoco.MjData
     motion: Motion
     commands: tuple[Signal, ...]
+    controller: Controller | None
     every: int
     steps: int
 
 
-def simulate(scenario: Scenario, progress: Progress | None = None) -> Result:
+def simulate(scenario: Scenario, progress: Progress | None = None, controller: Controller | None = None) -> Result:
     """Run a scenario.
 
     Args:
         scenario: what to simulate.
         progress: called now and then with the fraction done.
+        controller: runs instead of the scenario's control.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
@@ -79,7 +84,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Result:
     """
     started = clock.perf_counter()
     with hydraulics():
-        prepared = _prepare(scenario)
+        prepared = _prepare(scenario, controller)
         rows, tally, stopped, wall = _run(prepared, progress)
     values = _channels(prepared, rows)
     times = _recorded_times(prepared, rows)
@@ -115,28 +120,46 @@ def simulate_many(scenarios: Iterable[Scenario], threads: int | None = None) -> 
         return list(pool.map(simulate, scenarios))
 
 
-def choose_timestep(scenario: Scenario) -> float:
+def choose_timestep(scenario: Scenario, controller: Controller | None = None) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
-    The automatic step divides the recording period. Call it with the hydraulics installed.
+    It divides the recording period, and the controller's sampling period and delay. Call it with the hydraulics
+    installed.
 
     Raises:
-        InputError: if a stated step does not divide the recording period.
+        InputError: if a stated step does not divide them.
     """
-    period = 1.0 / scenario.record_rate
+    periods = {"the recording period 1/record_rate": 1.0 / scenario.record_rate}
+    if controller is not None:
+        periods["the controller's period"] = controller.period
+        if controller.latency > 0:
+            periods["the controller's delay"] = controller.latency
     if scenario.timestep != "auto":
-        ratio = period / scenario.timestep
-        if abs(ratio - round(ratio)) > 1e-6 * ratio or round(ratio) < 1:
-            raise InputError(
-                f"timestep = {scenario.timestep:g} s must divide the recording period 1/record_rate = {period:g} s; "
-                f"nearest: {period / max(1, round(ratio)):.9g}"
-            )
-        return period / round(ratio)
-    model, data, inputs = _model(reduced(scenario.plant), 1e-4), None, Inputs.rest()
+        for name, period in periods.items():
+            ratio = period / scenario.timestep
+            if abs(ratio - round(ratio)) > 1e-6 * ratio or round(ratio) < 1:
+                raise InputError(
+                    f"timestep = {scenario.timestep:g} s must divide {name} = {period:g} s; "
+                    f"nearest: {period / max(1, round(ratio)):.9g}"
+                )
+        first = next(iter(periods.values()))
+        return first / round(first / scenario.timestep)
+    model = _model(reduced(scenario.plant), 1e-4)
     data = mujoco.MjData(model)
-    matrix = jacobian(model, data, equilibrium(model, data, inputs), inputs)
+    matrix = jacobian(model, data, equilibrium(model, data, Inputs.rest()), Inputs.rest())
     fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    period = _common_divisor(periods.values())
     return period / math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9)
+
+
+def _common_divisor(periods: Iterable[float]) -> float:
+    """The longest time of which all periods are multiples [s]."""
+    exact = [Fraction(period).limit_denominator(10**7) for period in periods]
+    divisor = exact[0]
+    for other in exact[1:]:
+        n = math.gcd(divisor.numerator * other.denominator, other.numerator * divisor.denominator)
+        divisor = Fraction(n, divisor.denominator * other.denominator)
+    return float(divisor)
 
 
 def reduced(plant: Plant) -> Plant:
@@ -145,18 +168,20 @@ def reduced(plant: Plant) -> Plant:
     return replace(plant, plates="tied") if rigid else plant
 
 
-def _model(plant: Plant, timestep: float) -> mujoco.MjModel:
+def _model(plant: Plant, timestep: float, memory: int = 0) -> mujoco.MjModel:
     try:
-        return build_model(plant, timestep)
+        return build_model(plant, timestep, memory=memory)
     except ValueError as error:
         raise InputError(str(error)) from error
 
 
-def _prepare(scenario: Scenario) -> _Prepared:
+def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
     motion, commands = scenario.motion(), scenario.commands()
+    controller = scenario.controller() if controller is None else controller
     try:
-        timestep = choose_timestep(scenario)
-        model = _model(scenario.plant, timestep)
+        timestep = choose_timestep(scenario, controller)
+        memory = make_loop(controller, scenario.plant, timestep).memory
+        model = _model(scenario.plant, timestep, memory)
         data = mujoco.MjData(model)
         start = np.zeros(1)
         ground = motion.sample(start)
@@ -170,7 +195,7 @@ def _prepare(scenario: Scenario) -> _Prepared:
         raise InputError(
             f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s"
         )
-    return _Prepared(scenario, model, data, motion, commands, every, steps)
+    return _Prepared(scenario, model, data, motion, commands, controller, every, steps)
 
 
 def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
@@ -178,15 +203,17 @@ def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, 
     compile_loop()
     rows = np.empty((prepared.steps // prepared.every + 1, row_size(prepared.model)))
     tally = np.zeros(N_TALLY)
+    loop = make_loop(prepared.controller, prepared.scenario.plant, prepared.model.opt.timestep)
     done, recorded, wall = 0, 0, 0.0
     stopped = Stopped(0, DONE, -1)
     while stopped.status == DONE and done < prepared.steps:
         steps = min(STRETCH, prepared.steps - done)
         last = done + steps == prepared.steps
-        inputs = sample_inputs(prepared.motion, prepared.commands, done, steps + last, prepared.model.opt.timestep)
+        timestep = prepared.model.opt.timestep
+        inputs = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
         began = clock.perf_counter()
         stopped, count = advance(
-            prepared.model, prepared.data, done, steps, inputs, prepared.every, rows[recorded:], tally, last
+            prepared.model, prepared.data, done, steps, inputs, prepared.every, rows[recorded:], tally, last, loop
         )
         wall += clock.perf_counter() - began
         done += stopped.steps
@@ -199,13 +226,12 @@ def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, 
 def sample_inputs(
     motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
 ) -> tuple[Array, Array]:
-    """Inputs of some steps as cubics: values and slopes·timestep at start and end, (steps, n_inputs, 2) each."""
+    """Inputs of some steps: value, slope·timestep, second derivative at start and end, (steps, n_inputs, 3) each."""
     times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
-    points = np.zeros((steps + 1, N_INPUTS, 2))
+    points = np.zeros((steps + 1, N_INPUTS, 3))
     if not motion.at_rest:
-        ground = motion.sample(times)
-        points[:, :12, 0] = ground.displacement.reshape(-1, 12)
-        points[:, :12, 1] = ground.velocity.reshape(-1, 12)
+        for order, part in enumerate(motion.sample(times)):
+            points[:, :12, order] = part.reshape(-1, 12)
     starts = points[:-1].copy()
     ends = points[1:]
     for mount, signal in enumerate(commands):

@@ -51,13 +51,13 @@ def summarise(
 
 
 def levels(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Peak and RMS of every variable and channel about its first value, which is the equilibrium."""
+    """Peak and RMS of every variable and channel about its first value, which is the equilibrium; commands about 0."""
     peak: dict[str, Any] = {}
     rms: dict[str, Any] = {}
     for name, variable in dataset.data_vars.items():
         if not variable.size:
             continue
-        about = variable - variable[0]
+        about = variable if name == "valve_command" else variable - variable[0]
         peak[str(name)] = _nested(abs(about).max("time"))
         rms[str(name)] = _nested((about**2).mean("time") ** 0.5)
     return peak, rms
@@ -100,5 +100,5 @@ def _warnings(saturation: dict[str, dict[str, float]]) -> list[str]:
     for name, shares in saturation.items():
         mount, share = max(shares.items(), key=lambda item: item[1])
         if share > 0:
-            found.append(f"{words[name]} for up to {100 * share:.2g} % of the time ({mount})")
+            found.append(f"{words[name]} for up to {100 * share:.3g} % of the time ({mount})")
     return found

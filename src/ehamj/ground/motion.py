@@ -51,6 +51,8 @@ class Start:
     seed: int
     folder: Path
     """Folder that relative file names refer to."""
+    part: tuple[int, ...] = ()
+    """Number of the part of a combined ground, so that random parts differ."""
 
 
 @dataclass(frozen=True)
@@ -80,4 +82,5 @@ class Slab:
         dofs = np.zeros((3, time.size, len(DOFS)))
         for name, signal in self.signals.items():
             dofs[:, :, DOFS.index(name)] = signal.sample(time)
-        return GroundSample(*np.einsum("knd,mad->knma", dofs, self.lever))
+        mounts = dofs @ self.lever.reshape(-1, len(DOFS)).T  # many times faster than einsum
+        return GroundSample(*mounts.reshape(3, time.size, -1, 3))

@@ -1,12 +1,20 @@
-"""Ground motion made from formulas: rest and a sine of the slab."""
+"""Ground motion made from formulas: rest, sine, multisine, sweep and shock; of a rigid slab, or as a passing wave."""
 
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from ehamj.ground.motion import Motion, Slab, Start
+from ehamj.ground.waves import Wave, spread
 from ehamj.parameters import Settings
-from ehamj.signals import Faded, Multisine, Signal
+from ehamj.signals import Chirp, Multisine, Sample, Signal
+
+Array = NDArray[np.float64]
+Positive = Annotated[float, Field(gt=0)]
+Dof = Literal["x", "y", "z", "rx", "ry", "rz"]
 
 
 class RestGround(Settings):
@@ -19,19 +27,109 @@ class RestGround(Settings):
         return Slab(start.positions, {})
 
 
-class SineGround(Settings):
-    """A rigid slab moved by one sine in one degree of freedom."""
+class _OneDof(Settings):
+    """What all of these have: one degree of freedom that moves, as a slab or as a wave."""
 
-    kind: Literal["sine"]
-    dof: Literal["x", "y", "z", "rx", "ry", "rz"] = Field("z", description="degree of freedom that moves")
-    amplitude: float = Field(1e-6, description="amplitude of the displacement [m] or rotation [rad]")
-    frequency: Annotated[float, Field(gt=0)] = Field(10.0, description="frequency [Hz]")
-    phase: float = Field(0.0, description="phase [rad]")
+    dof: Dof = Field("z", description="degree of freedom that moves (a wave: x, y or z)")
+    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: a rigid slab")
     fade_in: float = Field(0.0, ge=0, description="time over which the motion fades in [s]")
+
+    def signal(self) -> Signal:
+        """Displacement [m] or rotation [rad]."""
+        raise NotImplementedError
 
     def motion(self, start: Start) -> Motion:
         """Build the motion."""
-        signal: Signal = Multisine.of(self.amplitude, self.frequency, self.phase)
-        if self.fade_in > 0:
-            signal = Faded(signal, self.fade_in)
-        return Slab(start.positions, {self.dof: signal})
+        return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in)
+
+
+class SineGround(_OneDof):
+    """One sine."""
+
+    kind: Literal["sine"]
+    amplitude: float = Field(1e-6, description="amplitude of the displacement [m] or rotation [rad]")
+    frequency: Positive = Field(10.0, description="frequency [Hz]")
+    phase: float = Field(0.0, description="phase [rad]")
+
+    def signal(self) -> Signal:
+        """Displacement [m] or rotation [rad]."""
+        return Multisine.of(self.amplitude, self.frequency, self.phase)
+
+
+class MultisineGround(_OneDof):
+    """A sum of sines of given velocity: lines of motors and fans, or a measuring signal."""
+
+    kind: Literal["multisine"]
+    frequencies: tuple[Positive, ...] = Field(description="frequencies [Hz]", min_length=1)
+    velocities: tuple[float, ...] = Field(description="RMS velocity of each [m/s or rad/s]; one value serves for all")
+    phases: tuple[float, ...] | None = Field(None, description="phases [rad]; without: Schroeder's, of low peak")
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Self:
+        n = len(self.frequencies)
+        if len(self.velocities) not in (1, n):
+            raise ValueError(f"velocities has {len(self.velocities)} values; it must have 1 or {n}, as frequencies")
+        if self.phases is not None and len(self.phases) != n:
+            raise ValueError(f"phases has {len(self.phases)} values; it must have {n}, as frequencies")
+        return self
+
+    def signal(self) -> Signal:
+        """Displacement [m] or rotation [rad]."""
+        frequency = np.array(self.frequencies)
+        k = np.arange(frequency.size)
+        phases = -np.pi * k * (k + 1) / frequency.size if self.phases is None else np.array(self.phases)
+        amplitude = np.sqrt(2.0) * np.array(self.velocities) / (2 * np.pi * frequency)
+        return Multisine.of(amplitude, frequency, phases)
+
+
+class SweepGround(_OneDof):
+    """An exponential sine sweep of constant displacement amplitude."""
+
+    kind: Literal["sweep"]
+    amplitude: float = Field(1e-6, description="amplitude of the displacement [m] or rotation [rad]")
+    first: Positive = Field(1.0, description="frequency at the beginning [Hz]")
+    last: Positive = Field(100.0, description="frequency at the end [Hz]")
+    sweep_time: Positive = Field(20.0, description="duration of the sweep [s]")
+    begin: float = Field(0.0, ge=0, description="time at which the sweep begins [s]")
+
+    def signal(self) -> Signal:
+        """Displacement [m] or rotation [rad]."""
+        return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.begin)
+
+
+class ShockGround(_OneDof):
+    """A half-sine of velocity (a press, something dropped), after which the ground returns to its place."""
+
+    kind: Literal["shock"]
+    velocity: float = Field(1e-3, description="peak velocity [m/s or rad/s]")
+    pulse_time: Positive = Field(0.02, description="duration of the half-sine [s]")
+    return_time: Positive = Field(0.5, description="time in which the ground comes back afterwards [s]")
+    begin: float = Field(1.0, ge=0, description="time of the shock [s]")
+
+    def signal(self) -> Signal:
+        """Displacement [m] or rotation [rad]."""
+        return HalfSine(self.velocity, self.pulse_time, self.return_time, self.begin)
+
+
+@dataclass(frozen=True)
+class HalfSine:
+    """Displacement whose velocity is a half-sine pulse, followed by a smooth (quintic) way back."""
+
+    velocity: float
+    pulse_time: float
+    return_time: float
+    begin: float
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        omega = np.pi / self.pulse_time
+        since = time - self.begin
+        pulse = np.clip(since, 0.0, self.pulse_time)
+        inside = (since > 0.0) & (since < self.pulse_time)
+        rise = self.velocity / omega * (1.0 - np.cos(omega * pulse))
+        s = np.clip((since - self.pulse_time) / self.return_time, 0.0, 1.0)
+        kept = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        kept_1 = -30.0 * s**2 * (1.0 - s) ** 2 / self.return_time
+        kept_2 = -60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.return_time**2
+        speed = np.where(inside, self.velocity * np.sin(omega * pulse), rise * kept_1)
+        curvature = np.where(inside, self.velocity * omega * np.cos(omega * pulse), rise * kept_2)
+        return Sample(rise * kept, speed, curvature)

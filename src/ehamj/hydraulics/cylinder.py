@@ -1,6 +1,6 @@
 """The double-acting cylinder: what the chambers receive, and how their pressures answer."""
 
-from ehamj.hydraulics.kernel import kernel
+from ehamj.compiled import kernel
 from ehamj.hydraulics.valve import port_flow
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from ehamj.hydraulics.kernel import kernel
+from ehamj.compiled import kernel
 
 
 @kernel

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numba
 from numba import carray, types
 
+from ehamj.compiled import kernel
 from ehamj.hydraulics.cylinder import chamber_flows, pressure_rate
-from ehamj.hydraulics.kernel import kernel
 from ehamj.hydraulics.valve import spool_acceleration, spool_target
 from ehamj.layout import (
     COLUMN,

@@ -10,10 +10,15 @@ import numpy as np
 from numba import carray, types
 from numpy.typing import NDArray
 
-from ehamj.hydraulics.kernel import kernel
+from ehamj.channels import ACCELERATION, DISPLACEMENT, GROUND, N_SIGNALS, PLATE, STATE, VELOCITY
+from ehamj.compiled import kernel
+from ehamj.controllers import Controller
+from ehamj.controllers.kernel import tick
 from ehamj.hydraulics.valve import spool_target
 from ehamj.layout import (
+    AXES,
     CUBICS,
+    DOF_OF_JOINT,
     N_INPUTS,
     N_MOUNTS,
     N_STATES,
@@ -43,6 +48,7 @@ from ehamj.native.callbacks import (
 from ehamj.native.hold import library
 from ehamj.native.offsets import offsets
 from ehamj.native.pointers import call_on_state, call_runge_kutta, doubles_at, store_double
+from ehamj.parameters import Plant
 
 Array = NDArray[np.float64]
 
@@ -67,7 +73,7 @@ class Stopped(NamedTuple):
 
 @kernel
 def write_inputs(shared, time, rate, start, end):  # type: ignore[no-untyped-def]
-    """Hand a step its inputs: (n_inputs, 2) values and slopes·step at its start and end."""
+    """Hand a step its inputs: (n_inputs, …) values and slopes·step at its start and end."""
     shared[STEP_START] = time
     shared[STEP_RATE] = rate
     for channel in range(N_INPUTS):
@@ -119,6 +125,88 @@ def count_limits(act, control, shared, table, tally):  # type: ignore[no-untyped
     tally[TALLY_FLOW + 2] += power
 
 
+N_GROUND: Final = N_MOUNTS * len(AXES)
+
+
+@kernel
+def gather(signals, qpos, qvel, qacc, act, length, velocity, ground, rate):  # type: ignore[no-untyped-def]
+    """The vector of signals that every channel is a combination of (`ehamj.channels`)."""
+    for dof in range(len(DOF_OF_JOINT)):
+        joint = DOF_OF_JOINT[dof]
+        signals[DISPLACEMENT + dof] = qpos[joint]
+        signals[VELOCITY + dof] = qvel[joint]
+        signals[ACCELERATION + dof] = qacc[joint]
+    for channel in range(N_GROUND):
+        signals[GROUND + channel] = ground[channel, 0]
+        signals[GROUND + N_GROUND + channel] = ground[channel, 1] * rate
+        signals[GROUND + 2 * N_GROUND + channel] = ground[channel, 2]
+    for k in range(N_STATES * N_MOUNTS):
+        signals[STATE + k] = act[k]
+    for mount in range(N_MOUNTS):
+        signals[PLATE + mount] = length[mount]
+        signals[PLATE + N_MOUNTS + mount] = velocity[mount]
+
+
+class Loop(NamedTuple):
+    """A controller as the stepping loop runs it; arrays and plain numbers only.
+
+    Its memory in mjData.userdata, behind what every model has: states, then a ring of commands that wait for their
+    time (as many samples as the delay is long, and one).
+    """
+
+    At: Array
+    Bt: Array
+    Ct: Array
+    Dt: Array
+    """The law's matrices, transposed (`ehamj.controllers.kernel.tick`)."""
+    parts: NDArray[np.int64]
+    weights: Array
+    """Each measured channel as a short sum of signals: which (inputs, terms), and their factors."""
+    every: int
+    """Steps per sample; 0: no controller."""
+    delay: int
+    """Steps from a sample to its command."""
+    limit: float
+    resolution: float
+
+    @property
+    def memory(self) -> int:
+        """Size of the controller's memory in userdata."""
+        return loop_memory(self.At.shape[0], self.delay, self.every) if self.every else 0
+
+
+def loop_memory(states: int, delay: int, every: int) -> int:
+    """States and waiting commands of a controller, in numbers."""
+    return states + N_MOUNTS * (delay // every + 1)
+
+
+_NOTHING = np.zeros((0, 0))
+NO_LOOP: Final = Loop(_NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros((0, 0), np.int64), _NOTHING, 0, 0, 0.0, 0.0)
+
+
+def make_loop(controller: Controller | None, plant: Plant, timestep: float) -> Loop:
+    """A controller made ready for a step that divides its period and delay."""
+    if controller is None:
+        return NO_LOOP
+    resolution = 0.0 if controller.bits is None else 2.0 * controller.voltage_limit / 2**controller.bits
+    At, Bt, Ct, Dt = (np.array(getattr(controller, name).T, order="C") for name in "ABCD")
+    sensing = controller.sensing(plant)
+    terms = int((sensing != 0).sum(axis=1).max(initial=0))
+    parts = np.argsort(sensing == 0, axis=1, kind="stable")[:, :terms]
+    return Loop(
+        At,
+        Bt,
+        Ct,
+        Dt,
+        np.ascontiguousarray(parts, np.int64),
+        np.ascontiguousarray(np.take_along_axis(sensing, parts, axis=1)),
+        round(controller.period / timestep),
+        round(controller.latency / timestep),
+        controller.voltage_limit,
+        resolution,
+    )
+
+
 class Columns(NamedTuple):
     """Where each quantity lies in a recorded row, as (first, end)."""
 
@@ -165,28 +253,53 @@ def _advance() -> Any:
         at.ctrl,
         at.actuator_length,
     )
+    velocity_at = at.actuator_velocity
     qpos_at, qvel_at, qacc_at, act_at, act_dot_at = at.qpos, at.qvel, at.qacc, at.act, at.act_dot
 
-    def advance(forward, runge_kutta, model, data, nq, nv, first, steps, h, last, start, end, every, rows, tally):  # type: ignore[no-untyped-def]
-        shared = carray(doubles_at(data, shared_at), N_USERDATA)
+    def advance(  # type: ignore[no-untyped-def]
+        forward, runge_kutta, model, data, nq, nv, nuserdata, first, steps, h, last, start, end, every, rows, tally,
+        At, Bt, Ct, Dt, parts, weights, sample_every, delay, limit, resolution,
+    ):  # fmt: skip
+        shared = carray(doubles_at(data, shared_at), nuserdata)
         table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
         control = carray(doubles_at(data, ctrl_at), N_MOUNTS)
         length = carray(doubles_at(data, length_at), N_MOUNTS)
+        velocity = carray(doubles_at(data, velocity_at), N_MOUNTS)
         qpos, qvel = carray(doubles_at(data, qpos_at), nq), carray(doubles_at(data, qvel_at), nv)
         qacc = carray(doubles_at(data, qacc_at), nv)
         act = carray(doubles_at(data, act_at), N_STATES * N_MOUNTS)
         act_dot = carray(doubles_at(data, act_dot_at), N_STATES * N_MOUNTS)
+        states = At.shape[0]
+        memory, waiting = shared[N_USERDATA : N_USERDATA + states], shared[N_USERDATA + states :]
+        places = waiting.size // N_MOUNTS
+        signals, measured, scratch = np.zeros(N_SIGNALS), np.zeros(parts.shape[0]), np.zeros(states)
         row = 0
         for k in range(steps + last):
-            time = (first + k) * h
+            number = first + k
+            time = number * h
             store_double(data, time_at, time)
             write_inputs(shared, time, 1.0 / h, start[k], end[k])
+            if sample_every > 0 and number >= delay and (number - delay) % sample_every == 0:
+                place = N_MOUNTS * (((number - delay) // sample_every) % places)
+                if delay > 0:
+                    control[:] = waiting[place : place + N_MOUNTS]
             call_on_state(forward, model, data)
             status, mount = check(act, act_dot, qacc, length, shared, table)
             if status != DONE:
                 return k, status, mount, row
+            if sample_every > 0 and number % sample_every == 0:
+                gather(signals, qpos, qvel, qacc, act, length, velocity, start[k], 1.0 / h)
+                measured[:] = 0.0
+                for sensor in range(parts.shape[0]):
+                    for term in range(parts.shape[1]):
+                        measured[sensor] += weights[sensor, term] * signals[parts[sensor, term]]
+                place = N_MOUNTS * ((number // sample_every) % places)
+                tick(At, Bt, Ct, Dt, measured, memory, scratch, limit, resolution, waiting[place : place + N_MOUNTS])
+                if delay == 0:
+                    control[:] = waiting[place : place + N_MOUNTS]
+                    call_on_state(forward, model, data)
             count_limits(act, control, shared, table, tally)
-            if (first + k) % every == 0:
+            if number % every == 0:
                 out = rows[row]
                 row += 1
                 column = 0
@@ -204,7 +317,7 @@ def _advance() -> Any:
     floats2, floats3 = types.float64[:, ::1], types.Array(types.float64, 3, "C", readonly=True)
     signature = (
         *(types.intp,) * 4,
-        *(types.int64,) * 4,
+        *(types.int64,) * 5,
         types.float64,
         types.int64,
         floats3,
@@ -212,6 +325,11 @@ def _advance() -> Any:
         types.int64,
         floats2,
         types.float64[::1],
+        *(floats2,) * 4,
+        types.int64[:, ::1],
+        floats2,
+        *(types.int64,) * 2,
+        *(types.float64,) * 2,
     )
     with compiled_here() as kept:
         return numba.njit([signature], nogil=True, error_model="numpy", cache=kept)(advance)
@@ -227,6 +345,7 @@ def advance(
     rows: Array,
     tally: Array,
     last: bool = False,
+    loop: Loop = NO_LOOP,
 ) -> tuple[Stopped, int]:
     """Take ``steps`` steps from step number ``first``; call it with the hydraulics installed.
 
@@ -235,11 +354,13 @@ def advance(
         data: its state, which is advanced.
         first: number of the first step; its time is first·timestep.
         steps: how many.
-        inputs: values and slopes·timestep at the start and at the end of each step, (steps (+1), n_inputs, 2) each.
+        inputs: value, slope·timestep and second derivative at the start and at the end of each step,
+            (steps (+1), n_inputs, 3) each.
         every: record each step whose number is a multiple of this.
         rows: where rows go, (n, row_size).
         tally: counts of limits, see `TALLY`; added to.
         last: also evaluate (and record) the state after the last step; ``inputs`` then have one row more.
+        loop: digital controller; its memory lies in ``data.userdata``.
 
     Returns:
         How it stopped, and the number of rows recorded.
@@ -253,6 +374,7 @@ def advance(
         data._address,
         model.nq,
         model.nv,
+        model.nuserdata,
         first,
         steps,
         model.opt.timestep,
@@ -262,5 +384,6 @@ def advance(
         every,
         rows,
         tally,
+        *loop,
     )
     return Stopped(steps_done, status, mount), recorded

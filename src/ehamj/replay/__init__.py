@@ -1,10 +1,13 @@
 """The replay: a Rerun recording of one result, or of several side by side, with its own layout."""
 
 import importlib.util
+import itertools
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -15,17 +18,14 @@ from rerun.error_utils import catch_and_log_exceptions
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
-from ehamj.replay.names import result_color
-from ehamj.replay.plots import Series, log_series, series_of
+from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
 from ehamj.result import Result, written_whole
 
 __all__ = ["open_viewer", "write_replay"]
 
 
-def write_replay(
-    path: Path, results: Mapping[str, Result], exaggeration: float | Literal["auto"] = "auto"
-) -> None:
+def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float | Literal["auto"] = "auto") -> None:
     """Write the recording of some results, which the viewer shows side by side and on one clock.
 
     Args:
@@ -42,35 +42,36 @@ def write_replay(
     if not (np.isfinite(factor) and factor > 0.0):
         raise ValueError(f"exaggeration = {exaggeration!r}: must be a positive number or 'auto'")
     speed = playback_speed(main_frequency(results.values()))
-    series, curves = _series(results), curves_of(results)
+    compared, curves = compared_plots(results), curves_of(results)
+    isolators = {label: isolator_plots(label, result) for label, result in results.items()}
     title = next(iter(results.values())).scenario.name
-    # Rerun only warns of what it cannot log, unless told otherwise; this way it is told for this block and thread alone.
+    # Rerun only warns of what it cannot log, unless told otherwise: here it is told for this block and thread alone.
     with written_whole(Path(path)) as temporary, catch_and_log_exceptions(strict=True):
-        layout = make_blueprint(results, series, curves, factor, speed)
-        # The viewer keeps a user's layout per application: one that belongs to other results would come up empty.
-        recording = rr.RecordingStream(f"ehamj {title}: {', '.join(results)}, motion × {factor:g}")
+        layout = make_blueprint(results, compared, isolators, curves, factor, speed)
+        recording = rr.RecordingStream(_application(title, results, factor))
         try:
             recording.save(temporary, default_blueprint=layout)
             recording.send_recording_name(title)
-            recording.log("about", rr.TextDocument(page(results, factor, speed), media_type="text/markdown"), static=True, strict=True)
+            recording.log(
+                "about",
+                rr.TextDocument(page(results, factor, speed), media_type="text/markdown"),
+                static=True,
+                strict=True,
+            )
             for label, result in results.items():
                 log_scene(recording, label, result, factor)
-                log_series(recording, label, result.dataset.time.values, series[label])
+            for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
+                log_plot(recording, plot)
             log_attenuation(recording, curves, tuple(results))
         finally:
             recording.disconnect()
 
 
-def _series(results: Mapping[str, Result]) -> dict[str, dict[str, Series]]:
-    """The plots of each result; a ground that several results share is kept with the first of them."""
-    found: dict[str, dict[str, Series]] = {}
-    for index, (label, result) in enumerate(results.items()):
-        plots = series_of(result, label, result_color(index))
-        for name in ("ground_vertical", "ground_horizontal"):
-            if any(name in other and np.array_equal(other[name].values, plots[name].values) for other in found.values()):
-                del plots[name]
-        found[label] = plots
-    return found
+def _application(title: str, labels: Iterable[str], factor: float) -> str:
+    """The application that the viewer keeps a user's layout for: a layout for other results would come up empty."""
+    what = "\n".join([title, *labels, f"{factor:g}"])
+    plain = re.sub(r"[^A-Za-z0-9]+", "-", title).strip("-")  # Rerun allows little else
+    return f"ehamj {plain} {zlib.crc32(what.encode()):08x}"
 
 
 def open_viewer(path: Path) -> bool:

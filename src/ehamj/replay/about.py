@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Parameters
+from ehamj.replay.plots import NEGLIGIBLE
 from ehamj.replay.scene import length_text
 from ehamj.result import Result
 
@@ -21,7 +22,13 @@ def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
         speed: playback speed, simulated seconds per second.
     """
     first = next(iter(results.values())).scenario
-    parts = [f"# {first.name}", first.description, *_warnings(results), _numbers(results), _reading(first.plates, factor, speed)]
+    parts = [
+        f"# {first.name}",
+        first.description,
+        _numbers(results),
+        *_warnings(results),
+        _reading(factor, speed),
+    ]
     return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
 
 
@@ -32,7 +39,8 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _numbers(results: Mapping[str, Result]) -> str:
     columns = [_figures(result) for result in results.values()]
-    rows = [[name, *(column[name] for column in columns)] for name in columns[0]]
+    names = dict.fromkeys(name for column in columns for name in column)
+    rows = [[name, *(column.get(name, "–") for column in columns)] for name in names]
     return _table(["about the equilibrium", *results], rows)
 
 
@@ -40,17 +48,18 @@ def _figures(result: Result) -> dict[str, str]:
     """The numbers a person asks for first, each as text with its unit."""
     data = result.dataset
     if not data.time.size:
-        return {"simulated": "nothing"}
+        return {"simulated": "nothing, **incomplete**"}
     ground, cg = data.ground_velocity.values.mean(axis=1), data.cg_velocity.values
     floor_z, cg_z = _rms(ground[:, 2]), _rms(cg[:, 2])
-    ratio = f"{20 * math.log10(cg_z / floor_z):+.1f} dB" if floor_z > 0 and cg_z > 0 else "–"
+    moving = min(floor_z, cg_z) > 1e-6 * NEGLIGIBLE  # in m/s
+    attenuation = round(20 * math.log10(floor_z / cg_z), 1) + 0.0 if moving else math.nan  # + 0: no "-0.0"
     stroke = data.stroke.values - data.stroke.values[0]
     full = np.array([actuator.spool_stroke for actuator in result.scenario.plant.actuators])
     return {
         "vertical velocity of the CG, RMS": _speed(cg_z),
         "vertical velocity of the CG, peak": _speed(_peak(cg[:, 2])),
         "vertical velocity of the floor, RMS": _speed(floor_z),
-        "CG over floor, vertical RMS": ratio,
+        "attenuation, vertical RMS": f"{attenuation} dB" if moving else "–",
         "horizontal velocity of the CG, RMS": _speed(math.hypot(_rms(cg[:, 0]), _rms(cg[:, 1]))),
         "largest stroke": length_text(_peak(stroke)),
         "largest command": f"{_peak(data.valve_command.values):.3g} V",
@@ -68,7 +77,7 @@ def _peak(values: np.ndarray) -> float:
 
 
 def _speed(velocity: float) -> str:
-    return f"{1e6 * velocity:.3g} µm/s"
+    return "< 0.001 µm/s" if velocity < 1e-9 else f"{1e6 * velocity:.3g} µm/s"
 
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
@@ -85,16 +94,15 @@ def _warnings(results: Mapping[str, Result]) -> list[str]:
     return ["## Warnings", "\n".join(lines)] if lines else []
 
 
-def _reading(plates: str, factor: float, speed: float) -> str:
-    carried = "drawn on the machine" if plates == "tied" else "each on its own slide"
+def _reading(factor: float, speed: float) -> str:
     return f"""## How to read the picture
 
 - Real motions are micrometres. Every motion is drawn **{factor:g} times** larger about the position of equilibrium, by
   the same factor everywhere: {length_text(0.1 / factor)} look like 10 cm. The white bar gives the scale. The machine's
   size is not enlarged, so large rotations look stranger than they are.
-- Blue pads and the floor are the ground. Orange plates ({carried}) are what the oil lifts. The grey outline is the
-  machine at rest.
-- Playback runs at {speed:g} × real time; space starts and stops it, and the window of the plot below the scene follows."""
+- Blue pads and the floor are the ground. Orange plates are what the oil lifts; they carry the machine's feet. The grey
+  outline is the machine at rest.
+- Playback runs at {speed:g} × real time; space starts and stops it. The plot below the scene follows."""
 
 
 def _parameters(results: Mapping[str, Result]) -> list[str]:

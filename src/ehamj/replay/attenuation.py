@@ -11,10 +11,10 @@ from ehamj.replay.names import Array, Color, entity, result_color
 from ehamj.result import Result
 
 ROOT = "attenuation"
-WIDTH, HEIGHT = 320.0, 300.0
+WIDTH, HEIGHT = 320.0, 400.0
 """Size of the chart between its axes, in the view's units."""
 
-MARGINS = (50.0, 30.0, 30.0, 45.0)
+MARGINS = (45.0, 20.0, 60.0, 45.0)
 """Room left, right, above and below the chart for its labels."""
 
 TICKS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
@@ -37,7 +37,7 @@ def curves_of(results: Mapping[str, Result]) -> dict[str, dict[str, Curve]]:
     found: dict[str, dict[str, Curve]] = {}
     for label, result in results.items():
         table = result.summary.get("attenuation_db")
-        for axis, bands in (table.items() if isinstance(table, Mapping) else ()):
+        for axis, bands in table.items() if isinstance(table, Mapping) else ():
             curve = _curve(bands)
             if curve is not None:
                 found.setdefault(axis, {})[label] = curve
@@ -60,7 +60,9 @@ def log_attenuation(
         chart = _Chart.around(by_label)
         _log_grid(recording, entity(ROOT, axis, "grid"), chart)
         for label, curve in by_label.items():
-            _log_curve(recording, entity(ROOT, axis, "curve", label), label, curve, chart, result_color(labels.index(label)))
+            path = entity(ROOT, axis, "curve", label)
+            _log_curve(recording, path, curve, chart, result_color(labels.index(label)))
+        _log_legend(recording, entity(ROOT, axis, "legend"), labels)
 
 
 class _Chart(NamedTuple):
@@ -73,7 +75,9 @@ class _Chart(NamedTuple):
 
     @classmethod
     def around(cls, curves: Mapping[str, Curve]) -> "_Chart":
-        shown = [(curve.frequency[ok], curve.decibel[ok]) for curve in curves.values() for ok in [np.isfinite(curve.decibel)]]
+        shown = [
+            (curve.frequency[ok], curve.decibel[ok]) for curve in curves.values() for ok in [np.isfinite(curve.decibel)]
+        ]
         frequency, decibel = (np.concatenate(parts) for parts in zip(*shown, strict=True))
         lowest = max((tick for tick in TICKS if tick <= frequency.min() * 1.05), default=float(frequency.min()))
         highest = min((tick for tick in TICKS if tick >= frequency.max() * 0.95), default=float(frequency.max()))
@@ -100,24 +104,27 @@ def _log_grid(recording: rr.RecordingStream, path: str, chart: _Chart) -> None:
     recording.log(path, lines, static=True, strict=True)
     below = [(point[0], HEIGHT + 4.0) for tick in frequencies for point in chart.place(tick, chart.bottom)]
     beside = [(-20.0, point[1] - 8.0) for level in levels for point in chart.place(chart.lowest, level)]
-    titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -24.0)]
+    titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -50.0)]
     words = [f"{tick:g}" for tick in frequencies] + [f"{level:g}" for level in levels]
     words += ["third-octave band [Hz]", "attenuation [dB]: up is quieter than the floor"]
     text = rr.Points2D(below + beside + titles, radii=0.01, colors=[TEXT], labels=words, show_labels=True)
     recording.log(f"{path}/text", text, static=True, strict=True)
 
 
-def _log_curve(
-    recording: rr.RecordingStream, path: str, label: str, curve: Curve, chart: _Chart, color: Color
-) -> None:
-    """A line broken where a band is undecided, a dot per band, the label at its last point."""
+def _log_curve(recording: rr.RecordingStream, path: str, curve: Curve, chart: _Chart, color: Color) -> None:
+    """A line broken where a band is undecided, and a dot per band."""
     known = np.isfinite(curve.decibel)
-    points = chart.place(curve.frequency, curve.decibel)
-    gaps = np.flatnonzero(np.diff(np.flatnonzero(known)) > 1) + 1
-    strips = np.split(points[known], gaps)
+    points = chart.place(curve.frequency, curve.decibel)[known]
+    strips = np.split(points, np.flatnonzero(np.diff(np.flatnonzero(known)) > 1) + 1)
     lines = rr.LineStrips2D(strips, colors=[color], radii=rr.Radius.ui_points(1.5), draw_order=10.0)
     recording.log(path, lines, static=True, strict=True)
-    dots = rr.Points2D(points[known], radii=rr.Radius.ui_points(3.0), colors=[color], draw_order=11.0)
+    dots = rr.Points2D(points, radii=rr.Radius.ui_points(3.0), colors=[color], draw_order=11.0)
     recording.log(f"{path}/bands", dots, static=True, strict=True)
-    name = rr.Points2D(points[known][-1:], radii=0.01, colors=[color], labels=[label], show_labels=True)
-    recording.log(f"{path}/name", name, static=True, strict=True)
+
+
+def _log_legend(recording: rr.RecordingStream, path: str, labels: tuple[str, ...]) -> None:
+    """The results' names in their colours, in a row above the chart."""
+    places = [(WIDTH * (index + 0.5) / len(labels), -26.0) for index in range(len(labels))]
+    colors = [result_color(index) for index in range(len(labels))]
+    names = rr.Points2D(places, radii=0.01, colors=colors, labels=labels, show_labels=True)
+    recording.log(path, names, static=True, strict=True)

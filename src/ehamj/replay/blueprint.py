@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from typing import Final
 
 import numpy as np
 import rerun as rr
@@ -9,28 +10,35 @@ import rerun.blueprint as rrb
 
 from ehamj.replay import attenuation
 from ehamj.replay.names import TIMELINE, entity
-from ehamj.replay.plots import Series
+from ehamj.replay.plots import NEGLIGIBLE, Plot
 from ehamj.result import Result
 
-SPEEDS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
-WATCHABLE = 1.0
-"""Frequency at which the eye follows a motion well [Hz]."""
+VELOCITIES: Final = ("vertical", "along_x", "along_y")
+ROTATIONS: Final = ("roll", "pitch")
 
-WINDOW = 5.0
+SPEEDS: Final = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+WATCHABLE = 1.5
+"""Highest frequency at which the eye follows a motion well [Hz]."""
+
+WINDOW = 3.0
 """The rolling plot shows this much viewing time before and after the cursor [s]."""
 
-EYE = np.array([0.86, -0.80, 0.34])
+EYE: Final = (0.86, -0.80, 0.25)
 """Direction from the machine to the eye."""
+
+BACKGROUND: Final = (38, 44, 51)
+CHART_BACKGROUND: Final = (13, 16, 17)
 
 
 def playback_speed(frequency: float) -> float:
     """Simulated seconds per second of viewing that make motion of this frequency [Hz] watchable."""
-    return next((speed for speed in SPEEDS if frequency * speed <= 1.5 * WATCHABLE), SPEEDS[-1])
+    return next((speed for speed in SPEEDS if frequency * speed <= WATCHABLE), SPEEDS[-1])
 
 
 def make_blueprint(
     results: Mapping[str, Result],
-    series: Mapping[str, Mapping[str, Series]],
+    compared: Mapping[str, Plot],
+    isolators: Mapping[str, Mapping[str, Plot]],
     axes: Iterable[str],
     factor: float,
     speed: float,
@@ -39,26 +47,37 @@ def make_blueprint(
 
     Args:
         results: what is shown, by label.
-        series: the plots of each result.
+        compared: the plots of floor and machine.
+        isolators: the isolators' plots of each result.
         axes: axes that have a chart of attenuation.
         factor: exaggeration of the motions.
         speed: playback speed, simulated seconds per second.
     """
-    scenes = [_scene(label, result, factor) for label, result in results.items()]
-    rolling = _plot("vertical velocity, floor and machine [µm/s]", series, ("ground_vertical", "cg_vertical"), WINDOW * speed)
-    left = rrb.Vertical(
-        rrb.Grid(*scenes, grid_columns=min(len(scenes), 3)) if len(scenes) > 1 else scenes[0], rolling, row_shares=[5, 3]
-    )
+    columns = len(results) if len(results) <= 3 else math.ceil(math.sqrt(len(results)))
+    scenes = [_scene(label, result, factor, columns) for label, result in results.items()]
+    machines = rrb.Grid(*scenes, grid_columns=columns) if columns > 1 else scenes[0]
+    velocities, rotations = (_moving([compared[name] for name in names]) for names in (VELOCITIES, ROTATIONS))
+    first = velocities[0] if velocities else compared[VELOCITIES[0]]
+    rolling = _plot(first, window=WINDOW * speed, legend=True, title="floor and machine")
     pages: list[rrb.View | rrb.Container] = [rrb.TextDocumentView(origin="/about", name="summary")]
     charts = [_chart(axis) for axis in axes]
     if charts:
         pages.append(rrb.Tabs(*charts, name="attenuation"))
-    pages.append(_motion(series))
-    pages += [_isolators(label, plots) for label, plots in series.items()]
-    right = rrb.Tabs(*pages, active_tab=0)
+    pages += _page("velocity", velocities, "whole run") + _page("rotation", rotations, "whole run")
+    for name, members in (("isolators", ("stroke", "pressure_1", "pressure_2")), ("valves", ("command", "spool"))):
+        shown = [
+            page
+            for label, plots in isolators.items()
+            for page in _page(label, [plots[member] for member in members if plots[member].peak > NEGLIGIBLE])
+        ]
+        if shown:
+            pages.append(rrb.Tabs(*shown, name=name) if len(results) > 1 else rrb.Vertical(*shown, name=name))
+    left = rrb.Vertical(machines, rolling, row_shares=[3, 2])
     return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[5, 3]),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="playing", loop_mode="all"),
+        rrb.Horizontal(left, rrb.Tabs(*pages, active_tab=0), column_shares=[3, 2]),
+        rrb.TimePanel(
+            state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="playing", loop_mode="all"
+        ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         auto_views=False,
@@ -66,31 +85,36 @@ def make_blueprint(
     )
 
 
-def _scene(label: str, result: Result, factor: float) -> rrb.Spatial3DView:
-    size = np.array(result.scenario.machine.size)
+def _scene(label: str, result: Result, factor: float, columns: int) -> rrb.Spatial3DView:
+    size, eye = np.array(result.scenario.machine.size), np.array(EYE)
     target = np.array([0.0, 0.0, 0.36 * size[2]])
-    distance = 1.12 * math.hypot(*size)
+    distance = 1.12 * math.hypot(*size) * (1.5 if columns == 3 else 1.0)  # three in a row are narrower than high
     return rrb.Spatial3DView(
         origin=entity(label, "world"),
         name=f"{label}: motion × {factor:g}",
-        background=rrb.Background(kind="gradientdark"),
+        background=rrb.Background(color=BACKGROUND),
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
-            kind="orbital", position=target + distance * EYE / np.linalg.norm(EYE), look_target=target, eye_up=[0, 0, 1]
+            kind="orbital",
+            position=target + distance * eye / np.linalg.norm(eye),
+            look_target=target,
+            eye_up=[0, 0, 1],
         ),
     )
 
 
-def _plot(
-    name: str, series: Mapping[str, Mapping[str, Series]], plots: tuple[str, ...], window: float | None = None
-) -> rrb.TimeSeriesView:
-    """A view over some plots of some results; with a window it scrolls, otherwise it shows the whole run."""
-    contents = [entity(label, "plots", plot) for plot in plots for label in series if plot in series[label]]
-    if window is None:
-        return rrb.TimeSeriesView(origin="/", contents=contents, name=name)
-    boundaries = [rr.TimeRangeBoundary.cursor_relative(nanos=round(sign * window * 1e9)) for sign in (-1, 1)]
+def _plot(plot: Plot, window: float | None = None, legend: bool = False, title: str = "") -> rrb.TimeSeriesView:
+    """A view of a plot; with a window it scrolls with the cursor, otherwise it shows the whole run."""
+    axis = None
+    if window is not None:
+        ends = (rr.TimeRangeBoundary.cursor_relative(nanos=round(sign * window * 1e9)) for sign in (-1, 1))
+        axis = rrb.TimeAxis(view_range=rr.TimeRange(*ends))
     return rrb.TimeSeriesView(
-        origin="/", contents=contents, name=name, axis_x=rrb.TimeAxis(view_range=rr.TimeRange(*boundaries))
+        origin="/",
+        contents=[trace.path for trace in plot.traces],
+        name=f"{plot.title}, {title}" if title else plot.title,
+        axis_x=axis,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
     )
 
 
@@ -99,29 +123,20 @@ def _chart(axis: str) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         origin=entity(attenuation.ROOT, axis),
         name=attenuation.TITLES.get(axis, axis),
-        background=rrb.Background(color=(13, 16, 17)),
+        background=rrb.Background(color=CHART_BACKGROUND),
         visual_bounds=rrb.VisualBounds2D(
             x_range=(-left, attenuation.WIDTH + right), y_range=(-above, attenuation.HEIGHT + below)
         ),
     )
 
 
-def _motion(series: Mapping[str, Mapping[str, Series]]) -> rrb.Vertical:
-    return rrb.Vertical(
-        _plot("vertical velocity, whole run [µm/s]", series, ("ground_vertical", "cg_vertical")),
-        _plot("horizontal velocity [µm/s]", series, ("ground_horizontal", "cg_horizontal")),
-        _plot("rotation of the machine [µrad]", series, ("rotation",)),
-        name="motion",
-    )
+def _moving(plots: list[Plot]) -> list[Plot]:
+    """Those of some plots of one unit in which more is to be seen than rounding."""
+    least = max([NEGLIGIBLE, *(1e-5 * plot.peak for plot in plots)])
+    return [plot for plot in plots if plot.peak > least]
 
 
-def _isolators(label: str, plots: Mapping[str, Series]) -> rrb.Vertical:
-    """Strokes, commands, spools and pressures of one result; without what never moves."""
-    names = {
-        "stroke": "stroke, from equilibrium [µm]",
-        "command": "valve command [V]",
-        "spool": "spool, of its stroke [%]",
-        "pressure": "chamber pressure, absolute [bar]",
-    }
-    views = [_plot(f"{label}: {title}", {label: plots}, (name,)) for name, title in names.items() if not plots[name].at_rest]
-    return rrb.Vertical(*views, name=f"isolators: {label}")
+def _page(name: str, plots: list[Plot], title: str = "") -> list[rrb.Vertical]:
+    """A page of plots, or none; they share their colours, so that one legend does."""
+    views = [_plot(plot, legend=index == 0, title=title) for index, plot in enumerate(plots)]
+    return [rrb.Vertical(*views, name=name)] if views else []

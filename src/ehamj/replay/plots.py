@@ -1,94 +1,135 @@
-"""Time histories: which channels are shown, in which units and colours, and how a long run is thinned."""
+"""Time histories: which channels are shown, in which units, order and colours, and how a long run is thinned."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
 from ehamj.layout import MOUNTS
-from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, nanoseconds, time_column
+from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, nanoseconds, result_color, time_column
+from ehamj.replay.scene import fitted_slab
 from ehamj.result import Result
+
+ROOT: Final = "plots"
 
 MOST_ROWS = 200_000
 """Rows of a plot above which the envelope is drawn in place of every sample."""
 
+NEGLIGIBLE = 1e-6
+"""Values below this, in the plots' units (1 pm, 1 pm/s, 1 prad, 1 µV), are rounding."""
+
+COMPARED: Final = {
+    "vertical": "vertical velocity [µm/s]",
+    "along_x": "velocity along x [µm/s]",
+    "along_y": "velocity along y [µm/s]",
+    "roll": "rotation rx [µrad]",
+    "pitch": "rotation ry [µrad]",
+}
+"""Plots of floor and machine over each other, by name."""
+
 
 @dataclass(frozen=True)
-class Series:
-    """The lines of one plot of one result: names with units, colours, values (n, line)."""
+class Trace:
+    """The lines of one entity: names with units, colours, values (n, line) at stamps [ns]."""
 
+    path: str
     names: tuple[str, ...]
     colors: tuple[Color, ...]
+    stamps: NDArray[np.int64]
     values: Array
     width: float = 1.0
 
+
+@dataclass(frozen=True)
+class Plot:
+    """One view: a title and what it shows."""
+
+    title: str
+    traces: tuple[Trace, ...]
+
     @property
-    def at_rest(self) -> bool:
-        """Whether nothing happens on any line."""
-        return not np.any(self.values)
+    def peak(self) -> float:
+        """Largest absolute value on any line."""
+        return max((float(np.nanmax(np.abs(trace.values), initial=0.0)) for trace in self.traces), default=0.0)
 
 
-def series_of(result: Result, label: str, color: Color) -> dict[str, Series]:
-    """What is plotted of a result, by plot.
+def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
+    """Motion of floor and machine by plot (`COMPARED`), a line per result; rotations count from the equilibrium.
 
-    Motions and strokes count from the equilibrium, which is the first row. Velocities are in µm/s, rotations in µrad,
-    strokes in µm, spools in % of their stroke, commands in V, pressures (absolute) in bar.
+    The floor is the mounts' mean, and for rotations the slab fitted to them; results that share it share its line.
     """
-    data = {str(name): variable.values for name, variable in result.dataset.data_vars.items()}
-    ground, cg = 1e6 * data["ground_velocity"].mean(axis=1), 1e6 * data["cg_velocity"]
-    rotation, stroke = (1e6 * (data[name] - data[name][:1]) for name in ("machine_displacement", "stroke"))
+    stamps = {label: nanoseconds(result.dataset.time.values) for label, result in results.items()}
+    floors = {label: _floor(result) for label, result in results.items()}
+    machines = {label: _machine(result) for label, result in results.items()}
+    plots = {}
+    for column, (name, title) in enumerate(COMPARED.items()):
+        unit = title[title.index("[") :]
+        # The viewer draws in the order of the paths: floors behind, then the loudest, which would hide quieter ones.
+        lines = [(who, label, floors[label], GROUND_COLOR, 3.0) for label, who in _distinct(floors).items()]
+        for label in sorted(machines, key=lambda label: -float(np.nan_to_num(machines[label][:, column]).std())):
+            lines.append((label, label, machines[label], result_color(list(results).index(label)), 1.5))
+        traces = [
+            Trace(
+                path=entity(ROOT, name, f"{place:02d}-{who}"),
+                names=(f"{who} {unit}",),
+                colors=(color,),
+                stamps=stamps[label],
+                values=values[:, column : column + 1],
+                width=width,
+            )
+            for place, (who, label, values, color, width) in enumerate(lines)
+        ]
+        plots[name] = Plot(title, tuple(traces))
+    return plots
+
+
+def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
+    """One result: strokes from the equilibrium [µm], commands [V], spools [% of stroke], absolute pressures [bar]."""
+    stamps = nanoseconds(result.dataset.time.values)
+    data = {name: result.dataset[name].values for name in ("stroke", "valve_command", "spool", "chamber_pressure")}
     full = np.array([actuator.spool_stroke for actuator in result.scenario.plant.actuators])
-    pressure = 1e-5 * data["chamber_pressure"].reshape(len(cg), -1)
-    light, dark = _tint(color, 1.35), _tint(color, 0.75)
-    chambers = [f"{mount} chamber {chamber} [bar]" for mount in MOUNTS for chamber in (1, 2)]
-    shades = tuple(_tint(mount, shade) for mount in MOUNT_COLORS for shade in (1.0, 0.6))
-    return {
-        "ground_vertical": Series(("ground z [µm/s]",), (GROUND_COLOR,), ground[:, 2:]),
-        "cg_vertical": Series((f"{label}: CG z [µm/s]",), (color,), cg[:, 2:], 1.5),
-        "ground_horizontal": Series(
-            ("ground x [µm/s]", "ground y [µm/s]"), (_tint(GROUND_COLOR, 1.3), _tint(GROUND_COLOR, 0.7)), ground[:, :2]
-        ),
-        "cg_horizontal": Series((f"{label}: CG x [µm/s]", f"{label}: CG y [µm/s]"), (light, dark), cg[:, :2], 1.5),
-        "rotation": Series((f"{label}: rx [µrad]", f"{label}: ry [µrad]"), (light, dark), rotation[:, 3:5], 1.5),
-        "stroke": Series(tuple(f"{mount} [µm]" for mount in MOUNTS), MOUNT_COLORS, stroke),
-        "command": Series(tuple(f"{mount} [V]" for mount in MOUNTS), MOUNT_COLORS, data["valve_command"]),
-        "spool": Series(tuple(f"{mount} [%]" for mount in MOUNTS), MOUNT_COLORS, 100.0 * data["spool"] / full),
-        "pressure": Series(tuple(chambers), shades, pressure),
+    contents = {
+        "stroke": ("stroke, from equilibrium [µm]", 1e6 * (data["stroke"] - data["stroke"][:1])),
+        "command": ("valve command [V]", data["valve_command"]),
+        "spool": ("spool, of its stroke [%]", 100.0 * data["spool"] / full),
+        "pressure_1": ("pressure in chamber 1 (lifts), absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 0]),
+        "pressure_2": ("pressure in chamber 2, absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 1]),
     }
+    plots = {}
+    for name, (title, values) in contents.items():
+        names = tuple(f"{mount} {title[title.index('[') :]}" for mount in MOUNTS)
+        plots[name] = Plot(title, (Trace(entity(ROOT, name, label), names, MOUNT_COLORS, stamps, values),))
+    return plots
 
 
-def log_series(recording: rr.RecordingStream, label: str, time: Array, series: dict[str, Series]) -> None:
-    """Log a result's plots, one entity each with a vector per row.
-
-    Args:
-        recording: where to.
-        label: the result's name, first part of every path.
-        time: time of each row [s].
-        series: the plots, from `series_of`.
-    """
-    stamps = nanoseconds(time)
-    for name, lines in series.items():
-        path = entity(label, "plots", name)
+def log_plot(recording: rr.RecordingStream, plot: Plot) -> None:
+    """Log a plot: one entity per trace, with a vector per row."""
+    for trace in plot.traces:
         # Zoomed out, several rows share a pixel: the default draws their average, which hides peaks.
         style = rr.SeriesLines(
-            names=lines.names, colors=lines.colors, widths=[lines.width] * len(lines.names), aggregation_policy="minmax"
+            names=trace.names,
+            colors=trace.colors,
+            widths=[trace.width] * len(trace.names),
+            aggregation_policy="minmax",
         )
-        recording.log(path, style, static=True, strict=True)
-        if not len(stamps):
+        recording.log(trace.path, style, static=True, strict=True)
+        if not len(trace.stamps):
             continue
-        kept, values = thinned(stamps, lines.values)
-        # Rounded to single precision, which no eye can tell apart, the file compresses to four fifths.
+        stamps, values = thinned(trace.stamps, trace.values)
+        # In single precision, which no eye can tell apart, the file compresses better.
         rounded = values.astype(np.float32).astype(np.float64)
         columns = rr.Scalars.columns(scalars=rounded.ravel()).partition([values.shape[1]] * len(values))
-        recording.send_columns(path, [time_column(kept)], columns, strict=True)
+        recording.send_columns(trace.path, [time_column(stamps)], columns, strict=True)
 
 
 def thinned(stamps: NDArray[np.int64], values: Array) -> tuple[NDArray[np.int64], Array]:
     """At most `MOST_ROWS` rows that keep every peak: lowest and highest value of each line per block of rows."""
-    size = -(-2 * len(values) // MOST_ROWS)
     if len(values) <= MOST_ROWS:
         return stamps, values
+    size = -(-2 * len(values) // MOST_ROWS)
     starts = np.arange(0, len(values), size)
     middles = np.minimum(starts + size // 2, len(values) - 1)
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
@@ -98,6 +139,24 @@ def thinned(stamps: NDArray[np.int64], values: Array) -> tuple[NDArray[np.int64]
     return order[kept], pairs[kept]
 
 
-def _tint(color: Color, factor: float) -> Color:
-    red, green, blue = (min(255, round(factor * part)) for part in color)
-    return red, green, blue
+def _floor(result: Result) -> Array:
+    """Columns of `COMPARED` for the floor."""
+    velocity = result.dataset.ground_velocity.values.mean(axis=1)
+    displacement = result.dataset.ground_displacement.values
+    slab = fitted_slab(displacement - displacement[:1], np.array(result.scenario.plant.positions))
+    return 1e6 * np.column_stack([velocity[:, [2, 0, 1]], slab[:, 3:5]])
+
+
+def _machine(result: Result) -> Array:
+    """Columns of `COMPARED` for the machine: velocities of its CG, its rotations."""
+    rotation = result.dataset.machine_displacement.values[:, 3:5]
+    return 1e6 * np.column_stack([result.dataset.cg_velocity.values[:, [2, 0, 1]], rotation - rotation[:1]])
+
+
+def _distinct(floors: Mapping[str, Array]) -> dict[str, str]:
+    """Labels whose floor no earlier result has, and what to call it."""
+    found: list[str] = []
+    for label, floor in floors.items():
+        if not any(np.array_equal(floor, floors[other]) for other in found):
+            found.append(label)
+    return {label: "ground" if len(found) == 1 else f"ground of {label}" for label in found}

@@ -11,7 +11,7 @@ import rerun as rr
 
 from ehamj.kinematics import point_motion
 from ehamj.layout import MOUNTS
-from ehamj.model import build_spec
+from ehamj.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
 from ehamj.replay.names import Array, entity, nanoseconds, time_column
 from ehamj.result import Result
 
@@ -23,6 +23,9 @@ POSE_RATE = 200.0
 
 POSES_PER_PERIOD = 20.0
 MOST_POSES = 120_000
+
+FLOOR = PAD_HEIGHT - PAD_HALF_HEIGHT
+"""Height of the floor in the drawing [m]."""
 
 GHOST = (235, 240, 245, 70)
 
@@ -69,8 +72,7 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
         result: what to draw.
         factor: exaggeration of translations and rotations.
     """
-    xml = result.model_xml or build_spec(result.scenario.plant, 1e-4, drawn=True).to_xml()
-    model = mujoco.MjModel.from_xml_string(xml)
+    model = drawn_model(result)
     _log_shapes(recording, label, model)
     _log_scale(recording, label, result, factor)
     rows = _pose_rows(result)
@@ -78,6 +80,14 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
     for body, pose in poses(result, model, factor, rows).items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
         recording.send_columns(entity(label, "world", body), [time_column(stamps)], columns, strict=True)
+
+
+def drawn_model(result: Result) -> mujoco.MjModel:
+    """The model that ran, with its drawing; built again from the scenario where the stored one cannot be read."""
+    try:
+        return mujoco.MjModel.from_xml_string(result.model_xml)
+    except ValueError:
+        return build_spec(result.scenario.plant, 1e-4, drawn=True).compile()
 
 
 def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray) -> dict[str, Pose]:
@@ -90,7 +100,7 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
     machine, ground, foot, stroke = (
         moved(name) for name in ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
     )
-    slab = _fitted_slab(ground, np.array(result.scenario.plant.positions))
+    slab = fitted_slab(ground, np.array(result.scenario.plant.positions))
     found = {
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
@@ -122,7 +132,7 @@ def quaternion(angles: Array) -> Array:
     )
 
 
-def _fitted_slab(ground: Array, positions: Array) -> Array:
+def fitted_slab(ground: Array, positions: Array) -> Array:
     """Motion of the rigid slab closest to the four mounts' ground: x, y, z, rx, ry, rz, shape (n, 6)."""
     x, y = positions.T
     one, zero = np.ones_like(x), np.zeros_like(x)
@@ -176,7 +186,7 @@ def _log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel
         path = entity(label, "world", owner, "geoms", name)
         color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
         recording.log(path, _shape(model, geom, color, "solid"), static=True, strict=True)
-        if owner == "machine" and not name.startswith(("plate", "foot")):
+        if owner in ("machine", "floor") and not name.startswith(("plate", "foot")):  # no ghost of what the bed hides
             ghost = _shape(model, geom, GHOST, "majorwireframe")
             recording.log(entity(label, "world", "ghost", name), ghost, static=True, strict=True)
 
@@ -196,16 +206,19 @@ def _shape(model: mujoco.MjModel, geom: int, color: tuple[int, ...], fill: str) 
 def _log_scale(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
     """A bar beside the machine that says how long a motion is drawn."""
     length = nice(1.5 * LARGEST_DRAWN / factor)
-    x, y = 0.5 * result.scenario.machine.size[0] + 0.25, -0.5 * result.scenario.machine.size[1] - 0.1
-    bottom, top, wing = -0.3, -0.3 + factor * length, 0.06
+    x, y = 0.5 * result.scenario.machine.size[0] + 0.4, -0.05 * result.scenario.machine.size[1]
+    bottom = FLOOR + LARGEST_DRAWN  # the floor moves, the bar does not
+    top, wing = bottom + factor * length, 0.03
     strips = [
         [[x, y, bottom], [x, y, top]],
-        [[x - wing, y, bottom], [x + wing, y, bottom]],
-        [[x - wing, y, top], [x + wing, y, top]],
+        [[x - wing, y - wing, bottom], [x + wing, y + wing, bottom]],
+        [[x - wing, y - wing, top], [x + wing, y + wing, top]],
     ]
     bar = rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=[(255, 255, 255)])
     recording.log(entity(label, "world", "scale"), bar, static=True, strict=True)
-    text = rr.Points3D([[x, y, top]], radii=0.001, labels=[length_text(length)], show_labels=True)
+    text = rr.Points3D(
+        [[x, y, bottom]], radii=0.001, colors=[(255, 255, 255)], labels=[length_text(length)], show_labels=True
+    )
     recording.log(entity(label, "world", "scale", "text"), text, static=True, strict=True)
 
 
@@ -214,4 +227,4 @@ def length_text(length: float) -> str:
     for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
         if length >= 0.999 * size:
             return f"{length / size:.4g} {unit}"
-    return f"{length / 1e-9:.4g} nm"
+    return "0" if length < 1e-12 else f"{length / 1e-9:.3g} nm"

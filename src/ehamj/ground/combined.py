@@ -1,0 +1,29 @@
+"""Several ground motions at once: a record, a line and a shock add up."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.ground.motion import GroundSample, Motion
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Combined:
+    """The sum of several motions."""
+
+    parts: tuple[Motion, ...]
+
+    @property
+    def at_rest(self) -> bool:
+        return all(part.at_rest for part in self.parts)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return tuple(note for part in self.parts for note in part.notes)
+
+    def sample(self, time: Array) -> GroundSample:
+        samples = [part.sample(time) for part in self.parts]
+        return GroundSample(*(np.sum(column, axis=0) for column in zip(*samples, strict=True)))
