@@ -251,7 +251,7 @@ def test_a_whole_number_is_a_number() -> None:
 
 @pytest.mark.parametrize("kind", [Actuator, Machine, Supply])
 def test_unknown_keys_are_refused(kind: type[Parameters]) -> None:
-    with pytest.raises(ValidationError, match="stiffnes\n.*not permitted"):
+    with pytest.raises(ValidationError, match=r"stiffnes\n.*not permitted"):
         kind(stiffnes=1.0)  # type: ignore[call-arg]
 
 

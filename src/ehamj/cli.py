@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.console import Console
@@ -19,6 +19,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from ehamj.errors import InputError
+
+if TYPE_CHECKING:
+    from ehamj.result import Result
+    from ehamj.scenario import Scenario
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -65,31 +69,34 @@ def run(
     overwrite: OverwriteOption = False,
     overrides: SetOption = None,
     no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate one scenario into a result folder.
 
-    The folder holds result.nc (all time histories, opens with xarray), summary.json, scenario.toml (complete; runs
-    again to the same result), model.xml (opens in any MuJoCo viewer) and replay.rrd (open it with `ehamj replay`).
+    The folder holds report.html (read it first), replay.rrd (open it with `ehamj replay`), result.nc (all time
+    histories, opens with xarray), summary.json, scenario.toml (complete; runs again to the same result) and model.xml
+    (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
     """
     from ehamj.scenario import load_scenario
+    from ehamj.store import write_run
 
     _check_out(out_folder, overwrite)
     loaded = load_scenario(scenario, overrides or ())
-    result, failure = _simulate(loaded)
-    with _new_folder(out_folder, overwrite) as (folder, target):
-        result.save(target)
-        if loaded.output.replay and not no_replay and result.dataset.time.size:
-            from ehamj.replay import write_replay
-
-            with log.status("writing the replay"):
-                write_replay(target / "replay.rrd", {loaded.name: result}, loaded.output.exaggeration)
+    if no_replay or no_report:
+        wanted = {"replay": loaded.output.replay and not no_replay, "report": loaded.output.report and not no_report}
+        loaded = loaded.model_copy(update={"output": loaded.output.model_copy(update=wanted)})
+    results, failures = _simulate(loaded)
+    with _new_folder(out_folder, overwrite) as (folder, target), log.status("writing the result"):
+        write_run(target, results)
+    summary = results[loaded.name].summary
     if as_json:
-        _print_json({"folder": str(folder), "summary": result.summary})
+        variants = {name: results[loaded.variant(name).name].summary for name in loaded.compare}
+        _print_json({"folder": str(folder), "summary": summary, "variants": variants})
     else:
-        _print_summary(result.summary, folder)
-    if failure is not None:
-        raise failure
+        _print_summary(summary, folder)
+    if failures:
+        raise failures[0]
 
 
 @app.command()
@@ -159,17 +166,26 @@ def bench(
     out.print(table)
 
 
-def _simulate(scenario: Any) -> tuple[Any, Exception | None]:
-    """The result, and the failure that cut it short, if any."""
+def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
+    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
+    from concurrent.futures import ThreadPoolExecutor
+
     from ehamj.simulate import Incomplete, simulate
 
+    wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
-    with bar:
-        task = bar.add_task(escape(scenario.name), total=1.0)
+
+    def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
+        task = bar.add_task(variant.name, total=1.0)
         try:
-            return simulate(scenario, lambda fraction: bar.update(task, completed=fraction)), None
+            return simulate(variant, lambda fraction: bar.update(task, completed=fraction)), None
         except Incomplete as failure:
             return failure.result, failure
+
+    with bar, ThreadPoolExecutor() as pool:
+        outcomes = list(pool.map(one, wanted))
+    results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
+    return results, [failure for _, failure in outcomes if failure is not None]
 
 
 def _check_out(folder: Path | None, overwrite: bool) -> None:

@@ -11,12 +11,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj.controllers import Controller
 from ehamj.errors import InputError
 from ehamj.layout import AXES, CHAMBERS, DOFS, MOUNTS
 from ehamj.scenario import Scenario, load_scenario
 
 RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
 """Files without which a folder is no result."""
+
+CONTROLLER_FILE = "controller.json"
 
 COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
     "mount": (list(MOUNTS), {"long_name": "mount (+x front, +y left)"}),
@@ -54,13 +57,14 @@ class Result:
     """What a simulation gave.
 
     ``dataset`` holds the time histories (`VARIABLES`), ``summary`` the numbers a person asks for first,
-    ``model_xml`` the compiled model as MJCF.
+    ``model_xml`` the compiled model as MJCF, ``controller`` the law that ran.
     """
 
     scenario: Scenario
     dataset: xr.Dataset
     summary: dict[str, Any]
     model_xml: str = field(repr=False, default="")
+    controller: Controller | None = field(repr=False, default=None)
 
     @property
     def complete(self) -> bool:
@@ -71,6 +75,9 @@ class Result:
         """Write the result's files into an existing folder, each renamed into place when it is whole."""
         with written_whole(folder / "scenario.toml") as path:
             path.write_text(self.scenario.to_toml(), encoding="utf-8")
+        if self.controller is not None:
+            with written_whole(folder / CONTROLLER_FILE) as path:
+                self.controller.save(path)
         with written_whole(folder / "model.xml") as path:
             path.write_text(self.model_xml, encoding="utf-8")
         with written_whole(folder / "result.nc") as path:
@@ -102,6 +109,7 @@ def load_result(folder: str | Path) -> Result:
         dataset=dataset,
         summary=summary,
         model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
+        controller=Controller.load(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
     )
 
 

@@ -7,7 +7,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -80,9 +80,10 @@ class Isolator(Actuator):
     @model_validator(mode="before")
     @classmethod
     def _fill_from_preset(cls, table: Any) -> Any:
-        if not isinstance(table, Mapping) or table.get("preset", "first-generation") not in ACTUATOR_PRESETS:
+        name = table.get("preset", "first-generation") if isinstance(table, Mapping) else None
+        if not isinstance(name, str) or name not in ACTUATOR_PRESETS:
             return table  # the field's own validation says what is allowed
-        preset = ACTUATOR_PRESETS[table.get("preset", "first-generation")]
+        preset = ACTUATOR_PRESETS[name]
         values = preset.model_dump(exclude={"sources"})
         sources = {k: v for k, v in preset.sources.items() if k not in table or table[k] == values[k]}
         own = table.get("sources", {})
@@ -93,6 +94,7 @@ class Output(Settings):
     """What is written beside the numbers."""
 
     replay: bool = Field(True, description="write replay.rrd")
+    report: bool = Field(True, description="write report.html and figures/")
     exaggeration: Annotated[float, Field(gt=0)] | Literal["auto"] = Field(
         "auto", description="factor on the motions drawn in the replay"
     )
@@ -236,10 +238,12 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error
-    _anchor_files(table.get("ground"), path.resolve().parent)
+    for part in ("ground", "control"):
+        _anchor_files(table.get(part), path.resolve().parent)
     for override in overrides:
         _override(table, override)
-    _anchor_files(table.get("ground"), Path.cwd())
+    for part in ("ground", "control"):
+        _anchor_files(table.get(part), Path.cwd())
     return parse_scenario(table)
 
 
@@ -360,10 +364,16 @@ def _key(location: tuple[int | str, ...]) -> str:
     return ".".join(_walk(location)[0])
 
 
+@cache
+def _schema() -> dict[str, Any]:
+    return Scenario.model_json_schema()
+
+
 def _walk(location: tuple[int | str, ...]) -> tuple[list[str], dict[str, Any]]:
     """Where a location leads: the keys as the user wrote them (without the tags of unions), and the schema there."""
-    schema: Any = Scenario.model_json_schema()
-    keys, node = [], schema
+    schema = _schema()
+    keys: list[str] = []
+    node: Any = schema
     for part in location:
         choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
         if len(choices) == 1:

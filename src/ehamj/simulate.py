@@ -32,8 +32,8 @@ from ehamj.native.stepping import (
 )
 from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian
 from ehamj.parameters import Plant
-from ehamj.result import Result, make_dataset
-from ehamj.scenario import Scenario
+from ehamj.result import CONTROLLER_FILE, Result, make_dataset
+from ehamj.scenario import Law, Scenario
 from ehamj.signals import Signal
 from ehamj.summary import summarise
 
@@ -100,9 +100,12 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: C
         total_seconds=clock.perf_counter() - started,
         complete=complete,
         notes=prepared.motion.notes,
+        usable_to=prepared.motion.usable_to,
     )
     xml = build_spec(scenario.plant, prepared.model.opt.timestep, drawn=True).to_xml()
-    result = Result(scenario, dataset, summary, xml)
+    if prepared.controller is not None and (controller is not None or isinstance(scenario.control, Law)):
+        scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
+    result = Result(scenario, dataset, summary, xml, prepared.controller)
     if not complete:
         message = _why(stopped, prepared, float(times[-1]) if times.size else 0.0)
         summary["failure"] = message

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj.isolation import isolation
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.scenario import Scenario
 
@@ -24,6 +25,7 @@ def summarise(
     total_seconds: float,
     complete: bool,
     notes: tuple[str, ...],
+    usable_to: float,
 ) -> dict[str, Any]:
     """The content of summary.json: plain numbers, SI, null where something is undefined."""
     peak, rms = levels(dataset)
@@ -32,6 +34,7 @@ def summarise(
     return {
         "name": scenario.name,
         "complete": complete,
+        **isolation(dataset, scenario.plant, scenario.record_rate, usable_to),
         "warnings": list(notes) + _warnings(saturation),
         "peak": peak,
         "rms": rms,

@@ -24,6 +24,10 @@ class Combined:
     def notes(self) -> tuple[str, ...]:
         return tuple(note for part in self.parts for note in part.notes)
 
+    @property
+    def usable_to(self) -> float:
+        return min(part.usable_to for part in self.parts)
+
     def sample(self, time: Array) -> GroundSample:
         samples = [part.sample(time) for part in self.parts]
         return GroundSample(*(np.sum(column, axis=0) for column in zip(*samples, strict=True)))

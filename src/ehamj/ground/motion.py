@@ -39,6 +39,11 @@ class Motion(Protocol):
         """What a reader of the result must know: processing steps and limits, in plain words."""
         ...
 
+    @property
+    def usable_to(self) -> float:
+        """Frequency above which the motion is not known, and no statement about the machine holds [Hz]."""
+        ...
+
 
 @dataclass(frozen=True)
 class Start:
@@ -65,6 +70,7 @@ class Slab:
     positions: Array
     signals: dict[str, Signal]
     notes: tuple[str, ...] = ()
+    usable_to: float = float("inf")
 
     @property
     def at_rest(self) -> bool:

@@ -118,7 +118,8 @@ class RecordGround(Treatment):
             moved = displacement(channel, self, self.start, start.duration)
             scaled = Sampled(moved.rate, self.scale * moved.values, moved.start)
             signals[channel.axis] = Faded(scaled, self.fade_in or self.taper)
-        return Slab(start.positions, signals, (*notes, *self._notes(record)))
+        usable = min(channel.usable for channel in record.channels)
+        return Slab(start.positions, signals, (*notes, *self._notes(record)), usable)
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:

@@ -41,6 +41,7 @@ class Travelling:
     delays: Array
     fade_in: float = 0.0
     notes: tuple[str, ...] = ()
+    usable_to: float = float("inf")
 
     @property
     def at_rest(self) -> bool:

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 import rerun as rr
+from rerun.chunk import RrdReader
 from rerun.error_utils import catch_and_log_exceptions
 
 from ehamj.replay.about import page
@@ -35,6 +36,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
 
     Raises:
         ValueError: if there is no result, or the exaggeration is not positive.
+        OSError: if the file cannot be written.
     """
     if not results or "" in results:
         raise ValueError(f"results {list(results)}: must be at least one, each with a label")
@@ -50,6 +52,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
         layout = make_blueprint(results, compared, isolators, curves, factor, speed)
         recording = rr.RecordingStream(_application(title, results, factor))
         try:
+            temporary.touch()  # fails with the system's own error where nothing can be written
             recording.save(temporary, default_blueprint=layout)
             recording.send_recording_name(title)
             recording.log(
@@ -65,6 +68,15 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
             log_attenuation(recording, curves, tuple(results))
         finally:
             recording.disconnect()
+        _check_whole(temporary)
+
+
+def _check_whole(path: Path) -> None:
+    """Read the file's end: Rerun writes on a thread of its own, and what goes wrong there it only prints."""
+    try:
+        RrdReader(path).store()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise OSError(f"recording not written whole; is the disk full, or Rerun off (RERUN=off)? {error}") from error
 
 
 def _application(title: str, labels: Iterable[str], factor: float) -> str:

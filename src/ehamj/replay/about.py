@@ -25,6 +25,7 @@ def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
     parts = [
         f"# {first.name}",
         first.description,
+        _verdicts(results),
         _numbers(results),
         *_warnings(results),
         _reading(factor, speed),
@@ -35,6 +36,15 @@ def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def _verdicts(results: Mapping[str, Result]) -> str:
+    """The vibration classes that floor and machine meet, where a summary has them."""
+    lines = []
+    for label, result in results.items():
+        for axes, verdict in result.summary.get("criterion", {}).get("verdict", {}).items():
+            lines.append(f"- {label}, {axes}: {verdict}")
+    return "\n".join(lines)
 
 
 def _numbers(results: Mapping[str, Result]) -> str:
@@ -81,17 +91,18 @@ def _speed(velocity: float) -> str:
 
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
-    """Failure, warnings and saturation of each result; nothing when there is nothing to say."""
-    lines = []
+    """Failures, warnings and saturation, once where results share them; nothing when there is nothing to say."""
+    said: dict[str, list[str]] = {}
     for label, result in results.items():
-        said = [str(result.summary[key]) for key in ("failure",) if key in result.summary]
-        said += [str(warning) for warning in result.summary.get("warnings", [])]
+        texts = [str(result.summary["failure"])] if "failure" in result.summary else []
+        texts += [str(warning) for warning in result.summary.get("warnings", [])]
         for limit, shares in result.summary.get("saturation", {}).items():
             reached = [f"{mount} {100 * shares[mount]:.2g} %" for mount in MOUNTS if shares.get(mount, 0.0) > 0.0]
             if reached:
-                said.append(f"share of time at the limit of {limit.replace('_', ' ')}: {', '.join(reached)}")
-        lines += [f"- {label}: {text}" for text in said]
-    return ["## Warnings", "\n".join(lines)] if lines else []
+                texts.append(f"share of time at the limit of {limit.replace('_', ' ')}: {', '.join(reached)}")
+        for text in texts:
+            said.setdefault(text, []).append(label)
+    return ["## Warnings", "\n".join(f"- {', '.join(labels)}: {text}" for text, labels in said.items())] if said else []
 
 
 def _reading(factor: float, speed: float) -> str:
@@ -125,22 +136,24 @@ def _parameters(results: Mapping[str, Result]) -> list[str]:
 def _quantities(values: Parameters) -> str:
     rows = []
     for name, (unit, symbol, _) in values.quantities().items():
-        rows.append([name.replace("_", " "), symbol, f"{_number(getattr(values, name))} {unit}", values.sources[name]])
+        value = f"{_number(getattr(values, name))} {'' if unit == '-' else unit}".strip()
+        rows.append([name.replace("_", " "), symbol, value, values.sources[name]])
     return _table(["quantity", "symbol", "value", "source"], rows)
 
 
 def _settings(results: Mapping[str, Result]) -> list[str]:
-    """Ground and control of each result in one line each, without long tables of numbers."""
-    lines = []
+    """Ground and control in one line each, once where results share them, without long tables of numbers."""
+    lines: dict[str, list[str]] = {}
     for label, result in results.items():
         for what in ("ground", "control"):
             settings = getattr(result.scenario, what).model_dump()
+            kind = settings.pop("kind", "")
             plain = [f"{key} {value}" for key, value in settings.items() if isinstance(value, str | int | float)]
-            lines.append(f"- {label}, {what}: {', '.join(plain)}")
-    return ["\n".join(lines)]
+            lines.setdefault(f"{what} {kind}{': ' if plain else ''}{', '.join(plain)}", []).append(label)
+    return ["\n".join(f"- {', '.join(labels)}: {line}" for line, labels in lines.items())]
 
 
 def _number(value: Any) -> str:
     if isinstance(value, tuple | list):
         return "(" + ", ".join(_number(part) for part in value) + ")"
-    return "∞" if math.isinf(value) else f"{value:.4g}"
+    return "∞" if math.isinf(value) else f"{value:.4g}".replace("e+0", "e").replace("e-0", "e-")

@@ -54,7 +54,8 @@ def make_blueprint(
         speed: playback speed, simulated seconds per second.
     """
     columns = len(results) if len(results) <= 3 else math.ceil(math.sqrt(len(results)))
-    scenes = [_scene(label, result, factor, columns) for label, result in results.items()]
+    # Three in a row are narrower than high.
+    scenes = [_scene(label, result, factor, 1.7 if len(results) == 3 else 1.12) for label, result in results.items()]
     machines = rrb.Grid(*scenes, grid_columns=columns) if columns > 1 else scenes[0]
     velocities, rotations = (_moving([compared[name] for name in names]) for names in (VELOCITIES, ROTATIONS))
     first = velocities[0] if velocities else compared[VELOCITIES[0]]
@@ -85,10 +86,10 @@ def make_blueprint(
     )
 
 
-def _scene(label: str, result: Result, factor: float, columns: int) -> rrb.Spatial3DView:
+def _scene(label: str, result: Result, factor: float, away: float) -> rrb.Spatial3DView:
     size, eye = np.array(result.scenario.machine.size), np.array(EYE)
     target = np.array([0.0, 0.0, 0.36 * size[2]])
-    distance = 1.12 * math.hypot(*size) * (1.5 if columns == 3 else 1.0)  # three in a row are narrower than high
+    distance = away * math.hypot(*size)
     return rrb.Spatial3DView(
         origin=entity(label, "world"),
         name=f"{label}: motion × {factor:g}",

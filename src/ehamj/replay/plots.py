@@ -69,7 +69,7 @@ def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
         unit = title[title.index("[") :]
         # The viewer draws in the order of the paths: floors behind, then the loudest, which would hide quieter ones.
         lines = [(who, label, floors[label], GROUND_COLOR, 3.0) for label, who in _distinct(floors).items()]
-        for label in sorted(machines, key=lambda label: -float(np.nan_to_num(machines[label][:, column]).std())):
+        for label in sorted(machines, key=lambda label: -_rms(machines[label][:, column])):
             lines.append((label, label, machines[label], result_color(list(results).index(label)), 1.5))
         traces = [
             Trace(
@@ -151,6 +151,10 @@ def _machine(result: Result) -> Array:
     """Columns of `COMPARED` for the machine: velocities of its CG, its rotations."""
     rotation = result.dataset.machine_displacement.values[:, 3:5]
     return 1e6 * np.column_stack([result.dataset.cg_velocity.values[:, [2, 0, 1]], rotation - rotation[:1]])
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.nansum(values**2) / max(1, values.size)))
 
 
 def _distinct(floors: Mapping[str, Array]) -> dict[str, str]:

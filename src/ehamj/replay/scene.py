@@ -138,16 +138,14 @@ def fitted_slab(ground: Array, positions: Array) -> Array:
     one, zero = np.ones_like(x), np.zeros_like(x)
     rows = [[one, zero, zero, zero, zero, -y], [zero, one, zero, zero, zero, x], [zero, zero, one, y, -x, zero]]
     lever = np.array(rows).transpose(2, 0, 1).reshape(-1, 6)
-    return ground.reshape(len(ground), -1) @ np.linalg.pinv(lever).T
+    return ground.reshape(len(ground), len(lever)) @ np.linalg.pinv(lever).T
 
 
 def _drawn(result: Result) -> slice:
     """Rows that can be drawn: all up to the first that is not finite."""
     names = ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
-    finite = [
-        np.isfinite(result.dataset[name].values).reshape(result.dataset.time.size, -1).all(axis=1) for name in names
-    ]
-    whole = np.logical_and.reduce(finite)
+    finite = [np.isfinite(result.dataset[name].values) for name in names]
+    whole = np.logical_and.reduce([flags.all(axis=tuple(range(1, flags.ndim))) for flags in finite])
     return slice(0, whole.size if whole.all() else int(np.argmin(whole)))
 
 

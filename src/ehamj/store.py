@@ -1,0 +1,32 @@
+"""A run's folder: the result, its variants in folders of their own, replay and report."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ehamj.replay import write_replay
+from ehamj.report import write_report
+from ehamj.result import Result
+
+
+def write_run(folder: Path, results: Mapping[str, Result]) -> None:
+    """Write results into an existing folder; the first is the scenario's own, the others are its variants in order.
+
+    Replay and report show all of them together; a variant's folder holds its own as well.
+    """
+    main, *variants = results.items()
+    _write_one(folder, dict(results), main[1])
+    for name, (label, result) in zip(main[1].scenario.compare, variants, strict=True):
+        own = folder / name
+        own.mkdir()
+        _write_one(own, {label: result}, result)
+
+
+def _write_one(folder: Path, shown: dict[str, Result], result: Result) -> None:
+    result.save(folder)
+    output = result.scenario.output
+    if not result.dataset.time.size:
+        return  # it failed before its first row: there is nothing to show
+    if output.replay:
+        write_replay(folder / "replay.rrd", shown, output.exaggeration)
+    if output.report:
+        write_report(folder, shown)
