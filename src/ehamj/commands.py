@@ -1,13 +1,12 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Plant, Settings
-from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
+from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero, schroeder_phases
 
 MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
 Positive = Annotated[float, Field(gt=0)]
@@ -33,16 +32,23 @@ class SineCommand(SignalSettings):
 
 
 class MultisineCommand(SignalSettings):
-    """Sum of sines with Schroeder phases, which keep the peak low."""
+    """Sum of sines of one amplitude."""
 
     kind: Literal["multisine"]
     amplitude: float = Field(description="amplitude of each sine [V]")
     frequencies: tuple[Positive, ...] = Field(description="frequencies [Hz]", min_length=1)
+    phases: tuple[float, ...] | None = Field(None, description="phases [rad]; without: Schroeder's, of low peak")
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Self:
+        if self.phases is not None and len(self.phases) != len(self.frequencies):
+            raise ValueError(f"phases has {len(self.phases)} values; it must have {len(self.frequencies)}")
+        return self
 
     def signal(self) -> Signal:
         """Build the signal."""
-        k = np.arange(len(self.frequencies))
-        return Multisine.of(self.amplitude, self.frequencies, -np.pi * k * (k + 1) / k.size)
+        phases = schroeder_phases(len(self.frequencies)) if self.phases is None else self.phases
+        return Multisine.of(self.amplitude, self.frequencies, phases)
 
 
 class StepCommand(SignalSettings):

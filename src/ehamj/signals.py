@@ -62,6 +62,12 @@ class Multisine:
         return Sample(value, slope, curvature)
 
 
+def schroeder_phases(lines: int) -> Array:
+    """Phases that keep the peak of a sum of sines low, −πk(k + 1)/n [rad] (Schroeder 1970)."""
+    k = np.arange(lines)
+    return -np.pi * k * (k + 1) / lines
+
+
 @dataclass(frozen=True)
 class Step:
     """A jump by ``height`` at ``start`` [s]."""

@@ -30,7 +30,8 @@ def summarise(
     """The content of summary.json: plain numbers, SI, null where something is undefined."""
     peak, rms = levels(dataset)
     simulated = float(dataset.time[-1]) if dataset.time.size else 0.0
-    saturation = _saturation(tally, max(steps, 1))
+    states = max(steps + complete, 1)  # counted: one before each step and, at the end of a complete run, the last one
+    saturation = _saturation(tally, states)
     return {
         "name": scenario.name,
         "complete": complete,
@@ -39,7 +40,7 @@ def summarise(
         "peak": peak,
         "rms": rms,
         "saturation": saturation,
-        "oil": _oil(tally, max(steps, 1), timestep),
+        "oil": _oil(tally, states, steps * timestep),
         "timing": {
             "simulated_s": simulated,
             "wall_s": total_seconds,
@@ -75,20 +76,20 @@ def _nested(values: xr.DataArray) -> Any:
     return {str(label): _nested(values.sel({dimension: label})) for label in values[dimension].values}
 
 
-def _saturation(tally: np.ndarray, steps: int) -> dict[str, dict[str, float]]:
-    """Share of steps spent at each limit, per mount."""
+def _saturation(tally: np.ndarray, states: int) -> dict[str, dict[str, float]]:
+    """Share of states at each limit, per mount."""
     names = ("command", "spool", "spool_drive", "cavitation")
-    shares = tally[: len(names) * N_MOUNTS].reshape(len(names), N_MOUNTS) / steps
+    shares = tally[: len(names) * N_MOUNTS].reshape(len(names), N_MOUNTS) / states
     return {name: dict(zip(MOUNTS, map(float, row), strict=True)) for name, row in zip(names, shares, strict=True)}
 
 
-def _oil(tally: np.ndarray, steps: int, timestep: float) -> dict[str, float]:
+def _oil(tally: np.ndarray, states: int, duration: float) -> dict[str, float]:
     total, peak, power = (float(value) for value in tally[-3:])
     return {
-        "mean_flow_m3_s": total / steps,
+        "mean_flow_m3_s": total / states,
         "peak_flow_m3_s": peak,
-        "volume_m3": total * timestep,
-        "mean_power_w": power / steps,
+        "volume_m3": total / states * duration,
+        "mean_power_w": power / states,
     }
 
 

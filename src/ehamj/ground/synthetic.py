@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from ehamj.ground.motion import Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
 from ehamj.parameters import Settings
-from ehamj.signals import Chirp, Multisine, Sample, Signal
+from ehamj.signals import Chirp, Multisine, Sample, Signal, schroeder_phases
 
 Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
@@ -76,8 +76,7 @@ class MultisineGround(_OneDof):
     def signal(self) -> Signal:
         """Displacement [m] or rotation [rad]."""
         frequency = np.array(self.frequencies)
-        k = np.arange(frequency.size)
-        phases = -np.pi * k * (k + 1) / frequency.size if self.phases is None else np.array(self.phases)
+        phases = schroeder_phases(frequency.size) if self.phases is None else np.array(self.phases)
         amplitude = np.sqrt(2.0) * np.array(self.velocities) / (2 * np.pi * frequency)
         return Multisine.of(amplitude, frequency, phases)
 

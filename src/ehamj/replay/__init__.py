@@ -19,6 +19,8 @@ from rerun.error_utils import catch_and_log_exceptions
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
+from ehamj.replay.marks import arrow_scale, log_marks
+from ehamj.replay.names import result_color
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
 from ehamj.result import Result, written_whole
@@ -43,6 +45,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
     factor = exaggeration_for(results.values()) if exaggeration == "auto" else float(exaggeration)
     if not (np.isfinite(factor) and factor > 0.0):
         raise ValueError(f"exaggeration = {exaggeration!r}: must be a positive number or 'auto'")
+    arrows = arrow_scale(results.values())
     speed = playback_speed(main_frequency(results.values()))
     compared, curves = compared_plots(results), curves_of(results)
     isolators = {label: isolator_plots(label, result) for label, result in results.items()}
@@ -57,12 +60,13 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
             recording.send_recording_name(title)
             recording.log(
                 "about",
-                rr.TextDocument(page(results, factor, speed), media_type="text/markdown"),
+                rr.TextDocument(page(results, factor, arrows, speed), media_type="text/markdown"),
                 static=True,
                 strict=True,
             )
-            for label, result in results.items():
+            for index, (label, result) in enumerate(results.items()):
                 log_scene(recording, label, result, factor)
+                log_marks(recording, label, result, factor, arrows, result_color(index))
             for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
                 log_plot(recording, plot)
             log_attenuation(recording, curves, tuple(results))

@@ -6,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.layout import MOUNTS
 from ehamj.parameters import Parameters
+from ehamj.replay.marks import length_text
 from ehamj.replay.plots import NEGLIGIBLE
-from ehamj.replay.scene import length_text
 from ehamj.result import Result
 
 
-def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
+def page(results: Mapping[str, Result], factor: float, arrows: float, speed: float) -> str:
     """The page as Markdown.
 
     Args:
         results: what is shown, by label.
         factor: exaggeration of the motions.
+        arrows: length of an arrow over velocity [m/(m/s)].
         speed: playback speed, simulated seconds per second.
     """
     first = next(iter(results.values())).scenario
@@ -28,7 +28,7 @@ def page(results: Mapping[str, Result], factor: float, speed: float) -> str:
         _verdicts(results),
         _numbers(results),
         *_warnings(results),
-        _reading(factor, speed),
+        _reading(factor, arrows, speed),
     ]
     return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
 
@@ -74,8 +74,16 @@ def _figures(result: Result) -> dict[str, str]:
         "largest stroke": length_text(_peak(stroke)),
         "largest command": f"{_peak(data.valve_command.values):.3g} V",
         "largest spool opening": f"{100 * _peak(data.spool.values / full):.3g} %",
+        "time at a limit, worst mount": _limits(result),
         "simulated": f"{float(data.time[-1]):.4g} s" + ("" if result.complete else ", **incomplete**"),
     }
+
+
+def _limits(result: Result) -> str:
+    """Share of time at each limit, of the mount that is there longest."""
+    saturation = result.summary.get("saturation", {})
+    worst = {limit.replace("_", " "): max(shares.values(), default=0.0) for limit, shares in saturation.items()}
+    return ", ".join(f"{limit} {100 * share:.2g} %" for limit, share in worst.items() if share > 0.0) or "none"
 
 
 def _rms(values: np.ndarray) -> float:
@@ -91,21 +99,22 @@ def _speed(velocity: float) -> str:
 
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
-    """Failures, warnings and saturation, once where results share them; nothing when there is nothing to say."""
+    """Failures and warnings, once where results share them; nothing when there is nothing to say."""
     said: dict[str, list[str]] = {}
     for label, result in results.items():
         texts = [str(result.summary["failure"])] if "failure" in result.summary else []
         texts += [str(warning) for warning in result.summary.get("warnings", [])]
-        for limit, shares in result.summary.get("saturation", {}).items():
-            reached = [f"{mount} {100 * shares[mount]:.2g} %" for mount in MOUNTS if shares.get(mount, 0.0) > 0.0]
-            if reached:
-                texts.append(f"share of time at the limit of {limit.replace('_', ' ')}: {', '.join(reached)}")
         for text in texts:
             said.setdefault(text, []).append(label)
     return ["## Warnings", "\n".join(f"- {', '.join(labels)}: {text}" for text, labels in said.items())] if said else []
 
 
-def _reading(factor: float, speed: float) -> str:
+def _reading(factor: float, arrows: float, speed: float) -> str:
+    shown = ""
+    if arrows > 0.0:
+        shown = f"""- Arrows beside the mounts are vertical velocities, blue of the floor, coloured of the machine's
+  foot: {1e6 * 0.1 / arrows:g} µm/s are an arrow of 10 cm. Isolation works where blue swings and the other does not.
+"""
     return f"""## How to read the picture
 
 - Real motions are micrometres. Every motion is drawn **{factor:g} times** larger about the position of equilibrium, by
@@ -113,7 +122,7 @@ def _reading(factor: float, speed: float) -> str:
   size is not enlarged, so large rotations look stranger than they are.
 - Blue pads and the floor are the ground. Orange plates are what the oil lifts; they carry the machine's feet. The grey
   outline is the machine at rest.
-- Playback runs at {speed:g} × real time; space starts and stops it. The plot below the scene follows."""
+{shown}- Playback runs at {speed:g} × real time; space starts and stops it. The plot below the scene follows."""
 
 
 def _parameters(results: Mapping[str, Result]) -> list[str]:

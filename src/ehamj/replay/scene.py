@@ -51,20 +51,25 @@ def nice(value: float) -> float:
 
 
 def main_frequency(results: Iterable[Result]) -> float:
-    """Frequency of the drawn motion [Hz]: RMS velocity over RMS displacement of feet and ground; 0 at rest."""
-    velocity = displacement = 0.0
+    """Frequency of the vertical motion [Hz]: RMS velocity over RMS displacement of feet and ground.
+
+    Where hardly anything moves vertically, that of all motion; 0 at rest.
+    """
+    squares = np.zeros((2, 3))  # of displacement and velocity, per axis
     for result in results:
+        rows = drawn_rows(result)
         for name in ("ground", "foot"):
-            moved = result.dataset[f"{name}_displacement"].values[_drawn(result)]
+            moved = result.dataset[f"{name}_displacement"].values[rows]
+            rate = result.dataset[f"{name}_velocity"].values[rows]
             if len(moved):
-                displacement += float(np.sum((moved - moved.mean(axis=0)) ** 2)) / len(moved)
-                rate = result.dataset[f"{name}_velocity"].values[_drawn(result)]
-                velocity += float(np.sum(rate**2)) / len(moved)
+                squares[0] += ((moved - moved.mean(axis=0)) ** 2).mean(axis=0).sum(axis=0)
+                squares[1] += (rate**2).mean(axis=0).sum(axis=0)
+    displacement, velocity = squares[:, 2] if squares[0, 2] > 1e-4 * squares[0].sum() else squares.sum(axis=1)
     return math.sqrt(velocity / displacement) / (2 * math.pi) if displacement > 0.0 else 0.0
 
 
 def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
-    """Log one result's machine: shapes once, poses over time, a ghost of the machine at rest, a scale.
+    """Log one result's machine: shapes once, poses over time, a ghost of the machine at rest.
 
     Args:
         recording: where to.
@@ -74,8 +79,7 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
     """
     model = drawn_model(result)
     _log_shapes(recording, label, model)
-    _log_scale(recording, label, result, factor)
-    rows = _pose_rows(result)
+    rows = pose_rows(result)
     stamps = nanoseconds(result.dataset.time.values[rows])
     for body, pose in poses(result, model, factor, rows).items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
@@ -141,7 +145,7 @@ def fitted_slab(ground: Array, positions: Array) -> Array:
     return ground.reshape(len(ground), len(lever)) @ np.linalg.pinv(lever).T
 
 
-def _drawn(result: Result) -> slice:
+def drawn_rows(result: Result) -> slice:
     """Rows that can be drawn: all up to the first that is not finite."""
     names = ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
     finite = [np.isfinite(result.dataset[name].values) for name in names]
@@ -149,9 +153,9 @@ def _drawn(result: Result) -> slice:
     return slice(0, whole.size if whole.all() else int(np.argmin(whole)))
 
 
-def _pose_rows(result: Result) -> np.ndarray:
+def pose_rows(result: Result) -> np.ndarray:
     """Rows at which poses are logged."""
-    count = len(range(*_drawn(result).indices(result.dataset.time.size)))
+    count = len(range(*drawn_rows(result).indices(result.dataset.time.size)))
     rate = max(POSE_RATE, POSES_PER_PERIOD * main_frequency([result]))
     every = max(1, math.floor(result.scenario.record_rate / rate), math.ceil(count / MOST_POSES))
     return np.arange(0, count, every)
@@ -159,7 +163,7 @@ def _pose_rows(result: Result) -> np.ndarray:
 
 def _largest_motion(result: Result) -> float:
     """Largest displacement from the equilibrium of a corner of the machine or of the ground below a mount [m]."""
-    rows = _drawn(result)
+    rows = drawn_rows(result)
     machine = result.dataset.machine_displacement.values[rows]
     ground = result.dataset.ground_displacement.values[rows]
     if not len(machine):
@@ -199,30 +203,3 @@ def _shape(model: mujoco.MjModel, geom: int, color: tuple[int, ...], fill: str) 
         )
     half = size if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_BOX else model.geom_aabb[geom, 3:]
     return rr.Boxes3D(half_sizes=[half], centers=[centre], quaternions=[turn], colors=[color], fill_mode=fill)
-
-
-def _log_scale(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
-    """A bar beside the machine that says how long a motion is drawn."""
-    length = nice(1.5 * LARGEST_DRAWN / factor)
-    x, y = 0.5 * result.scenario.machine.size[0] + 0.4, -0.05 * result.scenario.machine.size[1]
-    bottom = FLOOR + LARGEST_DRAWN  # the floor moves, the bar does not
-    top, wing = bottom + factor * length, 0.03
-    strips = [
-        [[x, y, bottom], [x, y, top]],
-        [[x - wing, y - wing, bottom], [x + wing, y + wing, bottom]],
-        [[x - wing, y - wing, top], [x + wing, y + wing, top]],
-    ]
-    bar = rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=[(255, 255, 255)])
-    recording.log(entity(label, "world", "scale"), bar, static=True, strict=True)
-    text = rr.Points3D(
-        [[x, y, bottom]], radii=0.001, colors=[(255, 255, 255)], labels=[length_text(length)], show_labels=True
-    )
-    recording.log(entity(label, "world", "scale", "text"), text, static=True, strict=True)
-
-
-def length_text(length: float) -> str:
-    """A length [m] in the unit that keeps it short."""
-    for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
-        if length >= 0.999 * size:
-            return f"{length / size:.4g} {unit}"
-    return "0" if length < 1e-12 else f"{length / 1e-9:.3g} nm"
