@@ -71,7 +71,7 @@ def test_velocity_and_acceleration_integrate_to_the_motion(coefficients: list[fl
 def test_tiny_turns_are_not_lost(size: float, direction: tuple, point: tuple) -> None:
     turn = size * np.array(direction)
     found = displaced(np.array([[0.0, 0.0, 0.0, *turn]]), np.array(point))[0]
-    # 1 + θ× + half its square in the order yaw, roll, pitch: what is missing is of third order, 1e-14 of it at 1e-7 rad.
+    # 1 + θ× + half its square, in the order yaw, roll, pitch. The third order is missing: 1e-14 of it at 1e-7 rad.
     x, y, z = (np.cross(axis, np.eye(3)).T for axis in np.eye(3) * turn[:, None])
     second = 0.5 * (x @ x + y @ y + z @ z) + z @ x + z @ y + x @ y
     expected = (x + y + z + second) @ point

@@ -11,7 +11,7 @@ from oracles import linear
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.layout import COLUMN, DOF_OF_JOINT, MOUNTS
-from ehamj.model import build_model, build_spec, foot_compliances
+from ehamj.model import build_model, foot_compliances
 from ehamj.native import hydraulics
 from ehamj.operating_point import Inputs, equilibrium, jacobian
 from ehamj.parameters import Actuator, Machine, Plant
@@ -142,8 +142,8 @@ def test_the_saved_model_stands_in_plain_mujoco(run: Result) -> None:
     model = mujoco.MjModel.from_xml_string(run.model_xml)
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, nstep=round(4.0 / model.opt.timestep))
-    # After 4 s without oil the heave, which decays as exp(−1.9 t), has 0.05 % of its swing left. A tied plate's weight is
-    # a force of the callbacks, 1.4 % of the whole.
+    # After 4 s without oil the heave, which decays as exp(−1.9 t), has 0.05 % of its swing left. A tied plate's weight,
+    # 1.4 % of the whole, is a force of the callbacks.
     assert data.qpos[2] == pytest.approx(DEFLECTION, rel=0.02)
     assert np.abs(np.delete(data.qpos[:6], 2)).max() < 1e-12
     assert not data.warning.number.any()
@@ -188,12 +188,12 @@ def test_lateral_membranes_act_at_their_own_mounts(plates: str) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     along, across, _ = linear.foot_maps(oracle_of(plant))
-    for state, name, size in ((data.qpos, "lateral_stiffness", 1e-6), (data.qvel, "lateral_damping", 1e-3)):
+    for state, name, size in (("qpos", "lateral_stiffness", 1e-6), ("qvel", "lateral_damping", 1e-3)):
         value = np.array([getattr(a, name) for a in plant.actuators])
         expected = (along.T * value) @ along + (across.T * value) @ across
         for dof in (0, 1, 5):
             mujoco.mj_resetData(model, data)
-            (data.qpos if name == "lateral_stiffness" else data.qvel)[DOFS[dof]] = size
+            getattr(data, state)[DOFS[dof]] = size
             mujoco.mj_forward(model, data)
             force = -data.qfrc_passive[DOFS] / size
             # Plane motion loads no vertical membrane; rounding of 1e9 N/m sums.
@@ -243,13 +243,13 @@ def test_the_rigid_foot_yields_as_little_as_it_says() -> None:
 
 def test_tied_plates_refuse_soft_feet() -> None:
     soft = Actuator(foot_stiffness=1e10)
-    with pytest.raises(ValueError, match="needs rigid feet.*front-right.*use plates = 'sliding'"):
+    with pytest.raises(ValueError, match=r"needs rigid feet.*front-right.*use plates = 'sliding'"):
         build_model(default_plant("tied", actuators=(Actuator(), soft, Actuator(), Actuator())), STEP)
 
 
 def test_sliding_plates_need_mass() -> None:
     light = Actuator(plate_mass=0.0)
-    with pytest.raises(ValueError, match="needs plates with mass.*rear-left.*use plates = 'tied'"):
+    with pytest.raises(ValueError, match=r"needs plates with mass.*rear-left.*use plates = 'tied'"):
         build_model(default_plant("sliding", actuators=(Actuator(), Actuator(), light, Actuator())), STEP)
 
 

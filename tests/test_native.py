@@ -4,7 +4,9 @@ import ctypes
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +25,14 @@ from ehamj.native.hold import default_timer, installed, library
 from ehamj.native.offsets import LayoutError, Offsets, offsets
 from ehamj.native.stepping import CHAMBER_1_EMPTY, DONE, N_TALLY, NOT_FINITE, advance, columns, row_size
 from ehamj.operating_point import Inputs, equilibrium, rates
+from ehamj.parameters import Actuator, Machine, Plant, Supply
 from ehamj.scenario import Scenario, load_scenario, parse_scenario
 from ehamj.simulate import simulate, simulate_many
 
 STEP = 1e-4
 TOPOLOGIES = ("sliding", "tied")
 DOFS = list(DOF_OF_JOINT)
+Pair = Callable[[str], tuple[Plant, machine.OracleMachine]]
 
 
 def default_model(plates: str = "tied") -> mujoco.MjModel:
@@ -159,21 +163,92 @@ def random_state(seed: int) -> tuple[machine.OracleState, Inputs]:
     return oracle, Inputs(draw(-1e-4, 1e-4, (4, 3)), draw(-1e-2, 1e-2, (4, 3)), draw(-12.0, 12.0, 4))
 
 
+UNEVEN = (1.0, 1.3, 0.7, 1.1)
+"""Scales that make no two mounts alike."""
+
+
+def default_pair(plates: str) -> tuple[Plant, machine.OracleMachine]:
+    return parse_scenario({"plates": plates}).plant, machine.default_machine()
+
+
+def uneven_pair(plates: str) -> tuple[Plant, machine.OracleMachine]:
+    """Mounts, valves and oil unlike each other, everything off centre; the same for the oracle, by value."""
+    positions = ((0.95, 0.62), (0.8, -0.55), (-0.9, 0.7), (-1.0, -0.48))
+    cg, inertia = (0.12, -0.07, 0.9), (1500.0, 2500.0, 3200.0)
+    ours = tuple(
+        Actuator(
+            piston_area=3e-2 * s,
+            chamber_volume=6e-4 / s,
+            bulk_modulus=1e9 * s,
+            membrane_stiffness=5e8 * s,
+            membrane_damping=4e3 / s,
+            lateral_stiffness=2e8 / s,
+            lateral_damping=3e4 * s,
+            plate_mass=15 / s,
+            flow_gain=2e-6 * s,
+            flow_pressure=7e-11 / s,
+            edge_leakage_share=0.3 * s,
+            laminar_ratio=1e-2 * s,
+            valve_gain=1.5 * s,
+            valve_frequency=1200 * s,
+            valve_damping=0.7 / s,
+            spool_drive_limit=5e6 / s,
+            spool_stroke=15 * s,
+            voltage_limit=8 / s,
+        )
+        for s in UNEVEN
+    )
+    theirs = tuple(
+        machine.OracleActuator(
+            A_p=3e-2 * s,
+            V_t=6e-4 / s,
+            beta=1e9 * s,
+            K_L=5e8 * s,
+            C=4e3 / s,
+            k_lat=2e8 / s,
+            c_lat=3e4 * s,
+            m_plate=15 / s,
+            K_Q=2e-6 * s,
+            g0=7e-11 / s * 0.3 * s,
+            cross=7e-11 / s * (1 - 0.3 * s),
+            eps=1e-2 * s,
+            K_v=1.5 * s,
+            omega_v=1200 * s,
+            zeta=0.7 / s,
+            a_max=5e6 / s,
+            x_max=15 * s,
+            v_max=8 / s,
+            P_s=90e5,
+            P_t=1e5,
+        )
+        for s in UNEVEN
+    )
+    plant = replace(
+        parse_scenario({"plates": plates}).plant,
+        machine=Machine(mass=3500.0, inertia=inertia, cg=cg),
+        positions=positions,
+        actuators=ours,
+        supply=Supply(pressure=90e5, tank_pressure=1e5),
+    )
+    return plant, machine.OracleMachine(mass=3500.0, inertia=inertia, cg=cg, mounts=positions, actuators=theirs)
+
+
 @pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("pair", [default_pair, uneven_pair])
 @pytest.mark.parametrize(("plates", "tolerance"), [("tied", 1e-9), ("sliding", 1e-6)])
-def test_rates_are_the_oracles(plates: str, tolerance: float, seed: int) -> None:
+def test_rates_are_the_oracles(plates: str, tolerance: float, pair: Pair, seed: int) -> None:
     oracle, inputs = random_state(seed)
-    model = default_model(plates)
+    plant, theirs = pair(plates)
+    model = build_model(plant, STEP)
     data = mujoco.MjData(model)
+    heights = linear.foot_maps(linear.LinearMachine(mounts=plant.positions))[2]
     motion = np.zeros((2, model.nq))
     motion[:, DOFS] = oracle.q, oracle.qd
-    motion[:, 6:] = (motion[:, DOFS] @ linear.foot_maps(linear.LinearMachine())[2].T)[:, : model.nq - 6]
+    motion[:, 6:] = (motion[:, DOFS] @ heights.T)[:, : model.nq - 6]
     act = np.column_stack([oracle.spool, oracle.spool_rate, oracle.pressure])
     with hydraulics():
         found = rates(model, data, np.concatenate([*motion, act.ravel()]), inputs)
-    expected = machine.rates(
-        machine.default_machine(), oracle, inputs.command, inputs.displacement, inputs.velocity
-    )
+    expected = machine.rates(theirs, oracle, inputs.command, inputs.displacement, inputs.velocity)
     acceleration = found[model.nq : model.nq + model.nv][DOFS]
     spool_rate, spool_bend, *pressure_rate = found[model.nq + model.nv :].reshape(N_MOUNTS, N_STATES).T
     # Tied: second-order kinematics of 1e-10 rad and 1e-5 m/s. Sliding: the plate's tie yields by 1e-7 of its force.
@@ -201,9 +276,7 @@ def test_inputs_follow_their_cubics_at_the_time_of_a_stage() -> None:
         mujoco.mj_forward(model, data)
     since = moment - begin
     held = mujoco.MjData(model)
-    still = Inputs(
-        np.full((4, 3), ground(since)), np.full((4, 3), ground.deriv()(since)), np.full(4, command(since))
-    )
+    still = Inputs(np.full((4, 3), ground(since)), np.full((4, 3), ground.deriv()(since)), np.full(4, command(since)))
     with hydraulics():
         rates(model, held, state(data), still)
     np.testing.assert_allclose(data.act_dot, held.act_dot, rtol=1e-10, atol=1e-6)
@@ -263,9 +336,7 @@ def test_an_empty_chamber_stops_with_its_mount() -> None:
     start = np.zeros((10, N_INPUTS, 2))
     start[:, 3 + 2, 0] = 9e-3
     with hydraulics():
-        stopped, _ = advance(
-            model, data, 0, 10, (start, start), 1, np.empty((10, row_size(model))), np.zeros(N_TALLY)
-        )
+        stopped, _ = advance(model, data, 0, 10, (start, start), 1, np.empty((10, row_size(model))), np.zeros(N_TALLY))
     assert stopped == (0, CHAMBER_1_EMPTY, 1)
 
 

@@ -55,7 +55,8 @@ def worst_mode(found: np.ndarray, expected: np.ndarray) -> float:
 def test_the_default_machine_stands_14_62_micrometres_down(plates: str) -> None:
     position, pressure = solved(model_of(plates), Inputs.rest())
     assert position[2] == pytest.approx(-14.62e-6, abs=0.005e-6)  # physics.md's last digit
-    assert position[2] == pytest.approx(-4056 * 9.80665 / (4 * 6.8e8), rel=1e-6)  # a sliding plate's tie yields a little
+    # 1e-6: a sliding plate's tie yields a little.
+    assert position[2] == pytest.approx(-4056 * 9.80665 / (4 * 6.8e8), rel=1e-6)
     np.testing.assert_allclose(pressure, MIDDLE, rtol=1e-9)
 
 

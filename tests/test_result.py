@@ -179,11 +179,11 @@ def test_stroke_is_foot_over_ground(result: Result) -> None:
 
 def test_velocity_is_the_derivative_of_displacement() -> None:
     dataset = simulate(parse_scenario({**SHORT, "duration": 0.03, "record_rate": 20e3})).dataset
-    # A central difference over 2h errs by (ωh)²/6: 0.5 % for the fastest mode, 560 Hz.
+    # A central difference over 2h errs by (ωh)²/6: 0.52 % for the fastest mode, 560 Hz.
     for name in ("foot", "cg", "machine"):
         displacement, velocity = (dataset[f"{name}_{kind}"].values for kind in ("displacement", "velocity"))
         difference = (displacement[2:] - displacement[:-2]) * 10e3
-        assert np.abs(difference - velocity[1:-1]).max() < 0.005 * np.abs(velocity).max()
+        assert np.abs(difference - velocity[1:-1]).max() < 0.006 * np.abs(velocity).max()
 
 
 def test_supply_is_constant(result: Result) -> None:
@@ -226,15 +226,18 @@ def test_a_command_held_from_the_start_has_a_peak() -> None:
     assert peak == {"front-left": 0.0, "front-right": 0.0, "rear-left": 0.5, "rear-right": 0.0}
 
 
-def test_oil_drawn_is_what_flows_into_chambers_from_the_supply() -> None:
-    # A wide-open valve on an ideal source: what one mount draws is at most K_Q·x·sqrt(P_s/(P_s/2)), two edges' leakage
-    # apart, and the volume is the mean flow over the time.
-    signal = {"kind": "step", "amplitude": 5.0, "start": -1.0, "mounts": ["rear-left"]}
+def test_oil_of_a_steady_run_is_steady() -> None:
+    # A command held since before the start, ground at rest: the same flow in every state, so mean and peak are one.
+    signal = {"kind": "step", "amplitude": 2.0, "start": -1.0, "mounts": ["rear-left"]}
     control = {"kind": "open-loop", "signals": [signal]}
-    oil = simulate(parse_scenario({**SHORT, "duration": 0.05, "control": control})).summary["oil"]
-    assert oil["volume_m3"] == pytest.approx(oil["mean_flow_m3_s"] * 0.05, rel=1e-12)
-    assert oil["mean_power_w"] == pytest.approx(oil["mean_flow_m3_s"] * 70e5, rel=1e-12)
-    assert oil["mean_flow_m3_s"] <= oil["peak_flow_m3_s"]
+    table = {**SHORT, "duration": 0.05, "ground": {"kind": "rest"}, "control": control}
+    oil = simulate(parse_scenario(table)).summary["oil"]
+    flow = oil["peak_flow_m3_s"]
+    assert flow > 0
+    # The equilibrium is solved to about 1e-9 of the supply's pressure.
+    assert oil["mean_flow_m3_s"] == pytest.approx(flow, rel=1e-6)
+    assert oil["volume_m3"] == pytest.approx(flow * 0.05, rel=1e-6)
+    assert oil["mean_power_w"] == pytest.approx(flow * 70e5, rel=1e-6)
 
 
 def test_levels_of_what_is_not_finite_are_null() -> None:

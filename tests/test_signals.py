@@ -25,7 +25,7 @@ moments = st.floats(0.0, 5.0)
 def assert_consistent(signal: Signal, begin: float, end: float, size: float, tolerance: float = 1e-9) -> None:
     """The slope integrates to the value and the curvature to the slope; ``size`` is that of the signal's value.
 
-    1e-9: rounding of the angle 2πft, at most 1e4 rad, is 2e-12 of the signal; the interval is a fifth of a period or more.
+    1e-9: rounding of the angle 2πft, at most 1e4 rad, is 2e-12 of the signal, of which an interval sees a fifth or so.
     """
     middle, half = 0.5 * (begin + end), 0.5 * (end - begin)
     edges, inner = signal.sample(np.array([begin, end])), signal.sample(middle + half * NODES)

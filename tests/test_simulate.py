@@ -1,4 +1,4 @@
-"""Whole runs: accuracy and order against the oracle, ground, statics, symmetries, limits and what a run costs in memory."""
+"""Whole runs: accuracy and order against the oracle, ground, statics, symmetries, limits, failures and memory."""
 
 import re
 import tracemalloc
@@ -57,6 +57,12 @@ def oracle_floor(dof: str, amplitude: float, frequency: float, fade_in: float) -
 def motion(result: Result) -> np.ndarray:
     """x, y, z, rx, ry, rz about the start, (n, 6)."""
     values = result.dataset["machine_displacement"].values
+    return values - values[0]
+
+
+def foot_heights(result: Result) -> np.ndarray:
+    """z of each foot about the start, (n, 4)."""
+    values = result.dataset["foot_displacement"].values[:, :, 2]
     return values - values[0]
 
 
@@ -259,10 +265,10 @@ def test_ground_enters_at_the_stages_of_a_step(dof: str) -> None:
     assert order(steps, errors) >= 3.5
 
 
-@pytest.mark.parametrize(("plates", "tolerance"), [("tied", 1e-10), ("sliding", 1e-6)])
+@pytest.mark.parametrize(("plates", "tolerance"), [("tied", 1e-9), ("sliding", 1e-6)])
 def test_stroke_is_what_the_foot_moves_more_than_the_ground(plates: str, tolerance: float) -> None:
-    # Tied: strokes are linear in the angles, feet exact: third order of 1e-5 rad. Sliding: the tie yields 7e-17 m/N,
-    # under 1e5 N of oil some 1e-11 m of 2e-5 m.
+    # Tied: strokes are linear in the angles and feet exact, which differs by squares of 1e-5 rad. Sliding: the tie
+    # yields 7e-17 m/N, under 1e5 N of oil some 1e-11 m of 2e-5 m.
     run = simulate(
         scenario(plates=plates, duration=0.2, ground=sine_floor("rx", 1e-5, 31.0, 0.05), control=sines(**HARD))
     ).dataset
@@ -276,7 +282,7 @@ def test_stroke_is_what_the_foot_moves_more_than_the_ground(plates: str, toleran
 
 
 def test_recorded_velocity_and_acceleration_belong_to_the_recorded_motion() -> None:
-    run = simulate(scenario(duration=0.3, record_rate=5000, ground=sine_floor("ry", 1e-6, 20.0, 0.05))).dataset
+    run = simulate(scenario(duration=0.15, record_rate=20000, ground=sine_floor("ry", 1e-6, 20.0, 0.05))).dataset
     step = float(run["time"][1])
     for value, slope in (
         ("foot_displacement", "foot_velocity"),
@@ -287,10 +293,9 @@ def test_recorded_velocity_and_acceleration_belong_to_the_recorded_motion() -> N
         ("ground_velocity", "ground_acceleration"),
     ):
         v, s = run[value].values, run[slope].values
-        # Simpson over two rows against the difference: (ωh)⁴/180 of the fastest mode, 552 Hz, at 0.2 ms is 1e-3 of its
-        # own small share.
+        # Simpson over two rows against the difference is wrong by (ωh)⁴/180: 5e-6 of the fastest mode, 552 Hz.
         difference = (v[2:] - v[:-2]) - step / 3 * (s[2:] + 4 * s[1:-1] + s[:-2])
-        assert np.abs(difference).max() <= 1e-4 * np.abs(2 * step * s).max(), value
+        assert np.abs(difference).max() <= 1e-5 * np.abs(2 * step * s).max(), value
 
 
 # statics
@@ -312,7 +317,7 @@ MIRROR_MOUNTS = [1, 0, 3, 2]
 
 
 @pytest.mark.parametrize(("plates", "tolerance"), [("tied", 1e-12), ("sliding", 1e-7)])
-@pytest.mark.parametrize(("dof", "sign"), zip(DOFS, MIRROR_DOFS, strict=True))
+@pytest.mark.parametrize(("dof", "sign"), list(zip(DOFS, MIRROR_DOFS, strict=True)))
 def test_a_mirrored_floor_gives_the_mirrored_motion(dof: str, sign: int, plates: str, tolerance: float) -> None:
     # Tied: rounding, summed over 500 steps. Sliding: the tie is a spring of 1e16 N/m, and a plate's position is rounded
     # to 1e-21 m: some 1e-14 m of noise in the motion, 1e-9 of it.
@@ -346,15 +351,9 @@ def test_tiny_rotations_are_not_lost(plates: str, amplitude: float, tolerance: f
         simulate(scenario(plates=plates, duration=0.3, ground=sine_floor("ry", size, 7.0, 0.2)))
         for size in (amplitude, 1e-6)
     )
-    for found, expected in (
-        (motion(tiny)[:, 4], motion(small)[:, 4]),
-        *(
-            (run_tiny - run_tiny[0], run_small - run_small[0])
-            for run_tiny, run_small in [(part.dataset["foot_displacement"].values[:, :, 2] for part in (tiny, small))]
-        ),
-    ):
-        difference = found / amplitude - expected / 1e-6
-        assert np.abs(difference).max() <= tolerance * np.abs(expected / 1e-6).max()
+    for part in (lambda run: motion(run)[:, 4], foot_heights):
+        found, expected = part(tiny) / amplitude, part(small) / 1e-6
+        assert np.abs(found - expected).max() <= tolerance * np.abs(expected).max()
 
 
 # steps and rows
@@ -362,13 +361,25 @@ def test_tiny_rotations_are_not_lost(plates: str, amplitude: float, tolerance: f
 
 @pytest.mark.parametrize("rate", [47.0, 123.4, 300.0, 1000.0, 5000.0])
 @pytest.mark.parametrize("plates", TOPOLOGIES)
-def test_the_automatic_step_divides_the_recording_period_and_resolves_the_fastest_mode(plates: str, rate: float) -> None:
+def test_the_automatic_step_divides_the_recording_period_and_resolves_the_fastest_mode(
+    plates: str, rate: float
+) -> None:
     with hydraulics():
         step = choose_timestep(scenario(plates=plates, record_rate=rate))
     steps = 1 / (rate * step)
     assert steps == pytest.approx(round(steps), rel=1e-12)
     # The rocking mode at 552 Hz: ten steps per radian would be 2.9e-5 s, and RK4 is unstable from 2.8 rad.
     assert step * 2 * np.pi * 552.07 <= 1.2 * 1.0001
+
+
+def test_the_automatic_step_resolves_a_plate_on_its_soft_foot() -> None:
+    soft = {"isolator": {"foot_stiffness": 1e10}}
+    with hydraulics():
+        step = choose_timestep(scenario(plates="sliding", actuators=soft))
+    a = FIRST_GENERATION
+    plate = np.sqrt((1e10 + a.hydraulic_stiffness + a.membrane_stiffness) / a.plate_mass)
+    # The machine, seventy times as heavy, moves a little too, and the step divides the recording period: 1 % and 3 %.
+    assert step * plate == pytest.approx(1.2, rel=0.05)
 
 
 def test_rows_stand_at_the_recording_rate() -> None:

@@ -1,13 +1,15 @@
 """The command line: printing, paths and exit codes, nothing else."""
 
+import cmath
 import itertools
 import json
+import math
 import os
 import re
 import secrets
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -19,8 +21,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from ehamj.errors import InputError
+from ehamj.layout import DOFS
 
 if TYPE_CHECKING:
+    from ehamj.analysis.modes import Mode
     from ehamj.result import Result
     from ehamj.scenario import Scenario
 
@@ -121,6 +125,70 @@ def schema() -> None:
 
 
 @app.command()
+def modes(scenario: ScenarioArgument = "recorded", overrides: SetOption = None, as_json: JsonOption = False) -> None:
+    """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
+
+    Frequencies are |λ|/2π, damping ratios −Re λ/|λ|; shapes are the motion of the mount plane's centre, its largest
+    part one. A feedforward does not move modes, so its closed loop adds only the controller's own.
+    """
+    from ehamj.analysis.linear import linear_model
+    from ehamj.analysis.modes import modes as find
+    from ehamj.scenario import load_scenario
+
+    loaded = load_scenario(scenario, overrides or ())
+    model, controller = linear_model(loaded), loaded.controller()
+    found = {"modes": find(model)}
+    if controller is not None:
+        found["closed_loop"] = find(model, controller)
+    if as_json:
+        _print_json({key: [mode.to_dict() for mode in modes] for key, modes in found.items()})
+        return
+    for key, title in (("modes", "valves held"), ("closed_loop", "closed loop")):
+        if key in found:
+            out.print(_mode_table(found[key], f"{loaded.name}: {title}"))
+
+
+def _mode_table(modes: "Sequence[Mode]", title: str) -> Table:
+    """Modes with their shapes in words: the parts above 1 %, and their phases where they are not in step."""
+    table = Table("mode", "f [Hz]", "ζ [-]", "shape (m and rad, largest part 1)", title=title)
+    for mode in modes:
+        parts = [(dof, abs(part), math.degrees(cmath.phase(part))) for dof, part in zip(DOFS, mode.shape, strict=True)]
+        words = [
+            f"{dof} {size:.2f}" + (f"∠{angle:.0f}°" if abs(angle) > 1 else "")
+            for dof, size, angle in parts
+            if size > 0.01
+        ]
+        moved = mode.name not in ("valve", "controller")
+        table.add_row(
+            mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}", ", ".join(words) if moved else ""
+        )
+    return table
+
+
+@app.command()
+def paper(
+    out_folder: Annotated[Path | None, typer.Option("--out", help="Folder [default: a new runs/NNNN].")] = None,
+    overwrite: OverwriteOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one."""
+    from ehamj.studies.paper import reproduce, write_paper
+
+    _check_out(out_folder, overwrite)
+    found = reproduce()
+    with _new_folder(out_folder, overwrite) as (folder, target), log.status("drawing"):
+        write_paper(target)
+    if as_json:
+        _print_json({"folder": str(folder), **found.to_dict()})
+        return
+    table = Table("number", "paper", "computed", "deviation", "comment", title="the paper, number by number")
+    for row in found.table:
+        table.add_row(row.name, row.stated, row.computed, row.deviation, row.comment)
+    out.print(table)
+    out.print(f"figures, table and record: {folder}", highlight=False, soft_wrap=True)
+
+
+@app.command()
 def replay(
     folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
     compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
@@ -176,7 +244,7 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
 
     def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
-        task = bar.add_task(variant.name, total=1.0)
+        task = bar.add_task(escape(variant.name), total=1.0)
         try:
             return simulate(variant, lambda fraction: bar.update(task, completed=fraction)), None
         except Incomplete as failure:
@@ -199,6 +267,8 @@ def _check_out(folder: Path | None, overwrite: bool) -> None:
             raise InputError(f"--out {str(folder)!r}: is a file, not a folder")
         if any(folder.iterdir()) and not all((folder / name).is_file() for name in RESULT_FILES):
             raise InputError(f"--out {str(folder)!r}: --overwrite replaces result folders only, and this is none")
+        if Path.cwd().is_relative_to(folder.resolve()):
+            raise InputError(f"--out {str(folder)!r}: is where you stand; replace it from a folder above")
     folder = folder or RUNS
     above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):

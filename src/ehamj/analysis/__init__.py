@@ -1,0 +1,1 @@
+"""Linear analysis: the single actuator of the paper, the whole machine at its operating point."""

@@ -1,6 +1,7 @@
 """Modes of the machine: frequency, damping, shape and a name that a person uses."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,16 @@ class Mode:
     damping_ratio: float
     shape: ComplexArray
     shares: dict[str, float]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: frequency [Hz], and the shape as real and imaginary part per degree of freedom."""
+        return {
+            "name": self.name,
+            "frequency_hz": self.frequency,
+            "damping_ratio": self.damping_ratio,
+            "shape": {dof: [part.real, part.imag] for dof, part in zip(DOFS, self.shape.tolist(), strict=True)},
+            "shares": self.shares,
+        }
 
     @property
     def damped_frequency(self) -> float:

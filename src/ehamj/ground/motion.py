@@ -89,4 +89,4 @@ class Slab:
         for name, signal in self.signals.items():
             dofs[:, :, DOFS.index(name)] = signal.sample(time)
         mounts = dofs @ self.lever.reshape(-1, len(DOFS)).T  # many times faster than einsum
-        return GroundSample(*mounts.reshape(3, time.size, -1, 3))
+        return GroundSample(*mounts.reshape(3, time.size, len(self.positions), 3))

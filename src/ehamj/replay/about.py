@@ -8,7 +8,7 @@ import numpy as np
 
 from ehamj.parameters import Parameters
 from ehamj.replay.marks import length_text
-from ehamj.replay.plots import NEGLIGIBLE
+from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
 
 
@@ -28,7 +28,7 @@ def page(results: Mapping[str, Result], factor: float, arrows: float, speed: flo
         _verdicts(results),
         _numbers(results),
         *_warnings(results),
-        _reading(factor, arrows, speed),
+        _reading(factor, arrows, speed, max(result.dataset.time.size for result in results.values())),
     ]
     return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
 
@@ -109,12 +109,16 @@ def _warnings(results: Mapping[str, Result]) -> list[str]:
     return ["## Warnings", "\n".join(f"- {', '.join(labels)}: {text}" for text, labels in said.items())] if said else []
 
 
-def _reading(factor: float, arrows: float, speed: float) -> str:
+def _reading(factor: float, arrows: float, speed: float, rows: int) -> str:
     shown = ""
     if arrows > 0.0:
         shown = f"""- Arrows beside the mounts are vertical velocities, blue of the floor, coloured of the machine's
   foot: {1e6 * 0.1 / arrows:g} µm/s are an arrow of 10 cm. Isolation works where blue swings and the other does not.
 """
+    thinned = ""
+    if rows > MOST_ROWS:
+        thinned = f"""
+- The run has {rows} rows; to stay small, its plots show the lowest and highest value of each stretch of rows."""
     return f"""## How to read the picture
 
 - Real motions are micrometres. Every motion is drawn **{factor:g} times** larger about the position of equilibrium, by
@@ -122,7 +126,7 @@ def _reading(factor: float, arrows: float, speed: float) -> str:
   size is not enlarged, so large rotations look stranger than they are.
 - Blue pads and the floor are the ground. Orange plates are what the oil lifts; they carry the machine's feet. The grey
   outline is the machine at rest.
-{shown}- Playback runs at {speed:g} × real time; space starts and stops it. The plot below the scene follows."""
+{shown}- Playback runs at {speed:g} × real time; space starts and stops it, the plot below follows.{thinned}"""
 
 
 def _parameters(results: Mapping[str, Result]) -> list[str]:

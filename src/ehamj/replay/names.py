@@ -16,12 +16,12 @@ GROUND_COLOR: Final[Color] = (110, 165, 235)
 """Everything that is the ground: its lines, its pads."""
 
 RESULT_COLORS: Final[tuple[Color, ...]] = (
-    (255, 152, 56),
     (92, 214, 140),
-    (226, 112, 190),
+    (240, 110, 150),
     (240, 220, 90),
     (105, 220, 225),
     (190, 150, 255),
+    (255, 170, 90),
 )
 """One per result, over again when there are more."""
 

@@ -1,0 +1,531 @@
+"""Figures from plain arrays; they know no simulation.
+
+Every figure is a `matplotlib.figure.Figure` of a phone's proportions, so that its text stays readable across a narrow
+screen and two of them fit beside each other on paper. Matplotlib is imported when the first figure is drawn, and
+pyplot never. Colours are those of Okabe and Ito, which most colour-blind people tell apart.
+"""
+
+import io
+import itertools
+import math
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+WIDTH: Final = 5.2
+"""Width of every figure [inch]."""
+
+BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE = "#0072B2", "#D55E00", "#00855F", "#B5578F", "#56B4E9", "#E69F00"
+FLOOR_COLOR: Final = "#6E7781"
+INK: Final = "#1F2933"
+FAINT: Final = "#C9CFD6"
+LIMIT_COLOR: Final = "#B00020"
+MARKERS: Final = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", SKY: "v", ORANGE: "P", FLOOR_COLOR: "."}
+MOUNT_STYLES: Final = ((PURPLE, 3.4), (ORANGE, 2.5), (GREEN, 1.6), ("#1A1A1A", 0.7))
+"""Colour and line width of each mount: later ones are thinner, so that lines which coincide all show."""
+
+STYLE: Final[dict[str, Any]] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.5,
+    "axes.titlesize": 10.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.5,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": "#8A939C",
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-6, 7),
+    "axes.formatter.useoffset": False,
+    "grid.color": "#E4E7EB",
+    "grid.linewidth": 0.7,
+    "text.color": INK,
+    "text.parse_math": False,  # names are the user's, and a dollar in them is a dollar
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 8.8,
+    "legend.handlelength": 1.6,
+    "legend.columnspacing": 1.2,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "ehamj",
+}
+
+FONTS: Final = "'Segoe UI', Roboto, Helvetica, Arial, 'Liberation Sans', sans-serif"
+"""Fonts of the text in an SVG: none is wider than the one that the layout is computed with."""
+
+BAND_TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+STRETCHES: Final = 500
+"""Stretches of time that a long record is drawn in."""
+
+FAR_LIMIT: Final = 20.0
+"""Limits further away than this many times the data's peak are named and not drawn."""
+
+QUIETEST: Final = 0.01
+"""Lowest velocity on a criterion plot [µm/s]."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """A line over frequency bands: centres [Hz] and values, NaN where nothing is known, (bands,) each."""
+
+    label: str
+    frequency: Array
+    values: Array
+    color: str
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A line over time: times [s], (n,), and values, (n,), or (n, lines) of which the envelope is drawn."""
+
+    label: str
+    time: Array
+    values: Array
+    color: str
+    width: float = 1.1
+    dash: str = "-"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Values that a quantity cannot or may not pass."""
+
+    label: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Foot:
+    """One mount of the drawing: its name, position [m] and what stands there."""
+
+    name: str
+    x: float
+    y: float
+    kind: str
+
+
+# --- thinning ------------------------------------------------------------------------------------------------------
+
+
+def envelope(time: Array, values: Array, most: int = STRETCHES) -> tuple[Array, Array, Array]:
+    """Lowest and highest value in each of at most ``most`` stretches of a record; no peak is lost.
+
+    Args:
+        time: (n,) [s].
+        values: (n,), or (n, lines), of which the lowest and highest line count; NaN is left out.
+        most: number of stretches.
+
+    Returns:
+        Middle of each stretch [s], lowest and highest value, (stretches,) each.
+    """
+    columns = np.asarray(values, float).reshape(len(time), -1)
+    low, high = np.fmin.reduce(columns, axis=1), np.fmax.reduce(columns, axis=1)
+    if len(time) <= most:
+        return np.asarray(time, float), low, high
+    size = -(-len(time) // most)
+    starts = np.arange(0, len(time), size)
+    middle = time[np.minimum(starts + size // 2, len(time) - 1)]
+    return middle, np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
+
+
+def thinned(time: Array, values: Array, most: int = 2 * STRETCHES) -> tuple[Array, Array]:
+    """A line of at most about ``2·most`` points that keeps every peak: lowest and highest value of each stretch.
+
+    Args:
+        time: (n,) [s].
+        values: (n,).
+        most: points up to which nothing is changed.
+    """
+    if len(time) <= most:
+        return time, values
+    middle, low, high = envelope(time, values, most)
+    half = 0.25 * (middle[1] - middle[0])
+    return np.column_stack([middle - half, middle + half]).ravel(), np.column_stack([low, high]).ravel()
+
+
+# --- figures -------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _styled() -> Iterator[None]:
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")  # the reader's fonts draw the text, not these
+        yield
+
+
+def _figure(height: float, title: str) -> "Figure":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
+    return figure
+
+
+def _legend(figure: "Figure", entries: Mapping[str, "Artist"], columns: int = 3) -> None:
+    """A legend between title and axes, over no data."""
+    if not entries:
+        return
+    longest = max(map(len, entries))
+    columns = max(1, min(columns, len(entries), 66 // (longest + 6)))
+    figure.legend(list(entries.values()), list(entries), loc="outside upper left", ncols=columns)
+
+
+def shown(label: str) -> str:
+    """A label as a legend can show it: not endless, and no underscore first, which would hide it."""
+    label = label if len(label) <= 36 else label[:35] + "…"
+    return f"\u2009{label}" if label.startswith("_") else label
+
+
+def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
+    """Attenuation [dB] over third-octave bands; up is quieter than the floor."""
+    from matplotlib.lines import Line2D
+
+    with _styled():
+        figure = _figure(3.1, title)
+        axes = figure.add_subplot()
+        _band_axis(axes, curves)
+        values = np.concatenate([curve.values[np.isfinite(curve.values)] for curve in curves] or [np.zeros(0)])
+        bottom = min(-10.0, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
+        top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
+        axes.set_ylim(bottom, top)
+        axes.axhspan(bottom, 0.0, color="#FBEDEA", zorder=0)
+        axes.axhline(0.0, color=FLOOR_COLOR, linewidth=1.2)
+        axes.set_ylabel("attenuation [dB], up = quieter")
+        entries: dict[str, Artist] = {shown(curve.label): _band_line(axes, curve) for curve in curves}
+        entries["as the floor (0 dB)"] = Line2D([], [], color=FLOOR_COLOR, linewidth=1.2)
+        _legend(figure, entries)
+    return figure
+
+
+def criterion(
+    title: str, curves: Sequence[Levels], classes: Mapping[str, tuple[Array, Array]], known_to: float | None = None
+) -> "Figure":
+    """Third-octave RMS velocity [µm/s] over bands, with the curves of vibration classes.
+
+    Args:
+        title: of the figure.
+        curves: levels [µm/s].
+        classes: name → band centres [Hz] and limits [µm/s] of each class, drawn where they are in sight.
+        known_to: frequency above which the ground is not known [Hz].
+    """
+    from matplotlib.patches import Patch
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    with _styled():
+        figure = _figure(3.7, title)
+        axes = figure.add_subplot()
+        _band_axis(axes, curves)
+        axes.set_yscale("log")
+        parts = [curve.values[np.isfinite(curve.values) & (curve.values > 0)] for curve in curves]
+        values = np.concatenate(parts or [np.zeros(0)])
+        bottom = min(0.3, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
+        top = max(100.0, 1.5 * float(values.max(initial=1.0)))
+        axes.set_ylim(bottom, top)
+        axes.yaxis.set_major_locator(LogLocator(10))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.set_ylabel("RMS velocity per band [µm/s]")
+        for name, (frequency, limit) in classes.items():
+            level = float(limit[-1])
+            if not bottom * 1.1 < level < top:
+                continue
+            axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class {name}")
+            axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=FAINT, linewidth=0.8, linestyle=":")
+            place = (axes.get_xlim()[1], level)
+            axes.annotate(name, place, (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
+        entries: dict[str, Artist] = {}
+        for curve in curves:
+            quiet = np.where(curve.values > 0, curve.values, np.nan)
+            entries[shown(curve.label)] = _band_line(axes, Levels(curve.label, curve.frequency, quiet, curve.color))
+        if known_to is not None and known_to < axes.get_xlim()[1]:
+            axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
+            entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
+        _legend(figure, entries)
+    return figure
+
+
+def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
+    """A logarithmic axis of frequency that spans all bands, known or not."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    axes.set_xscale("log")
+    frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
+    axes.set_xlim(float(frequency.min()) / 1.12, float(frequency.max()) * 1.12)
+    axes.xaxis.set_major_locator(FixedLocator(list(BAND_TICKS)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_xlabel("third-octave band [Hz]")
+
+
+def _band_line(axes: "Axes", curve: Levels) -> "Artist":
+    floor = curve.color == FLOOR_COLOR
+    (line,) = axes.plot(
+        curve.frequency,
+        curve.values,
+        color=curve.color,
+        linewidth=2.6 if floor else 1.5,
+        marker=MARKERS.get(curve.color, "o"),
+        markersize=3.8,
+        zorder=2.5 if floor else 3,
+    )
+    return line
+
+
+def history(
+    title: str,
+    quantity: str,
+    whole: Sequence[Trace],
+    detail: Sequence[Trace],
+    limits: Sequence[Limit] = (),
+    window: tuple[float, float] | None = None,
+) -> "Figure":
+    """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
+
+    Args:
+        title: of the figure.
+        quantity: what the values are, with unit, such as ``command [V]``.
+        whole: what is drawn over the whole run.
+        detail: what is drawn in the window.
+        limits: drawn in the upper part, unless they are further off than `FAR_LIMIT` peaks: then they are only named.
+        window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
+            the upper one.
+    """
+    with _styled():
+        figure = _figure(4.3 if window else 2.9, title)
+        above, *below = figure.subplots(2 if window else 1, 1, squeeze=False)[:, 0]
+        entries: dict[str, Artist] = {}
+        if window:
+            for trace in whole:
+                entries.setdefault(shown(trace.label), _band_over_time(above, trace))
+            above.axvspan(*window, color="#FFF3C4", zorder=0)
+        for axes in below or (above,):
+            for trace in detail:
+                entries.setdefault(shown(trace.label), _line_over_time(axes, trace, window))
+            if window:
+                axes.set_xlim(*window)
+        entries |= _limits(above, [*whole, *([] if window else detail)], limits)
+        for axes in (above, *below):
+            axes.set_ylabel(quantity)
+        if window:
+            above.set_xlabel("time [s], whole run")
+            below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
+            above.margins(x=0)
+        else:
+            above.set_xlabel("time [s]")
+        _legend(figure, entries)
+    return figure
+
+
+def _finite(values: Array) -> Array:
+    """Values that can be drawn: what is not finite, or of absurd size in a run that failed, is left out."""
+    return np.where(np.abs(values) < 1e30, values, np.nan)
+
+
+def _band_over_time(axes: "Axes", trace: Trace) -> "Artist":
+    time, low, high = envelope(trace.time, _finite(trace.values))
+    return axes.fill_between(time, low, high, facecolor=trace.color, edgecolor=trace.color, linewidth=0.6, alpha=0.85)
+
+
+def _line_over_time(axes: "Axes", trace: Trace, window: tuple[float, float] | None) -> "Artist":
+    inside = slice(None)
+    if window:
+        first, last = np.searchsorted(trace.time, window)
+        inside = slice(max(int(first) - 1, 0), int(last) + 1)
+    time, values = thinned(trace.time[inside], _finite(trace.values[inside]))
+    (line,) = axes.plot(time, values, color=trace.color, linewidth=trace.width, linestyle=trace.dash)
+    return line
+
+
+def _limits(axes: "Axes", traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, "Artist"]:
+    """Draw limits that are near enough to matter, and name all."""
+    from matplotlib.lines import Line2D
+
+    values = [_finite(trace.values) for trace in traces]
+    peak = max((float(np.nanmax(np.abs(part), initial=0.0)) for part in values if part.size), default=0.0)
+    entries: dict[str, Artist] = {}
+    for limit in limits:
+        near = [value for value in limit.values if abs(value) <= FAR_LIMIT * peak]
+        for value in near:
+            axes.axhline(value, color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (5, 2)))
+        if near:
+            entries[limit.label] = Line2D([], [], color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (4, 2)))
+        else:
+            entries[f"{limit.label}: far outside"] = Line2D([], [], linestyle="none")
+    return entries
+
+
+# --- the machine ---------------------------------------------------------------------------------------------------
+
+
+def machine_drawing(
+    size: Vector,
+    cg: Vector,
+    feet: Sequence[Foot],
+    waves: Sequence[tuple[str, float]] = (),
+) -> "Figure":
+    """The machine from above and from its right side, to scale, origin at the mount plane's centre [m].
+
+    Args:
+        size: outline: length in x, width in y, height [m].
+        cg: centre of gravity [m].
+        feet: the mounts.
+        waves: label and direction of travel, from +x towards +y [deg], of each wave in the floor.
+    """
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    length, width, height = size
+    room = 0.2 * max(length, width)
+    drop = 0.08 * max(length, width)  # drawn height of a mount
+    spans = (width + 2.2 * room, height + drop + 1.2 * room)
+    across = max(length + 2.6 * room, sum(spans) * (WIDTH - 0.7) / 7.0)
+    with _styled():
+        figure = _figure(1.35 + sum(spans) * (WIDTH - 0.7) / across, "The machine, from above and from the right [m]")
+        plan, side = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": spans})
+        plan.set(xlim=(-0.5 * across, 0.5 * across), ylim=(-0.5 * spans[0], 0.5 * spans[0]))
+        side.set(ylim=(-drop - 0.5 * room, height + 0.7 * room))
+        kinds = list(dict.fromkeys(foot.kind for foot in feet))
+        colors = dict(zip(kinds, itertools.cycle((BLUE, GREEN, PURPLE, ORANGE)), strict=False))
+        _plan(plan, size, cg, feet, colors, drop)
+        _side(side, size, cg, feet, colors, drop)
+        for label, direction in waves[:1]:
+            _wave(plan, label, direction, 0.5 * spans[0], 0.5 * across, room)
+        for axes, name in ((plan, "y [m]"), (side, "z [m]")):
+            axes.set_aspect("equal")
+            axes.set_ylabel(name)
+            axes.set_xlabel("x [m], front to the right")
+            axes.tick_params(labelbottom=True)
+            axes.grid(False)
+        entries: dict[str, Artist] = {f"mount: {shown(kind)}": Patch(color=color) for kind, color in colors.items()}
+        mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=INK)
+        mark.set_markerfacecoloralt("white")
+        entries[f"centre of gravity ({', '.join(f'{part:.3g}' for part in cg)}) m"] = mark
+        _legend(figure, entries)
+    return figure
+
+
+def _plan(axes: "Axes", size: Vector, cg: Vector, feet: Sequence[Foot], colors: Mapping[str, str], s: float) -> None:
+    """The view from above; mounts are squares of side ``s`` [m]."""
+    from matplotlib.patches import Rectangle
+
+    length, width, _ = size
+    axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=INK))
+    for foot in feet:
+        axes.add_patch(Rectangle((foot.x - s / 2, foot.y - s / 2), s, s, color=colors[foot.kind]))
+        inward = -1 if foot.y > 0 else 1
+        axes.text(foot.x, foot.y + inward * 0.75 * s, foot.name, ha="center", va="top" if inward < 0 else "bottom")
+    _cg(axes, cg[0], cg[1], 0.4 * s)
+    _tripod(axes, "y", 2.2 * s)
+    at = {foot.name: foot for foot in feet}
+    ordered = sorted(feet, key=lambda foot: (foot.y, foot.x))
+    right = sorted(ordered[:2], key=lambda foot: foot.x)
+    front = sorted(feet, key=lambda foot: foot.x)[2:]
+    front.sort(key=lambda foot: foot.y)
+    if len(at) >= 4:
+        _dimension(axes, (right[0].x, right[1].x), -width / 2 - 1.0 * s, "x")
+        _dimension(axes, (front[0].y, front[1].y), length / 2 + 1.0 * s, "y")
+    _dimension(axes, (-length / 2, length / 2), width / 2 + 1.0 * s, "x")
+
+
+def _side(axes: "Axes", size: Vector, cg: Vector, feet: Sequence[Foot], colors: Mapping[str, str], s: float) -> None:
+    """The view from the right; the ground is drawn ``s`` [m] below the mount plane."""
+    from matplotlib.patches import Rectangle
+
+    length, _, height = size
+    axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=INK))
+    for foot in sorted(feet, key=lambda foot: -foot.y):
+        axes.add_patch(Rectangle((foot.x - s / 2, -s), s, s, color=colors[foot.kind]))
+    low, high = axes.get_xlim()
+    ground = Rectangle((low, -1.6 * s), high - low, 0.6 * s, facecolor="white", edgecolor=FLOOR_COLOR, hatch="////")
+    ground.set_linewidth(0.0)
+    axes.add_patch(ground)
+    axes.plot([low, high], [-s, -s], color=FLOOR_COLOR, linewidth=1.4)
+    _cg(axes, cg[0], cg[2], 0.4 * s)
+    _tripod(axes, "z", 2.2 * s)
+    _dimension(axes, (0.0, height), length / 2 + 1.0 * s, "y")
+    if cg[2] > 1.5 * s:
+        _dimension(axes, (0.0, cg[2]), -length / 2 - 1.0 * s, "y")
+
+
+def _cg(axes: "Axes", x: float, y: float, radius: float) -> None:
+    """The draughtsman's mark of a centre of gravity."""
+    from matplotlib.patches import Circle, Wedge
+
+    axes.add_patch(Circle((x, y), radius, facecolor="white", edgecolor=INK, zorder=4))
+    for first in (0.0, 180.0):
+        axes.add_patch(Wedge((x, y), radius, first, first + 90.0, facecolor=INK, zorder=4))
+
+
+def _tripod(axes: "Axes", up: str, length: float) -> None:
+    for tip, name in (((length, 0.0), "x"), ((0.0, length), up)):
+        style = {"arrowstyle": "-|>", "color": LIMIT_COLOR, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tip, (0.0, 0.0), arrowprops=style)
+        beyond = (5, 0) if name == "x" else (0, 6)
+        axes.annotate(name, tip, beyond, textcoords="offset points", color=LIMIT_COLOR, ha="center", va="center")
+
+
+def _dimension(axes: "Axes", ends: tuple[float, float], at: float, along: str) -> None:
+    """A dimension line from end to end, at a distance, with its length [m]."""
+    style = {"arrowstyle": "<|-|>", "color": "#4B5563", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+    first, last = ((end, at) if along == "x" else (at, end) for end in ends)
+    axes.annotate("", last, first, arrowprops=style)
+    middle = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]))
+    box = {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"}
+    turned = 90.0 if along == "y" else 0.0
+    text = f"{abs(ends[1] - ends[0]):.4g}"
+    axes.text(*middle, text, ha="center", va="center", rotation=turned, fontsize=8.8, color="#374151", bbox=box)
+
+
+def _wave(axes: "Axes", label: str, direction: float, top: float, half: float, room: float) -> None:
+    """An arrow in the corner that shows where a wave in the floor goes."""
+    angle = math.radians(direction)
+    centre = (-half + 0.55 * room, top - 0.45 * room)
+    reach = (0.35 * room * math.cos(angle), 0.35 * room * math.sin(angle))
+    style = {"arrowstyle": "-|>", "color": FLOOR_COLOR, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+    tip, tail = (tuple(c + sign * r for c, r in zip(centre, reach, strict=True)) for sign in (1, -1))
+    axes.annotate("", tip, tail, arrowprops=style)
+    axes.text(centre[0] + 0.5 * room, centre[1], label, va="center", ha="left", fontsize=8.8, color="#4B5563")
+
+
+# --- SVG -----------------------------------------------------------------------------------------------------------
+
+
+def svg(figure: "Figure", name: str) -> str:
+    """The figure as an SVG file: text as text, the same bytes every time, its ids beginning with ``name``."""
+    title = figure.get_suptitle()
+    with _styled(), io.StringIO() as file:
+        figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Title": title})
+        text = file.getvalue()
+    text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!DOCTYPE.*?>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
+    text = re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path.group()), text)
+    return text.replace("'DejaVu Sans', sans-serif", FONTS)
+
+
+def inline(text: str) -> str:
+    """An SVG file as a part of an HTML page: without the prologue, scaled by the page."""
+    text = re.sub(r"<\?xml.*?\?>\s*", "", text, count=1, flags=re.DOTALL)
+    return re.sub(r' xmlns:xlink="[^"]*"', "", text, count=1)

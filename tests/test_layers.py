@@ -1,0 +1,72 @@
+"""The house: a file imports only files of a lower rank, and nothing happens at import."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
+
+RANKS = (
+    ("errors", "layout", "compiled", "signals", "kinematics", "criteria", "plots"),
+    ("parameters", "hydraulics"),
+    ("ground", "commands", "channels"),
+    ("controllers", "model"),
+    ("scenario", "native"),
+    ("isolation", "operating_point"),
+    ("summary", "result"),
+    ("replay", "simulate"),
+    ("analysis", "report"),
+    ("design", "studies", "bench", "store"),
+    ("verify",),
+    ("cli", "__init__"),
+)
+"""Rooms of the package from the ground floor up; rooms of one rank do not know each other."""
+
+RANK = {room: rank for rank, rooms in enumerate(RANKS) for room in rooms}
+
+
+def room_of(path: Path) -> str:
+    """The room that a file belongs to: its package, or itself."""
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported_rooms(path: Path) -> set[str]:
+    """Rooms of ehamj that a file imports, but for those that it needs for type checking only."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    typing_only = {
+        id(node)
+        for block in ast.walk(tree)
+        if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
+        for node in ast.walk(block)
+    }
+    rooms = set()
+    for node in ast.walk(tree):
+        if id(node) in typing_only:
+            continue
+        names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        rooms |= {name.split(".")[1] for name in names if name.startswith("ehamj.")}
+    return rooms
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_go_down(path: Path) -> None:
+    """Every import goes to a lower rank, or stays in the room."""
+    own = room_of(path)
+    assert own in RANK, f"{own} has no rank: add it to RANKS where it belongs"
+    upward = {room for room in imported_rooms(path) if room != own and RANK[room] >= RANK[own]}
+    assert not upward, f"{path.name} (rank {RANK[own]}) imports {upward}"
+
+
+def test_import_does_nothing() -> None:
+    """Importing ehamj installs no callback and pulls in none of the slow libraries."""
+    code = (
+        "import sys, ehamj; from ehamj.native.hold import installed; "
+        "slow = {'obspy', 'rerun', 'control', 'matplotlib'} & set(sys.modules); "
+        "sys.exit(f'{slow} {installed()}' if slow or any(installed().values()) else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
