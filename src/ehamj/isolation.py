@@ -143,4 +143,6 @@ def worst_class(classes: list[str | None]) -> str | None:
 
 def _sentence(report: dict[str, Any], axes: tuple[str, ...]) -> str:
     before, after = (worst_class([report[who][axis]["class"] for axis in axes]) for who in ("floor", "machine"))
-    return f"floor {before or 'worse than workshop'}, machine {after or 'worse than workshop'}"
+    words = f"floor {before or 'worse than workshop'}, machine {after or 'worse than workshop'}"
+    undecided = list(dict.fromkeys(band for axis in axes for band in report["machine"][axis]["undecided_bands_hz"]))
+    return words + (f", undecided at {', '.join(undecided)} Hz" if undecided else "")

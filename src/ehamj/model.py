@@ -186,7 +186,8 @@ def _add_sliding_plate(
 ) -> tuple[str, mujoco.mjtTrn]:
     m = actuator.plate_mass
     plate = spec.worldbody.add_body(name=f"plate {name}", pos=[*position, -PLATE_HALF_HEIGHT], mass=m)
-    plate.inertia, plate.explicitinertial = [m * 0.01] * 3, True  # it cannot turn: the inertia has no effect
+    # It cannot turn: the inertia has no effect. Without ipos the inertia is lost when the spec is written as XML.
+    plate.inertia, plate.ipos, plate.explicitinertial = [m * 0.01] * 3, [0.0, 0.0, 0.0], True
     joint = plate.add_joint(name=f"plate {name}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, 1.0])
     _put(joint, "stiffness", actuator.membrane_stiffness)
     _put(joint, "damping", actuator.membrane_damping)

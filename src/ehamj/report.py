@@ -172,7 +172,7 @@ def exact(value: float) -> str:
     """A number that someone wrote, as it was written."""
     if not math.isfinite(value):
         return number(value)
-    text = f"{value:.10g}"
+    text = f"{value:.9g}"
     if "e" in text:
         mantissa, _, power = text.partition("e")
         text = f"{mantissa} × 10{str(int(power)).translate(SUPERSCRIPTS)}"
@@ -185,6 +185,11 @@ SUPERSCRIPTS: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸�
 def measured(value: float | None) -> str:
     """A number in engineering units, of which nobody reads less than a thousandth."""
     return "< 0.001" if value is not None and 0.0 < abs(value) < 1e-3 else number(value)
+
+
+def decibel(value: float | None) -> str:
+    """A level difference to a tenth of a decibel."""
+    return DASH if value is None else f"{value:.1f}".replace("-0.0", "0.0").replace("-", "−")
 
 
 def plain(value: Any) -> str:
@@ -293,7 +298,7 @@ def _histories(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
     if first.dataset.time.size < 2:
         return
     window = characteristic_part(first)
-    part = "" if window is None else f" Below: {window[0]:.4g} to {window[1]:.4g} s."
+    part = "" if window is None else f" Lower part: {window[0]:.4g} to {window[1]:.4g} s."
     yield _velocity_history(results, colors, window, part)
     data, time = first.dataset, first.dataset.time.values
     plant, color = first.scenario.plant, colors[label]
@@ -438,7 +443,7 @@ def _headline(results: Results) -> Table:
     rows = []
     for label, result in results.items():
         table = result.summary.get("attenuation_db", {}).get("z", {})
-        rows.append([label, *(number(table.get(band)) for band in HEADLINE_BANDS)])
+        rows.append([label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)])
     still = not _floor_moves(next(iter(results.values())))
     note = "The ground is at rest, so there is nothing to attenuate." if still else ""
     if not still and any(DASH in row for row in rows):
@@ -474,7 +479,7 @@ def _class(verdict: Mapping[str, Any]) -> str:
         return f"worse than workshop ({band} Hz)"
     if margin is None or margin > 100.0:
         return f"{verdict['class']} (at rest)"
-    return f"{verdict['class']} ({number(margin)} dB, {band} Hz)"
+    return f"{verdict['class']} ({decibel(margin)} dB, {band} Hz)"
 
 
 def _warnings(results: Results, processing: bool) -> list[str]:
@@ -531,11 +536,11 @@ def _facts(result: Result) -> list[tuple[str, str]]:
     plant, supply = scenario.plant, scenario.supply
     kinds = [getattr(part, "kind", "") for part in _ground_parts(scenario)]
     facts = [
-        ("machine", f"{number(plant.total_mass, 4)} kg with its plates, on four mounts ({scenario.plates} plates)"),
-        ("supply", f"{number(BAR * supply.pressure)} bar, tank {number(BAR * supply.tank_pressure)} bar (absolute)"),
+        ("machine", f"{exact(plant.total_mass)} kg with its plates, on four mounts ({scenario.plates} plates)"),
+        ("supply", f"{exact(BAR * supply.pressure)} bar, tank {exact(BAR * supply.tank_pressure)} bar (absolute)"),
         ("floor", " + ".join(kinds)),
         ("control", scenario.control.kind),
-        ("simulated", f"{number(timing.get('simulated_s'))} of {exact(scenario.duration)} s, seed {scenario.seed}"),
+        ("simulated", f"{exact(timing.get('simulated_s', 0.0))} of {exact(scenario.duration)} s, seed {scenario.seed}"),
     ]
     law = result.controller
     if law is not None:
@@ -544,13 +549,13 @@ def _facts(result: Result) -> list[tuple[str, str]]:
             4,
             (
                 "law",
-                f"{law.states} states, {len(law.inputs)} inputs, {number(1e-3 / law.period)} kHz, "
-                f"delay {number(1e3 * law.latency)} ms, ±{number(law.voltage_limit)} V, {bits}",
+                f"{law.states} states, {len(law.inputs)} inputs, {exact(1e-3 / law.period)} kHz, "
+                f"delay {exact(1e3 * law.latency)} ms, ±{exact(law.voltage_limit)} V, {bits}",
             ),
         )
     analysis = result.summary.get("analysis")
     if analysis:
-        facts.append(("levels taken", f"from {number(analysis['from_s'])} to {number(analysis['to_s'])} s"))
+        facts.append(("levels taken", f"from {exact(analysis['from_s'])} to {exact(analysis['to_s'])} s"))
     return facts
 
 
@@ -567,7 +572,7 @@ def _bands(results: Results) -> Table:
         row = [band, measured(_scaled(level, MICRO))]
         for summary in summaries.values():
             machine = summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {}).get(band)
-            row += [measured(_scaled(machine, MICRO)), number(summary["attenuation_db"]["z"].get(band))]
+            row += [measured(_scaled(machine, MICRO)), decibel(summary.get("attenuation_db", {}).get("z", {}).get(band))]
         if set(row[1:]) != {DASH}:
             rows.append(row)
     note = "Levels: RMS velocity, floor at its worst mount, machine at its CG. Attenuation: of the mounts' mean."

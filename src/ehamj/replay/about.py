@@ -11,6 +11,9 @@ from ehamj.replay.marks import length_text
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
 
+DIRECTIONS = {"vertical": "z", "horizontal": "xy"}
+"""Axes of each verdict."""
+
 
 def page(results: Mapping[str, Result], factor: float, arrows: float, speed: float) -> str:
     """The page as Markdown.
@@ -39,11 +42,15 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _verdicts(results: Mapping[str, Result]) -> str:
-    """The vibration classes that floor and machine meet, where a summary has them."""
+    """The vibration classes that floor and machine meet, where a summary has them, and the bands they do not cover."""
     lines = []
     for label, result in results.items():
-        for axes, verdict in result.summary.get("criterion", {}).get("verdict", {}).items():
-            lines.append(f"- {label}, {axes}: {verdict}")
+        criterion = result.summary.get("criterion", {})
+        for direction, verdict in criterion.get("verdict", {}).items():
+            axes = [criterion.get("machine", {}).get(axis) or {} for axis in DIRECTIONS.get(direction, "")]
+            open_bands = dict.fromkeys(band for axis in axes for band in axis.get("undecided_bands_hz", []))
+            but = f"; **undecided at {', '.join(map(str, open_bands))} Hz**" if open_bands else ""
+            lines.append(f"- {label}, {direction}: {verdict}{but}")
     return "\n".join(lines)
 
 

@@ -67,6 +67,14 @@ CASES: Final[dict[str, dict[str, float]]] = {
 """The paper's cases: which parameters are multiplied by which power of the study's factor. Its "±100 %" of Table I are
 ×2 and ÷2: with these its frequencies come out."""
 
+VARIANTS: Final[dict[str, tuple[str, Callable[["PaperStudy"], dict[str, float]]]]] = {
+    "initial_large_signal": ("initial", lambda study: {"valve_frequency": study.large_signal_valve}),
+    "recommended_fast_valve": ("recommended", lambda study: {"valve_frequency": study.fast_valve}),
+    "initial_reading": ("initial", lambda study: study.reading()),
+    "recommended_reading": ("recommended", lambda study: study.reading()),
+}
+"""What the paper speaks of beside its cases: the case that it starts from, and the values that it sets."""
+
 LABELS: Final = {
     "initial": "initial design",
     "volume_double": "chamber volume × 2",
@@ -78,10 +86,10 @@ LABELS: Final = {
     "flow_pressure_double": "flow-pressure coefficient × 2",
     "flow_pressure_half": "flow-pressure coefficient ÷ 2",
     "recommended": "recommended design",
-    "initial_large_signal": "initial design, valve at ±90 %",
-    "recommended_fast_valve": "recommended design, 400 Hz valve",
-    "initial_reading": "initial design, other reading",
-    "recommended_reading": "recommended design, other reading",
+    "initial_large_signal": "initial design, valve at ±90 % of its signal",
+    "recommended_fast_valve": "recommended design, faster valve",
+    "initial_reading": "initial design, as the paper's margins read",
+    "recommended_reading": "recommended design, as the paper's margins read",
 }
 
 ROUNDING: Final = {
@@ -140,17 +148,15 @@ class PaperStudy:
             InputError: if there is no such case.
         """
         if name not in LABELS:
-            raise InputError(f"case {name!r}: must be one of {', '.join(LABELS)}")
-        base, _, variant = name.partition("_") if name not in CASES else (name, "", "")
-        factors = {key: self.factor**power for key, power in CASES[base].items()}
-        values: dict[str, float] = {key: getattr(self.actuator, key) * factor for key, factor in factors.items()}
-        if variant == "large_signal":
-            values["valve_frequency"] = self.large_signal_valve
-        elif variant == "fast_valve":
-            values["valve_frequency"] = self.fast_valve
-        elif variant == "reading":
-            values |= {"valve_frequency": self.reading_valve, "flow_gain": self.actuator.flow_gain * self.reading_gain}
-        return self.actuator.with_values(values)
+            raise InputError(f"case = {name!r}: must be one of {', '.join(LABELS)}")
+        base, extra = VARIANTS.get(name, (name, lambda _: {}))
+        powers = CASES[base].items()
+        values: dict[str, float] = {key: getattr(self.actuator, key) * self.factor**power for key, power in powers}
+        return self.actuator.with_values(values | extra(self))
+
+    def reading(self) -> dict[str, float]:
+        """The values under which the paper's margins come out [m³/s/mA, rad/s]."""
+        return {"flow_gain": self.actuator.flow_gain * self.reading_gain, "valve_frequency": self.reading_valve}
 
     def figures(self, actuator: Actuator, mass: float | None = None) -> FiguresOfMerit:
         """Figures of merit with the study's margins, under its mass unless another is given [kg]."""
@@ -169,19 +175,14 @@ class PaperStudy:
         Raises:
             InputError: if an entry is missing, unknown or not physical.
         """
-        study = dict(record.get("study", record))
         try:
-            values = {name: entry["value"] for name, entry in study.pop("actuator").items()}
-            sources = {"sources": {name: entry["source"] for name, entry in record_entries(record).items()}}
-            return cls(actuator=Actuator(**values, **sources), **study)
+            study = dict(record.get("study", record))
+            entries = study.pop("actuator")
+            values = {name: entry["value"] for name, entry in entries.items()}
+            sources = {name: entry["source"] for name, entry in entries.items()}
+            return cls(actuator=Actuator(**values, sources=sources), **study)
         except (KeyError, TypeError, AttributeError, ValueError) as error:
-            raise InputError(f"study: this is no record of it: {error}") from error
-
-
-def record_entries(record: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """The described parameters of a record's actuator."""
-    entries: dict[str, dict[str, Any]] = record.get("study", record)["actuator"]
-    return entries
+            raise InputError(f"study: this is no record of one: {error}") from error
 
 
 def described(actuator: Actuator) -> dict[str, dict[str, Any]]:
@@ -330,34 +331,468 @@ class _Stated:
     comment: str = ""
 
 
-_F, _D, _G, _X = "hydro-mechanical frequency", "hydraulic damping ratio", "gain margin", "its phase crossover"
-_G8, _X8 = "gain_margin_db_eq8", "phase_crossover_hz_eq8"
-_READING = "with ten times the loop gain and a valve of 260 Hz, which the paper does not state"
+_F, _D, _V = "hydro-mechanical frequency", "hydraulic damping ratio", "valve frequency"
+_SIX = "one of six that fit together, see below"
+_INPUT = "taken from the text, not computed"
+
+
+def _margins(case: str, label: str, gain_margin: float, crossover: float) -> Iterator[_Stated]:
+    """A gain margin and its frequency as the paper prints them, beside each way to compute them."""
+    reading = "exact form, ten times the loop gain and a valve of 260 Hz, of which the paper says nothing"
+    ways = ((case, "", "exact form"), (case, "_eq8", "eq. 8 corrected"), (f"{case}_reading", "", reading))
+    for name, suffix, way in ways:
+        yield _Stated("5", f"gain margin, {label}", "dB", gain_margin, 0.5, name, f"gain_margin_db{suffix}", way)
+    for name, suffix, way in ways:
+        figure = f"phase_crossover_hz{suffix}"
+        yield _Stated("5", f"frequency of the gain margin, {label}", "Hz", crossover, 0.5, name, figure, way)
+
 
 _STATED: Final = (
-    _Stated("3", f"{_F}, initial", "Hz", 257, 0.5, "initial", "omega_h_hz", "see the note on the six frequencies"),
-    _Stated("3", "valve frequency at ±5 %", "Hz", 250, 0.5, "initial", "valve_hz", "Table I: 1571 rad/s"),
-    _Stated("3", "valve frequency at ±90 %", "Hz", 100, 0.5, "initial_large_signal", "valve_hz", "taken from the text"),
-    _Stated("4.1", f"{_F}, volume × 2", "Hz", 182, 0.5, "volume_double", "omega_h_hz"),
-    _Stated("4.1", f"{_F}, volume ÷ 2", "Hz", 363, 0.5, "volume_half", "omega_h_hz"),
-    _Stated("4.1", f"{_D}, volume × 2", "-", 0.15, 0.005, "volume_double", "delta_h"),
-    _Stated("4.1", f"{_D}, volume ÷ 2", "-", 0.3, 0.05, "volume_half", "delta_h"),
-    _Stated("4.2", f"{_F}, area × 2", "Hz", 513, 0.5, "area_double", "omega_h_hz"),
-    _Stated("4.2", f"{_F}, area ÷ 2", "Hz", 128, 0.5, "area_half", "omega_h_hz"),
-    _Stated("5", f"{_F}, recommended", "Hz", 726, 0.5, "recommended", "omega_h_hz"),
-    _Stated("5", f"{_D}, recommended", "-", 0.3, 0.05, "recommended", "delta_h"),
-    _Stated("5", "valve frequency, recommended", "Hz", 250, 0.5, "recommended", "valve_hz", "the initial valve"),
-    _Stated("5", "valve frequency, faster valve", "Hz", 400, 0.5, "recommended_fast_valve", "valve_hz", "from the text"),
-    _Stated("5", f"{_G}, initial", "dB", 116, 0.5, "initial", "gain_margin_db", "exact form"),
-    _Stated("5", f"{_G}, initial", "dB", 116, 0.5, "initial", _G8, "eq. 8 corrected"),
-    _Stated("5", f"{_G}, initial", "dB", 116, 0.5, "initial_reading", "gain_margin_db", f"exact form, {_READING}"),
-    _Stated("5", f"{_X}, initial", "Hz", 187, 0.5, "initial", "phase_crossover_hz", "exact form"),
-    _Stated("5", f"{_X}, initial", "Hz", 187, 0.5, "initial", _X8, "eq. 8 corrected"),
-    _Stated("5", f"{_X}, initial", "Hz", 187, 0.5, "initial_reading", "phase_crossover_hz", f"exact form, {_READING}"),
-    _Stated("5", f"{_G}, recommended", "dB", 128, 0.5, "recommended", "gain_margin_db", "exact form"),
-    _Stated("5", f"{_G}, recommended", "dB", 128, 0.5, "recommended", _G8, "eq. 8 corrected"),
-    _Stated("5", f"{_G}, recommended", "dB", 128, 0.5, "recommended_reading", "gain_margin_db", f"exact form, {_READING}"),
-    _Stated("5", f"{_X}, recommended", "Hz", 230, 0.5, "recommended", "phase_crossover_hz", "exact form"),
-    _Stated("5", f"{_X}, recommended", "Hz", 230, 0.5, "recommended", _X8, "eq. 8 corrected"),
-    _Stated("5", f"{_X}, recommended", "Hz", 230, 0.5, "recommended_reading", "phase_crossover_hz", f"exact form, {_READING}"),
+    _Stated("3", f"{_F}, initial design", "Hz", 257, 0.5, "initial", "omega_h_hz", _SIX),
+    _Stated("3", f"{_V} at ±5 %", "Hz", 250, 0.5, "initial", "valve_hz", "1571 rad/s in Table I"),
+    _Stated("3", f"{_V} at ±90 %", "Hz", 100, 0.5, "initial_large_signal", "valve_hz", _INPUT),
+    _Stated("3", "lag of the valve around its frequency", "deg", 90, 0.5, "initial", "valve_lag_deg", "at 250 Hz"),
+    _Stated("4.1", f"{_F}, chamber volume × 2", "Hz", 182, 0.5, "volume_double", "omega_h_hz", _SIX),
+    _Stated("4.1", f"{_F}, chamber volume ÷ 2", "Hz", 363, 0.5, "volume_half", "omega_h_hz", _SIX),
+    _Stated("4.1", f"{_D}, chamber volume × 2", "-", 0.15, 0.005, "volume_double", "delta_h"),
+    _Stated("4.1", f"{_D}, chamber volume ÷ 2", "-", 0.3, 0.05, "volume_half", "delta_h"),
+    _Stated("4.2", f"{_F}, piston area × 2", "Hz", 513, 0.5, "area_double", "omega_h_hz", _SIX),
+    _Stated("4.2", f"{_F}, piston area ÷ 2", "Hz", 128, 0.5, "area_half", "omega_h_hz", _SIX),
+    _Stated("5", f"{_F}, recommended design", "Hz", 726, 0.5, "recommended", "omega_h_hz", _SIX),
+    _Stated("5", f"{_D}, recommended design", "-", 0.3, 0.05, "recommended", "delta_h"),
+    _Stated("5", f"{_V}, recommended design", "Hz", 250, 0.5, "recommended", "valve_hz", "the initial valve"),
+    _Stated("5", f"{_V}, faster valve", "Hz", 400, 0.5, "recommended_fast_valve", "valve_hz", _INPUT),
+    *_margins("initial", "initial design", 116, 187),
+    *_margins("recommended", "recommended design", 128, 230),
 )
+"""Every frequency, damping ratio and margin of the paper's text."""
+
+AGREES, ROUNDED, FAILS, GIVEN = (
+    "agrees to the printed digit",
+    "agrees within the rounding of Table I",
+    "does not reproduce",
+    "given",
+)
+
+
+def compare(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Comparison, ...]:
+    """Every number that the paper states, beside the computed one.
+
+    Args:
+        study: what was computed.
+        every: cases and variants by name.
+    """
+    return tuple(_compared(study, every[stated.case].actuator, stated) for stated in _STATED)
+
+
+def _compared(study: PaperStudy, actuator: Actuator, stated: _Stated) -> Comparison:
+    computed = _value(study, actuator, study.mass, stated.figure)
+    if stated.comment == _INPUT:
+        allowed, verdict = None, GIVEN
+    else:
+        allowed = _allowed(study, actuator, stated.figure, computed)
+        low, high = allowed
+        overlaps = low <= stated.paper + stated.half_unit and high >= stated.paper - stated.half_unit
+        near = abs(computed - stated.paper) <= stated.half_unit
+        verdict = AGREES if near else ROUNDED if overlaps else FAILS
+    return Comparison(
+        stated.section, stated.quantity, stated.unit, stated.paper, computed, allowed, verdict, stated.comment
+    )
+
+
+def _value(study: PaperStudy, actuator: Actuator, mass: float, figure: str) -> float:
+    if figure == "valve_lag_deg":  # at 250 Hz, eq. 1
+        ratio = 2.0 * math.pi * 250.0 / actuator.valve_frequency
+        return math.degrees(math.atan2(2.0 * actuator.valve_damping * ratio, 1.0 - ratio**2))
+    return float(getattr(study.figures(actuator, mass), figure))
+
+
+def _allowed(study: PaperStudy, actuator: Actuator, figure: str, computed: float) -> tuple[float, float]:
+    """Span of a figure when every value of Table I moves by half a unit of its last digit, the worst way, to first
+    order; a case that multiplies a value multiplies its rounding."""
+    spread = 0.0
+    for name, half_unit in ROUNDING.items():
+        table = PAPER_MASS if name == "mass" else getattr(FIRST_GENERATION, name)
+        ends = []
+        for factor in (1.0 + half_unit / table, 1.0 - half_unit / table):
+            if name == "mass":
+                ends.append(_value(study, actuator, study.mass * factor, figure))
+            else:
+                moved = actuator.with_values({name: getattr(actuator, name) * factor})
+                ends.append(_value(study, moved, study.mass, figure))
+        spread += 0.5 * abs(ends[0] - ends[1])
+    return computed - spread, computed + spread
+
+
+# --- the claims ----------------------------------------------------------------------------------------------------
+
+
+def claims(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Claim, ...]:
+    """What the paper states in words, and what the numbers say to it."""
+    f = {name: case.figures for name, case in every.items()}
+    first, last, fast, slow = (
+        f[name] for name in ("initial", "recommended", "recommended_fast_valve", "initial_large_signal")
+    )
+    quarter = study.figures(study.design("initial"), study.mass / 4.0)
+    keeps = f"the highest proportional gain with {study.gain_margin_db:g} dB and {study.phase_margin_deg:g}°"
+    shift = f["flow_gain_half"].gain_margin_db - first.gain_margin_db
+    smaller = 20.0 * math.log10(first.velocity_gain / last.velocity_gain)
+    return (
+        Claim("2.2", "Eq. 8, as printed", _printed_equation(study)),
+        Claim("3 to 5", "Hydro-mechanical frequencies of 257, 182, 363, 513, 128 and 726 Hz", _six(first.omega_h_hz)),
+        Claim(
+            "3",
+            "One actuator under a machine load of 4 tonnes",
+            f"The whole machine on one actuator. A mount of four carries a quarter: {quarter.omega_h_hz:.0f} Hz and a "
+            f"damping ratio of {quarter.delta_h:.3f}, so the paper's numbers are not those of the four-mount machine.",
+        ),
+        Claim(
+            "3",
+            "The closed-loop bandwidth is limited by the lesser of valve and hydro-mechanical frequency",
+            f"As a limit, yes: with {keeps}, {first.bandwidth_hz:.0f} Hz of {first.valve_hz:.0f} Hz for the initial "
+            f"design and {last.bandwidth_hz:.0f} Hz of {last.valve_hz:.0f} Hz for the recommended one. But the loop "
+            f"corrects errors only up to its gain crossover, {first.gain_crossover_hz:.0f} and "
+            f"{last.gain_crossover_hz:.0f} Hz.",
+        ),
+        Claim(
+            "3",
+            "With the valve at ±90 % control stays below 100 Hz",
+            f"The same loop then has {slow.bandwidth_hz:.0f} Hz of bandwidth (3 dB below a static gain that is itself "
+            f"below 1) and its gain crossover at {slow.gain_crossover_hz:.0f} Hz.",
+        ),
+        Claim(
+            "4.1",
+            "A larger chamber lowers the bandwidth",
+            f"{f['volume_double'].bandwidth_hz:.0f} Hz with twice the volume, {first.bandwidth_hz:.0f} Hz as it is, "
+            f"{f['volume_half'].bandwidth_hz:.0f} Hz with half.",
+        ),
+        Claim(
+            "4.2",
+            "A larger piston is preferable although it lowers the damping",
+            f"Damping ratio {f['area_double'].delta_h:.3f} instead of {first.delta_h:.3f}; gain crossover "
+            f"{f['area_double'].gain_crossover_hz:.0f} instead of {first.gain_crossover_hz:.0f} Hz. Merritt's limit "
+            "2δ_hω_h = 4βK_C/V_t does not know the area.",
+        ),
+        Claim(
+            "4.3",
+            "The flow gain is a gain only",
+            f"Halving it moves the gain margin by {shift:+.2f} dB and the crossover by "
+            f"{f['flow_gain_half'].phase_crossover_hz - first.phase_crossover_hz:.0e} Hz.".replace("0e+00", "0"),
+        ),
+        Claim(
+            "4.3",
+            "Damping is proportional to the flow-pressure coefficient",
+            f"{f['flow_pressure_half'].delta_h:.4f}, {first.delta_h:.4f}, {f['flow_pressure_double'].delta_h:.4f}.",
+        ),
+        Claim(
+            "5",
+            "A gain margin of 128 dB is far superior to 116 dB",
+            f"Their difference comes out ({last.gain_margin_db - first.gain_margin_db:.1f} dB), but {smaller:.1f} dB of "
+            "it only say that a piston of twice the area moves half as fast per volt. What a loop gains is its velocity "
+            f"gain at the limit: {first.velocity_gain_limit:.0f} and {last.velocity_gain_limit:.0f} 1/s.",
+        ),
+        Claim(
+            "5",
+            "Gain margins of 116 and 128 dB",
+            f"Table I gives {first.gain_margin_db - 116:.1f} and {last.gain_margin_db - 128:.1f} dB more: a factor of "
+            f"ten in loop gain. With ten times the flow gain and a valve of 260 Hz margins and frequencies come out "
+            f"({f['initial_reading'].gain_margin_db:.1f} dB at {f['initial_reading'].phase_crossover_hz:.1f} Hz, "
+            f"{f['recommended_reading'].gain_margin_db:.1f} dB at {f['recommended_reading'].phase_crossover_hz:.1f} Hz). "
+            "Table I stays the default.",
+        ),
+        Claim(
+            "5",
+            "A valve of 400 Hz makes it better still",
+            f"Bandwidth {fast.bandwidth_hz:.0f} instead of {last.bandwidth_hz:.0f} Hz, gain crossover "
+            f"{fast.gain_crossover_hz:.0f} instead of {last.gain_crossover_hz:.0f} Hz.",
+        ),
+        Claim(
+            "5",
+            "The frequencies of the recommended design are very well separated",
+            f"By a factor of {1 / last.valve_ratio:.1f}, with the valve below the load. Valve makers ask for three "
+            f"times above it; here it is {last.valve_ratio:.2f} ({fast.valve_ratio:.2f} with the faster valve).",
+        ),
+    )
+
+
+def _printed_equation(study: PaperStudy) -> str:
+    figures = study.figures(study.actuator)
+    shift = math.sqrt(1.0 + 2.0 * figures.delta_h / figures.omega_h) - 1.0
+    return (
+        "The damping term lacks its s. As printed it adds a time to a number; taken as numbers it is an undamped "
+        f"resonance, {100 * shift:.3f} % above ω_h, whose peak is infinite and whose phase jumps. The figures and "
+        "margins of the paper cannot come from it; the term must read 2δ_h s/ω_h."
+    )
+
+
+def _six(computed: float) -> str:
+    """Which initial frequency gives all six printed ones."""
+    ratios = {257: 1.0, 182: 2**-0.5, 363: 2**0.5, 513: 2.0, 128: 0.5, 726: 8**0.5}
+    low = max((printed - 0.5) / ratio for printed, ratio in ratios.items())
+    high = min((printed + 0.5) / ratio for printed, ratio in ratios.items())
+    return (
+        f"All six follow from one initial frequency between {low:.2f} and {high:.2f} Hz. Table I as printed gives "
+        f"{computed:.2f} Hz, {100 * (low / computed - 1):.1f} % less; its rounding (the bulk modulus has two digits) "
+        "leaves ten times that open."
+    )
+
+
+# --- figures -------------------------------------------------------------------------------------------------------
+
+FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
+    "figure-3": ("Open loop of the initial design: exact, and eq. 8 corrected and as printed", ("initial",)),
+    "figure-4": ("Sensitivity of the open loop to the chamber volume", ("initial", "volume_double", "volume_half")),
+    "figure-5": ("Sensitivity of the open loop to the piston area", ("initial", "area_double", "area_half")),
+    "figure-6a": ("Sensitivity of the open loop to the flow gain", ("initial", "flow_gain_double", "flow_gain_half")),
+    "figure-6b": (
+        "Sensitivity of the open loop to the flow-pressure coefficient",
+        ("initial", "flow_pressure_double", "flow_pressure_half"),
+    ),
+    "figure-7": (
+        "Open loop of the initial and the recommended design, and of the latter with a faster valve",
+        ("initial", "recommended", "recommended_fast_valve"),
+    ),
+}
+"""The paper's figures: caption and cases. The paper numbers its last one 5 a second time; the text calls it 7."""
+
+LINES: Final = ((BLUE, "-", 1.9), (VERMILLION, (0, (6, 1.6)), 1.6), (GREEN, (0, (3, 1.2, 1, 1.2)), 1.6))
+"""Colour, dash and width of the first, second and third line."""
+
+SPAN: Final = (1.0, 2000.0)
+"""Frequencies that the figures show [Hz]."""
+
+
+@contextmanager
+def figure_style() -> Iterator[None]:
+    """Matplotlib's settings for the studies' figures: symbols are set as mathematics, letters are drawn as shapes."""
+    import matplotlib
+
+    own = {"text.parse_math": True, "mathtext.fontset": "dejavusans", "svg.fonttype": "path"}
+    with matplotlib.rc_context({**STYLE, **own}):
+        yield
+
+
+def figure(reproduction: Reproduction, name: str) -> "Figure":
+    """One of the paper's `FIGURES`, drawn anew.
+
+    Raises:
+        InputError: if there is no such figure.
+    """
+    if name not in FIGURES:
+        raise InputError(f"figure = {name!r}: must be one of {', '.join(FIGURES)}")
+    every = reproduction.cases | reproduction.variants
+    chosen = [every[case] for case in FIGURES[name][1]]
+    mass = reproduction.study.mass
+    if name == "figure-3":
+        forms: tuple[tuple[Form, str], ...] = (
+            ("exact", "exact, third order"),
+            ("eq8", "eq. 8, damping term corrected"),
+            ("eq8-printed", "eq. 8 as printed (undamped)"),
+        )
+        return bode_figure([Line(label, chosen[0].actuator, mass, form) for form, label in forms])
+    return bode_figure([Line(case.label, case.actuator, mass) for case in chosen])
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a Bode plot."""
+
+    label: str
+    actuator: Actuator
+    mass: float
+    form: Form = "exact"
+
+
+def bode_figure(lines: list[Line]) -> "Figure":
+    """Magnitude and phase of G_EHA (eq. 9) of several designs, three at most.
+
+    Rings mark the hydro-mechanical frequency, diamonds the phase crossover; vertical lines mark the valves.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    with figure_style():
+        sheet = Figure(figsize=(5.6, 5.0), layout="constrained")
+        above, below = sheet.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.15, 1.0)})
+        handles = []
+        for line, (color, dash, width) in zip(lines, LINES, strict=False):
+            _draw(above, below, line, {"color": color, "linestyle": dash, "linewidth": width})
+            handles.append(Line2D([], [], color=color, linestyle=dash, linewidth=width, label=_legend_text(line, lines)))
+        marks = {"linestyle": "none", "color": INK, "markerfacecolor": "white", "markersize": 5.5}
+        handles.append(Line2D([], [], marker="o", label="hydro-mechanical frequency $f_h$", **marks))
+        handles.append(Line2D([], [], marker="D", label="phase crossover, $-180°$", **{**marks, "markersize": 4.8}))
+        _axes(above, below, lines)
+        sheet.legend(handles=handles, loc="outside upper left", ncols=1 if len(handles) < 4 else 2)
+    return sheet
+
+
+def _legend_text(line: Line, lines: list[Line]) -> str:
+    if all(other.actuator == line.actuator for other in lines):
+        return line.label
+    figures = figures_of_merit(line.actuator, line.mass)
+    return f"{line.label}\n$f_h$ = {figures.omega_h_hz:.0f} Hz, $\\delta_h$ = {figures.delta_h:.3f}"
+
+
+def _draw(above: "Axes", below: "Axes", line: Line, look: dict[str, Any]) -> None:
+    figures = figures_of_merit(line.actuator, line.mass)
+    around = figures.omega_h_hz * (1.0 + np.linspace(-0.02, 0.02, 401))
+    hertz = np.unique(np.concatenate([np.geomspace(*SPAN, 1200), around]))
+    magnitude, phase = _decibels(line, hertz)
+    above.semilogx(hertz, magnitude, **look)
+    below.semilogx(hertz, phase, **look)
+    if line.form == "eq8-printed":
+        return
+    crossover = Loop.of_actuator(line.actuator, line.mass, line.form).phase_crossover / (2.0 * math.pi)
+    for at, marker, size in ((figures.omega_h_hz, "o", 5.5), (crossover, "D", 4.8)):
+        values = _decibels(line, np.array([at]))
+        for axes, value in zip((above, below), values, strict=True):
+            axes.plot(at, value, marker, color=look["color"], markerfacecolor="white", markersize=size, zorder=4)
+
+
+def _decibels(line: Line, hertz: Array) -> tuple[Array, Array]:
+    magnitude, phase = bode(line.actuator, line.mass, hertz, line.form)
+    return 20.0 * np.log10(magnitude), phase
+
+
+def _axes(above: "Axes", below: "Axes", lines: list[Line]) -> None:
+    from matplotlib.ticker import FixedLocator, FuncFormatter, MultipleLocator, NullFormatter
+
+    above.set_xlim(*SPAN)
+    above.set_ylim(-200.0, -90.0)
+    above.yaxis.set_major_locator(MultipleLocator(20.0))
+    above.set_ylabel("magnitude [dB re 1 m/V]")
+    below.set_ylim(-460.0, 10.0)
+    below.yaxis.set_major_locator(MultipleLocator(90.0))
+    below.set_ylabel("phase [deg]")
+    below.set_xlabel("frequency [Hz]")
+    below.axhline(-180.0, color="#8A939C", linewidth=0.9, zorder=1)
+    below.xaxis.set_major_locator(FixedLocator([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000]))
+    below.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    below.xaxis.set_minor_formatter(NullFormatter())
+    for axes in (above, below):
+        axes.grid(which="minor", axis="x", linewidth=0.4)
+    for valve in sorted({line.actuator.valve_frequency / (2.0 * math.pi) for line in lines}):
+        for axes in (above, below):
+            axes.axvline(valve, color=PURPLE, linewidth=1.0, linestyle=(0, (1, 1.5)), zorder=1.5)
+        place = (valve, 1.0)
+        above.annotate(
+            f"valve {valve:.0f} Hz",
+            place,
+            (-3, -3),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            rotation=90,
+            ha="right",
+            va="top",
+            fontsize=8.5,
+            color=PURPLE,
+        )
+
+
+# --- files ---------------------------------------------------------------------------------------------------------
+
+
+def write_paper(folder: Path, study: PaperStudy | None = None) -> list[Path]:
+    """Write the paper's figures (SVG, PNG), its table (CSV, HTML with everything) and ``paper.json`` into a folder.
+
+    Returns:
+        What was written, ``table.html`` first.
+
+    Raises:
+        InputError: if the study is not physical.
+    """
+    reproduction = reproduce(study)
+    folder.mkdir(parents=True, exist_ok=True)
+    page, table, record = (folder / name for name in ("table.html", "table.csv", "paper.json"))
+    drawings = []
+    for name in FIGURES:
+        drawings += save_figure(figure(reproduction, name), folder, name)
+    rows = [comparison.row() for comparison in reproduction.table]
+    with table.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    record.write_text(json.dumps(reproduction.record(), indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+    page.write_text(table_html(reproduction), "utf-8")
+    return [page, table, record, *drawings]
+
+
+def save_figure(sheet: "Figure", folder: Path, name: str) -> list[Path]:
+    """Save a figure as ``name.svg`` and ``name.png`` (300 dpi); the same figure gives the same bytes."""
+    paths = [folder / f"{name}.svg", folder / f"{name}.png"]
+    with figure_style():
+        sheet.savefig(paths[0], metadata={"Date": None})
+        sheet.savefig(paths[1], dpi=300)
+    return paths
+
+
+def table_html(reproduction: Reproduction) -> str:
+    """The table, the claims and the figures as one page; it looks for the figures in its own folder."""
+    rows = "\n".join(_html_row(comparison) for comparison in reproduction.table)
+    told = "\n".join(f"<tr>{_cells(c.section, c.statement, c.finding)}</tr>" for c in reproduction.claims)
+    figures = "\n".join(
+        f'<figure><img src="{name}.svg" alt="{html.escape(caption)}"><figcaption>{name.replace("-", " ").capitalize()}. '
+        f"{html.escape(caption)}.</figcaption></figure>"
+        for name, (caption, _) in FIGURES.items()
+    )
+    return _PAGE.format(rows=rows, claims=told, figures=figures)
+
+
+def _cells(*texts: str) -> str:
+    return "".join(f"<td>{html.escape(text)}</td>" for text in texts)
+
+
+def _html_row(comparison: Comparison) -> str:
+    digits = 3 if comparison.unit == "-" else 1
+    unit = "" if comparison.unit == "-" else f" {comparison.unit}"
+    deviation = f"{comparison.deviation:+.{digits}f}{unit}"
+    if comparison.unit == "Hz":
+        deviation += f" ({100 * comparison.deviation / comparison.paper:+.1f} %)"
+    allowed = "" if comparison.allowed is None else " to ".join(f"{end:.{digits}f}" for end in comparison.allowed)
+    kind = {FAILS: "fails", GIVEN: "given"}.get(comparison.verdict, "agrees")
+    texts = (
+        comparison.section,
+        comparison.quantity,
+        f"{comparison.paper:g}{unit}",
+        f"{comparison.computed:.{digits}f}{unit}",
+        deviation.replace("-", "−"),
+        allowed,
+    )
+    last = f'<td class="{kind}">{html.escape(comparison.verdict)}</td>{_cells(comparison.comment)}'
+    return f"<tr>{_cells(*texts)}{last}</tr>"
+
+
+_PAGE: Final = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>The paper, reproduced</title>
+<style>
+body {{ font: 15px/1.5 'Segoe UI', Roboto, Helvetica, Arial, sans-serif; color: #1F2933; max-width: 75rem;
+  margin: 2rem auto; padding: 0 1rem; }}
+.wide {{ overflow-x: auto; }}
+table {{ border-collapse: collapse; font-size: 14px; }}
+th, td {{ text-align: left; vertical-align: top; padding: .3rem .7rem; border-bottom: 1px solid #E4E7EB; }}
+th {{ border-bottom: 2px solid #8A939C; }}
+.values td:nth-child(n+3):nth-child(-n+6) {{ text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }}
+.values th:nth-child(n+3):nth-child(-n+6) {{ text-align: right; }}
+.agrees {{ color: #00664B; }} .fails {{ color: #B00020; font-weight: 600; }} .given {{ color: #6E7781; }}
+.figures {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.5rem; }}
+figure {{ margin: 0; }} img {{ width: 100%; }} figcaption {{ font-size: 14px; }}
+</style></head><body>
+<h1>The paper, reproduced</h1>
+<p>Every number that <em>Design guidelines for an electro-hydraulic actuator to isolate machines from vibrations</em>
+states, beside what its equations give with its Table I. "Table I allows" is what the rounding of its values leaves
+open.</p>
+<div class="wide"><table class="values"><thead><tr><th>Section</th><th>Number</th><th>Paper</th><th>Computed</th>
+<th>Deviation</th><th>Table I allows</th><th>Verdict</th><th>Comment</th></tr></thead><tbody>
+{rows}
+</tbody></table></div>
+<h2>What the paper says in words</h2>
+<div class="wide"><table><thead><tr><th>Section</th><th>Statement</th><th>What the numbers say</th></tr></thead><tbody>
+{claims}
+</tbody></table></div>
+<h2>The figures</h2>
+<div class="figures">
+{figures}
+</div>
+</body></html>
+"""
