@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 import obspy
 import pytest
+import typer
 
-from ehamj.cli import main
+from ehamj.cli import app, main
 from ehamj.layout import MOUNTS
 from ehamj.result import load_result
 from ehamj.scenario import shipped_scenarios
 
-COMMANDS = ("run", "scenarios", "schema", "replay", "bench")
+COMMANDS = sorted(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
 PLAIN = ("--no-replay", "--no-report", "--set", "compare=[]")
 QUICK = ("run", "benchmark", *PLAIN, "--set", "duration=0.01")
 RECORD = ("run", "recorded", *PLAIN, "--set", "duration=0.05")
@@ -415,6 +416,10 @@ def test_schema_is_json_and_nothing_else(cli: Cli) -> None:
     properties = one_json(said.out)["properties"]
     assert isinstance(properties, dict)
     assert {"machine", "mount", "ground", "control"} <= set(properties)
+
+
+def test_promised_commands_are_there() -> None:
+    assert {"run", "scenarios", "schema", "replay", "bench"} <= set(COMMANDS)
 
 
 def test_help_lists_the_commands(cli: Cli) -> None:

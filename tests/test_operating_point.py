@@ -72,6 +72,18 @@ def test_nothing_moves_at_the_equilibrium(plates: str) -> None:
     assert np.abs(still[model.nq + model.nv :].reshape(4, 4)[:, :2]).max() <= 1e-9
 
 
+def test_held_inputs_do_not_depend_on_the_clock() -> None:
+    model = model_of()
+    inputs = Inputs(np.full((4, 3), 1e-5), np.full((4, 3), 1e-2), np.full(4, 3.0))
+    found = []
+    for moment in (0.0, 7.3):
+        data = mujoco.MjData(model)
+        data.time = moment
+        with hydraulics():
+            found.append(rates(model, data, np.zeros(model.nq + model.nv + model.na), inputs))
+    np.testing.assert_array_equal(*found)
+
+
 @pytest.mark.parametrize("volts", [0.01, 1.0, -4.0, 10.0, 30.0])
 def test_a_held_command_lifts_by_what_the_leaking_valve_holds(volts: float) -> None:
     position, pressure = solved(model_of(), command(volts))

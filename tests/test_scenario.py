@@ -356,6 +356,10 @@ BAD: dict[str, tuple[dict[str, Any], list[str]]] = {
         ["mount.0.height = 1", "name, position, actuator"],
     ),
     "unknown ground key": ({"ground": {"kind": "sine", "freq": 1}}, ["ground.freq = 1", "did you mean 'frequency'"]),
+    "unknown key in what may be left out": (
+        {"ground": {"kind": "sine", "wave": {"sped": 200.0}}},
+        ["ground.wave.sped = 200.0", "did you mean 'speed'"],
+    ),
     "unknown signal key": (driven(amplitud=1), ["control.signals.0.amplitud = 1", "did you mean 'amplitude'"]),
     "text for a number": ({"machine": {"mass": "4000"}}, ["machine.mass = '4000'", "number"]),
     "truth for a number": ({"machine": {"mass": True}}, ["machine.mass = True", "number"]),

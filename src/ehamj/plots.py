@@ -218,9 +218,8 @@ def _arrange(
 def _columns(names: Sequence[str], room: float) -> int:
     """How many columns of a legend fit into ``room`` [pt]; it is filled column by column."""
     for columns in range(min(len(names), 4), 1, -1):
-        rows = -(-len(names) // columns)
-        widths = [max(map(len, names[k : k + rows])) for k in range(0, len(names), rows)]
-        if sum(5.1 * width + 26.0 for width in widths) <= room:
+        widths = [max(map(len, part)) for part in np.array_split(np.array(names, object), columns)]
+        if sum(5.3 * width + 32.0 for width in widths) <= room:
             return columns
     return 1
 
@@ -295,7 +294,7 @@ def criterion(
         if known_to is not None and known_to < axes.get_xlim()[1]:
             axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
             entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
-        _arrange(figure, [(axes, 190.0)], entries, right=62.0)
+        _arrange(figure, [(axes, 190.0)], entries, right=76.0)
     return figure
 
 
@@ -345,6 +344,8 @@ def history(
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
     """
+    from matplotlib.ticker import MaxNLocator
+
     with _styled():
         figure = _figure(title)
         above, *below = figure.subplots(2 if window else 1, 1, squeeze=False)[:, 0]
@@ -361,6 +362,7 @@ def history(
         entries |= _limits(above, [*whole, *([] if window else detail)], limits)
         for axes in (above, *below):
             axes.set_ylabel(quantity)
+            axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
         if window:
             above.set_xlabel("time [s], whole run")
             below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
@@ -412,103 +414,115 @@ def _limits(axes: "Axes", traces: Sequence[Trace], limits: Sequence[Limit]) -> d
 # --- the machine ---------------------------------------------------------------------------------------------------
 
 
-def machine_drawing(
-    size: Vector,
-    cg: Vector,
-    feet: Sequence[Foot],
-    waves: Sequence[tuple[str, float]] = (),
-) -> "Figure":
-    """The machine from above and from its right side, to scale, origin at the mount plane's centre [m].
+def machine_plan(size: Vector, cg: Vector, feet: Sequence[Foot], waves: Sequence[tuple[str, float]] = ()) -> "Figure":
+    """The machine from above, to scale, origin at the mount plane's centre [m].
 
     Args:
         size: outline: length in x, width in y, height [m].
         cg: centre of gravity [m].
-        feet: the mounts.
+        feet: the four mounts.
         waves: label and direction of travel, from +x towards +y [deg], of each wave in the floor.
     """
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    length, width, height = size
-    room = 0.2 * max(length, width)
-    drop = 0.08 * max(length, width)  # drawn height of a mount
-    spans = (width + 2.0 * room, height + drop + 1.2 * room)
-    scale = min((WIDTH - LEFT - 14.0) / (length + 2.0 * room), 460.0 / sum(spans))  # pt/m
-    across = (WIDTH - LEFT - 14.0) / scale
-    with _styled():
-        figure = _figure("The machine, from above and from the right")
-        plan, side = figure.subplots(2, 1)
-        plan.set(xlim=(-0.5 * across, 0.5 * across), ylim=(-0.5 * spans[0], 0.5 * spans[0]))
-        side.set(xlim=plan.get_xlim(), ylim=(-drop - 0.5 * room, height + 0.7 * room))
-        kinds = list(dict.fromkeys(foot.kind for foot in feet))
-        colors = dict(zip(kinds, itertools.cycle((BLUE, GREEN, PURPLE, ORANGE)), strict=False))
-        _plan(plan, size, cg, feet, colors, drop)
-        _side(side, size, cg, feet, colors, drop)
-        for label, direction in waves[:1]:
-            _wave(plan, label, direction, 0.5 * spans[0], 0.5 * across, room)
-        for axes, name in ((plan, "y [m]"), (side, "z [m]")):
-            axes.set_ylabel(name)
-            axes.set_xlabel("x [m], front to the right")
-            axes.grid(False)
-        entries: dict[str, Artist] = {f"mount: {shown(kind)}": Patch(color=color) for kind, color in colors.items()}
-        mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=INK)
-        mark.set_markerfacecoloralt("white")
-        entries[f"centre of gravity ({', '.join(f'{part:.3g}' for part in cg)}) m"] = mark
-        _arrange(figure, [(plan, scale * spans[0]), (side, scale * spans[1])], entries)
-    return figure
-
-
-def _plan(axes: "Axes", size: Vector, cg: Vector, feet: Sequence[Foot], colors: Mapping[str, str], s: float) -> None:
-    """The view from above; mounts are squares of side ``s`` [m]."""
     from matplotlib.patches import Rectangle
 
     length, width, _ = size
-    axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=INK))
-    for foot in feet:
-        axes.add_patch(Rectangle((foot.x - s / 2, foot.y - s / 2), s, s, color=colors[foot.kind]))
-        inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
-        place = (foot.x + outer * s / 2, foot.y + inward * 0.7 * s)
-        axes.text(*place, foot.name, ha="right" if outer > 0 else "left", va="top" if inward < 0 else "bottom")
-    _cg(axes, cg[0], cg[1], 0.4 * s)
-    _tripod(axes, "y", 2.2 * s)
-    at = {foot.name: foot for foot in feet}
-    ordered = sorted(feet, key=lambda foot: (foot.y, foot.x))
-    right = sorted(ordered[:2], key=lambda foot: foot.x)
-    front = sorted(feet, key=lambda foot: foot.x)[2:]
-    front.sort(key=lambda foot: foot.y)
-    if len(at) >= 4:
-        _dimension(axes, (right[0].x, right[1].x), -width / 2 - 1.0 * s, "x")
-        _dimension(axes, (front[0].y, front[1].y), length / 2 + 1.0 * s, "y")
-    _dimension(axes, (-length / 2, length / 2), width / 2 + 1.0 * s, "x")
+    with _styled():
+        figure = _figure("The machine from above")
+        axes, scale, room, foot_size = _view(figure, size)
+        high = width + 2.0 * room
+        axes.set_ylim(-0.5 * high, 0.5 * high)
+        axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=INK))
+        colors = _foot_colors(feet)
+        for foot in feet:
+            _square(axes, foot.x, foot.y - foot_size / 2, foot_size, colors[foot.kind])
+            inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
+            place = (foot.x + outer * foot_size / 2, foot.y + inward * 0.7 * foot_size)
+            axes.text(*place, foot.name, ha="right" if outer > 0 else "left", va="top" if inward < 0 else "bottom")
+        right = sorted(sorted(feet, key=lambda foot: foot.y)[:2], key=lambda foot: foot.x)
+        front = sorted(sorted(feet, key=lambda foot: foot.x)[2:], key=lambda foot: foot.y)
+        _dimension(axes, (right[0].x, right[1].x), -width / 2 - foot_size, "x")
+        _dimension(axes, (front[0].y, front[1].y), length / 2 + foot_size, "y")
+        _dimension(axes, (-length / 2, length / 2), width / 2 + foot_size, "x")
+        _waves(axes, waves[:3], room)
+        _tripod(axes, "y", 2.2 * foot_size)
+        entries: dict[str, Artist] = dict([_cg(axes, cg, 1, 0.4 * foot_size)])
+        axes.set_ylabel("y [m]")
+        _arrange(figure, [(axes, scale * high)], {**_foot_entries(feet), **entries})
+    return figure
 
 
-def _side(axes: "Axes", size: Vector, cg: Vector, feet: Sequence[Foot], colors: Mapping[str, str], s: float) -> None:
-    """The view from the right; the ground is drawn ``s`` [m] below the mount plane."""
+def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot]) -> "Figure":
+    """The machine from its right side, at the scale of `machine_plan` [m]; mounts are drawn of some height."""
     from matplotlib.patches import Rectangle
 
     length, _, height = size
-    axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=INK))
-    for foot in sorted(feet, key=lambda foot: -foot.y):
-        axes.add_patch(Rectangle((foot.x - s / 2, -s), s, s, color=colors[foot.kind]))
-    low, high = axes.get_xlim()
-    ground = Rectangle((low, -1.6 * s), high - low, 0.6 * s, facecolor="white", edgecolor=FLOOR_COLOR, hatch="////")
-    ground.set_linewidth(0.0)
-    axes.add_patch(ground)
-    axes.plot([low, high], [-s, -s], color=FLOOR_COLOR, linewidth=1.4)
-    _cg(axes, cg[0], cg[2], 0.4 * s)
-    _tripod(axes, "z", 2.2 * s)
-    _dimension(axes, (0.0, height), length / 2 + 1.0 * s, "y")
-    if cg[2] > 1.5 * s:
-        _dimension(axes, (0.0, cg[2]), -length / 2 - 1.0 * s, "y")
+    with _styled():
+        figure = _figure("The machine from the right")
+        axes, scale, room, foot_size = _view(figure, size)
+        low, high = -2.2 * foot_size, height + 0.5 * room
+        axes.set_ylim(low, high)
+        axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=INK))
+        colors = _foot_colors(feet)
+        for foot in sorted(feet, key=lambda foot: -foot.y):
+            _square(axes, foot.x, -foot_size, foot_size, colors[foot.kind])
+        ends = axes.get_xlim()
+        ground = Rectangle((ends[0], -1.6 * foot_size), ends[1] - ends[0], 0.6 * foot_size, linewidth=0.0, hatch="////")
+        ground.set(facecolor="white", edgecolor=FLOOR_COLOR)
+        axes.add_patch(ground)
+        axes.plot(ends, [-foot_size] * 2, color=FLOOR_COLOR, linewidth=1.4)
+        _dimension(axes, (0.0, height), length / 2 + foot_size, "y")
+        if cg[2] > 1.5 * foot_size:
+            _dimension(axes, (0.0, cg[2]), -length / 2 - foot_size, "y")
+        _tripod(axes, "z", 2.2 * foot_size)
+        entries: dict[str, Artist] = dict([_cg(axes, cg, 2, 0.4 * foot_size)])
+        axes.set_ylabel("z [m]")
+        _arrange(figure, [(axes, scale * (high - low))], {**_foot_entries(feet), **entries})
+    return figure
 
 
-def _cg(axes: "Axes", x: float, y: float, radius: float) -> None:
-    """The draughtsman's mark of a centre of gravity."""
+def _view(figure: "Figure", size: Vector) -> tuple["Axes", float, float, float]:
+    """Axes of a drawing, its scale [pt/m], the room beside the machine [m], the side of a mount's square [m]."""
+    length, width, height = size
+    larger = max(length, width)
+    room = 0.2 * larger
+    across = WIDTH - LEFT - 14.0
+    scale = min(across / (length + 2.0 * room), 300.0 / (max(width, height) + 2.0 * room))
+    axes = figure.add_subplot()
+    axes.set_xlim(-0.5 * across / scale, 0.5 * across / scale)
+    axes.set_xlabel("x [m], front to the right")
+    axes.grid(False)
+    return axes, scale, room, 0.08 * larger
+
+
+def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:
+    kinds = dict.fromkeys(foot.kind for foot in feet)
+    return dict(zip(kinds, itertools.cycle((BLUE, GREEN, PURPLE, ORANGE)), strict=False))
+
+
+def _foot_entries(feet: Sequence[Foot]) -> dict[str, "Artist"]:
+    from matplotlib.patches import Patch
+
+    return {f"mount: {shown(kind)}": Patch(color=color) for kind, color in _foot_colors(feet).items()}
+
+
+def _square(axes: "Axes", x: float, bottom: float, side: float, color: str) -> None:
+    from matplotlib.patches import Rectangle
+
+    axes.add_patch(Rectangle((x - side / 2, bottom), side, side, color=color))
+
+
+def _cg(axes: "Axes", cg: Vector, up: int, radius: float) -> tuple[str, "Artist"]:
+    """The draughtsman's mark of a centre of gravity; ``up`` is the axis that points up. Returns its legend entry."""
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Circle, Wedge
 
-    axes.add_patch(Circle((x, y), radius, facecolor="white", edgecolor=INK, zorder=4))
+    place = (cg[0], cg[up])
+    axes.add_patch(Circle(place, radius, facecolor="white", edgecolor=INK, zorder=4))
     for first in (0.0, 180.0):
-        axes.add_patch(Wedge((x, y), radius, first, first + 90.0, facecolor=INK, zorder=4))
+        axes.add_patch(Wedge(place, radius, first, first + 90.0, facecolor=INK, zorder=4))
+    mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=INK)
+    mark.set_markerfacecoloralt("white")
+    return f"centre of gravity ({', '.join(f'{part:.3g}' for part in cg)}) m", mark
 
 
 def _tripod(axes: "Axes", up: str, length: float) -> None:
@@ -531,15 +545,16 @@ def _dimension(axes: "Axes", ends: tuple[float, float], at: float, along: str) -
     axes.text(*middle, text, ha="center", va="center", rotation=turned, fontsize=8.8, color="#374151", bbox=box)
 
 
-def _wave(axes: "Axes", label: str, direction: float, top: float, half: float, room: float) -> None:
-    """An arrow in the corner that shows where a wave in the floor goes."""
-    angle = math.radians(direction)
-    centre = (-half + 0.55 * room, top - 0.45 * room)
-    reach = (0.35 * room * math.cos(angle), 0.35 * room * math.sin(angle))
-    style = {"arrowstyle": "-|>", "color": FLOOR_COLOR, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
-    tip, tail = (tuple(c + sign * r for c, r in zip(centre, reach, strict=True)) for sign in (1, -1))
-    axes.annotate("", tip, tail, arrowprops=style)
-    axes.text(centre[0] + 0.5 * room, centre[1], label, va="center", ha="left", fontsize=8.8, color="#4B5563")
+def _waves(axes: "Axes", waves: Sequence[tuple[str, float]], room: float) -> None:
+    """Arrows in the margin on the left that show where waves in the floor go."""
+    (left, _), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    step = (top - bottom) / (len(waves) + 1)
+    for place, (label, direction) in enumerate(waves, start=1):
+        x, y = left + 0.5 * room, top - place * step
+        reach = 0.3 * room * np.array([math.cos(math.radians(direction)), math.sin(math.radians(direction))])
+        style = {"arrowstyle": "-|>", "color": FLOOR_COLOR, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (x + reach[0], y + reach[1]), (x - reach[0], y - reach[1]), arrowprops=style)
+        axes.text(x, y - 0.4 * room, label, va="top", ha="center", fontsize=8.8, color="#4B5563")
 
 
 # --- SVG -----------------------------------------------------------------------------------------------------------

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Results = Mapping[str, Result]
+Window = tuple[float, float] | None
 
 DASH: Final = "–"
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
@@ -55,6 +56,7 @@ NEGLIGIBLE: Final = 1e-6
 """Values below this in engineering units are rounding; a channel of nothing else is left out."""
 
 AXIS_NAMES: Final = {"z": "vertical, z", "x": "along x", "y": "along y", "rx": "roll, rx", "ry": "pitch, ry"}
+CRITERION_AXES: Final = ("z", "x", "y")
 TURNS: Final = ("rx", "ry", "rz")
 
 PROCESSING: Final = re.compile(r"record .*(: [xyz] from |, in this order: )|the ground starts from rest")
@@ -63,12 +65,12 @@ PROCESSING: Final = re.compile(r"record .*(: [xyz] from |, in this order: )|the 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the page: file name without ending, the section that it stands in, a sentence below it."""
+    """A figure of the page: file name without ending, the section that it stands in, what is said below it."""
 
     name: str
     section: str
     figure: "Figure"
-    caption: str
+    caption: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def draw(results: Results) -> list[Picture]:
     """Every figure of the page, in its order."""
     colors = colors_of(results)
     return [
-        _machine(next(iter(results.values())).scenario),
+        *_machine(next(iter(results.values())).scenario),
         *_attenuation(results, colors),
         *_criterion(results, colors),
         *_histories(results, colors),
@@ -173,8 +175,9 @@ def exact(value: float) -> str:
     if not math.isfinite(value):
         return number(value)
     text = f"{value:.9g}"
-    if "e" in text:
-        mantissa, _, power = text.partition("e")
+    if abs(value) >= 1e6 or 0 < abs(value) < 1e-3:
+        mantissa, _, power = f"{value:.8e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".")
         text = f"{mantissa} × 10{str(int(power)).translate(SUPERSCRIPTS)}"
     return text.replace("-", "−")
 
@@ -217,19 +220,22 @@ def colors_of(results: Results) -> dict[str, str]:
 # --- figures -------------------------------------------------------------------------------------------------------
 
 
-def _machine(scenario: Scenario) -> Picture:
+def _machine(scenario: Scenario) -> Iterator[Picture]:
     actuators = {mount.name: mount.actuator for mount in scenario.mount}
     feet = [
         plots.Foot(name, *position, kind=actuators[name])  # type: ignore[call-arg]
         for name, position in zip(MOUNTS, scenario.plant.positions, strict=True)
     ]
     waves = dict.fromkeys(
-        (f"wave, {part.wave.speed:.4g} m/s", float(part.wave.direction))
+        (f"wave\n{part.wave.speed:.4g} m/s", float(part.wave.direction))
         for part in _ground_parts(scenario)
         if getattr(part, "wave", None) is not None
     )
-    figure = plots.machine_drawing(scenario.machine.size, scenario.machine.cg, feet, list(waves))
-    return Picture("machine", "machine", figure, "To scale but for the height of the mounts; dimensions in metres.")
+    size, cg = scenario.machine.size, scenario.machine.cg
+    caption = "To scale; dimensions in metres."
+    yield Picture("machine-plan", "machine", plots.machine_plan(size, cg, feet, list(waves)), caption)
+    caption = "To scale but for the height of the mounts; dimensions in metres."
+    yield Picture("machine-side", "machine", plots.machine_side(size, cg, feet), caption)
 
 
 def _ground_parts(scenario: Scenario) -> tuple[Any, ...]:
@@ -245,11 +251,7 @@ def _attenuation(results: Results, colors: Mapping[str, str]) -> Iterator[Pictur
         ]
         if curves:
             figure = plots.attenuation(f"Attenuation, {AXIS_NAMES[axis]}", curves)
-            if axis in TURNS:
-                caption = "Rotation of the plane fitted to the floor at the mounts, over that of the machine."
-            else:
-                caption = "Mean of the floor at the mounts, over the machine's centre of gravity."
-            yield Picture(f"attenuation-{axis}", "attenuation", figure, caption)
+            yield Picture(f"attenuation-{axis}", "attenuation", figure)
 
 
 def _curve(label: str, table: Mapping[str, float | None] | None, factor: float, color: str) -> Levels | None:
@@ -268,7 +270,7 @@ def _criterion(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
         classes[name] = (frequency, MICRO * level)
     known = {result.summary.get("analysis", {}).get("usable_to_hz") for result in results.values()}
     known_to = min((value for value in known if value is not None), default=None)
-    for axis in ("z", "x", "y"):
+    for axis in CRITERION_AXES:
         curves = [
             curve
             for label, who, table, color in _velocities(results, axis, colors)
@@ -276,8 +278,7 @@ def _criterion(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
         ]
         if any(np.nanmax(curve.values) > plots.QUIETEST for curve in curves):
             figure = plots.criterion(f"Velocity and vibration classes, {AXIS_NAMES[axis]}", curves, classes, known_to)
-            caption = "Floor: the worst mount; machine: its centre of gravity. Thin lines: the limit of each class."
-            yield Picture(f"criterion-{axis}", "criterion", figure, caption)
+            yield Picture(f"criterion-{axis}", "criterion", figure)
 
 
 def _velocities(results: Results, axis: str, colors: Mapping[str, str]) -> Iterator[tuple[str, str, Any, str]]:
@@ -298,8 +299,7 @@ def _histories(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
     if first.dataset.time.size < 2:
         return
     window = characteristic_part(first)
-    part = "" if window is None else f" Lower part: {window[0]:.4g} to {window[1]:.4g} s."
-    yield _velocity_history(results, colors, window, part)
+    yield _velocity_history(results, colors, window)
     data, time = first.dataset, first.dataset.time.values
     plant, color = first.scenario.plant, colors[label]
     stroke = MICRO * (data.stroke.values - data.stroke.values[:1])
@@ -332,15 +332,11 @@ def _histories(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
             continue
         whole = [Trace("all mounts", time, values, color)]
         figure = plots.history(title, quantity, whole, _per_mount(time, values), [bound], window)
-        yield Picture(f"history-{name}", "histories", figure, f"{_of(results, label)}{caption}{part}".strip())
-    yield _pressure_history(results, window, part)
+        yield Picture(f"history-{name}", "histories", figure, caption)
+    yield _pressure_history(results, window)
 
 
-def _of(results: Results, label: str) -> str:
-    return f"Of {label}. " if len(results) > 1 else ""
-
-
-def characteristic_part(result: Result) -> tuple[float, float] | None:
+def characteristic_part(result: Result) -> Window:
     """From when to when a run is drawn in full [s]: around the floor's (or else the machine's) vertical peak, or the end
     of a run that failed. None for a run that is hardly longer."""
     time = result.dataset.time.values
@@ -353,7 +349,7 @@ def characteristic_part(result: Result) -> tuple[float, float] | None:
     return begin, begin + ZOOM
 
 
-def _velocity_history(results: Results, colors: Mapping[str, str], window: Any, part: str) -> Picture:
+def _velocity_history(results: Results, colors: Mapping[str, str], window: Window) -> Picture:
     first = next(iter(results.values())).dataset
     floor = MICRO * first.ground_velocity.values[:, :, 2].mean(axis=1)
     traces = [Trace("floor", first.time.values, floor, plots.FLOOR_COLOR, width=2.4)]
@@ -363,12 +359,12 @@ def _velocity_history(results: Results, colors: Mapping[str, str], window: Any, 
     ]
     traces += sorted(machines, key=lambda trace: -float(np.nan_to_num(trace.values).std()))  # the quietest on top
     figure = plots.history("Vertical velocity of floor and machine", "velocity [µm/s]", traces, traces, (), window)
-    caption = f"Floor: mean of the mounts; machine: its centre of gravity.{part}"
+    caption = "Floor: mean of the mounts; machine: its centre of gravity."
     return Picture("history-velocity", "histories", figure, caption)
 
 
-def _pressure_history(results: Results, window: Any, part: str) -> Picture:
-    label, first = next(iter(results.items()))
+def _pressure_history(results: Results, window: Window) -> Picture:
+    first = next(iter(results.values()))
     time, pressure = first.dataset.time.values, BAR * first.dataset.chamber_pressure.values
     supply = first.scenario.supply
     whole = [
@@ -377,11 +373,13 @@ def _pressure_history(results: Results, window: Any, part: str) -> Picture:
     ]
     solid, dashed = _per_mount(time, pressure[:, :, 0]), _per_mount(time, pressure[:, :, 1], "--")
     limits = [
-        Limit(f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar",
-              (BAR * supply.pressure, BAR * supply.tank_pressure)),
+        Limit(
+            f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar",
+            (BAR * supply.pressure, BAR * supply.tank_pressure),
+        ),
     ]
     figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, [*solid, *dashed], limits, window)
-    caption = f"{_of(results, label)}Chamber 1 (lifts) solid, chamber 2 dashed.{part}"
+    caption = "Chamber 1, which lifts, solid; chamber 2 dashed."
     return Picture("history-pressure", "histories", figure, caption)
 
 
@@ -466,7 +464,7 @@ def _classes(results: Results) -> Table:
         if not any(floor == known for _, known in columns):
             columns.append(("floor" if not columns else f"floor of {label}", floor))
         columns.append((label, criterion.get("machine", {})))
-    rows = [[AXIS_NAMES[axis], *(_class(column.get(axis, {})) for _, column in columns)] for axis in ("z", "x", "y")]
+    rows = [[AXIS_NAMES[axis], *(_class(column.get(axis, {})) for _, column in columns)] for axis in CRITERION_AXES]
     note = "Margin: below the limit of the class in the band that decides, the nearest to the next stricter class."
     return Table("Vibration class", ["", *(name for name, _ in columns)], rows, note, kind="words")
 
@@ -493,38 +491,43 @@ def _warnings(results: Results, processing: bool) -> list[str]:
     return [text if alone or len(who) == len(results) else f"{', '.join(who)}: {text}" for text, who in found.items()]
 
 
-def _notes(results: Results) -> dict[str, str]:
-    """What a section says where it shows nothing, or not all."""
-    first = next(iter(results.values()))
+def _notes(results: Results) -> dict[str, list[str]]:
+    """What each section says before its figures: how to read them, and why some are missing."""
+    label, first = next(iter(results.items()))
     tables = [result.summary.get("attenuation_db", {}) for result in results.values()]
-    silent = [
-        name
-        for axis, name in AXIS_NAMES.items()
-        if all(value is None for table in tables for value in table.get(axis, {}).values())
+    silent = [name for axis, name in AXIS_NAMES.items() if not _known(table.get(axis, {}) for table in tables)]
+    attenuation = [
+        "Up is quieter. Along x, y and z: the mean of the floor at the mounts over the machine's centre of gravity; "
+        "roll and pitch: of the plane fitted to the floor, over those of the machine. Gaps are undecided bands."
     ]
-    notes = {"attenuation": "", "criterion": "", "histories": ""}
     if not _floor_moves(first):
-        notes["attenuation"] = "The ground is at rest: attenuation is not defined."
+        attenuation = ["The ground is at rest: attenuation is not defined."]
     elif silent:
-        notes["attenuation"] = f"Undecided in every band, since the floor moves too little: {'; '.join(silent)}."
-    quiet = [
-        AXIS_NAMES[axis]
-        for axis in ("z", "x", "y")
-        if not any((value or 0.0) * MICRO > plots.QUIETEST for value in _all_levels(results, axis))
+        attenuation.append(f"Undecided in every band, since the floor moves too little: {'; '.join(silent)}.")
+    criterion = [
+        "The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."
     ]
+    velocities = [result.summary.get("third_octave_velocity", {}) for result in results.values()]
+    quiet = []
+    for axis in CRITERION_AXES:
+        levels = _known(part.get(axis, {}) for table in velocities for part in table.values())
+        if not any(level * MICRO > plots.QUIETEST for level in levels):
+            quiet.append(AXIS_NAMES[axis])
     if quiet:
-        notes["criterion"] = f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}."
+        criterion.append(f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}.")
     if first.dataset.time.size < 2:
-        notes["histories"] = "Nothing was recorded."
-    elif not np.any(first.dataset.valve_command.values):
-        notes["histories"] = "There is no command: the valves stay centred."
-    return notes
+        return {"attenuation": attenuation, "criterion": criterion, "histories": ["Nothing was recorded."]}
+    histories = [f"What belongs to single mounts is that of {label}."] if len(results) > 1 else []
+    window = characteristic_part(first)
+    if window:
+        histories.append(f"The lower part of each figure shows {window[0]:.4g} to {window[1]:.4g} s.")
+    if not np.any(first.dataset.valve_command.values):
+        histories.append("There is no command: the valves stay centred.")
+    return {"attenuation": attenuation, "criterion": criterion, "histories": [" ".join(histories)]}
 
 
-def _all_levels(results: Results, axis: str) -> Iterator[float | None]:
-    for result in results.values():
-        for table in result.summary.get("third_octave_velocity", {}).values():
-            yield from table.get(axis, {}).values()
+def _known(tables: Iterable[Mapping[str, float | None]]) -> list[float]:
+    return [value for table in tables for value in table.values() if value is not None]
 
 
 # --- tables --------------------------------------------------------------------------------------------------------
@@ -572,10 +575,16 @@ def _bands(results: Results) -> Table:
         row = [band, measured(_scaled(level, MICRO))]
         for summary in summaries.values():
             machine = summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {}).get(band)
-            row += [measured(_scaled(machine, MICRO)), decibel(summary.get("attenuation_db", {}).get("z", {}).get(band))]
+            row += [
+                measured(_scaled(machine, MICRO)),
+                decibel(summary.get("attenuation_db", {}).get("z", {}).get(band)),
+            ]
         if set(row[1:]) != {DASH}:
             rows.append(row)
-    note = "Levels: RMS velocity, floor at its worst mount, machine at its CG. Attenuation: of the mounts' mean."
+    note = (
+        "Levels: RMS velocity, of the floor at its worst mount, of the machine at its centre of gravity. Attenuation is "
+        "counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
+    )
     return Table("Vertical, per third-octave band", head, rows, note)
 
 
@@ -588,23 +597,19 @@ def _levels(results: Results) -> Table:
     rows: list[list[str]] = []
     data = next(iter(results.values())).dataset
     for name in data.data_vars:
-        lines = []
+        channel = str(name).replace("_", " ").replace("cg", "CG").replace("ground", "floor")
         for part in _parts(results, str(name)):
             factor, unit = _unit(str(data[name].attrs.get("units", "")), part)
-            cells, moves = [], False
-            for result in results.values():
-                for kind in ("peak", "rms"):
-                    value = _scaled(_worst(result.summary.get(kind, {}).get(name), part), factor)
-                    moves |= value is not None and abs(value) > NEGLIGIBLE
-                    cells.append(measured(value))
-            if moves:
-                lines.append([f"{part} [{unit}]".strip(), *cells])
-        if lines:
-            channel = str(name).replace("_", " ").replace("cg", "CG").replace("ground", "floor")
-            worst = ", worst mount" if "mount" in data[name].dims else ""
-            rows += [[f"{channel}{worst}"], *lines]
+            values = [
+                _scaled(_worst(result.summary.get(kind, {}).get(name), part), factor)
+                for result in results.values()
+                for kind in ("peak", "rms")
+            ]
+            if any(value is not None and abs(value) > NEGLIGIBLE for value in values):
+                rows.append([f"{channel} {part}".strip() + f" [{unit}]", *map(measured, values)])
     head = ["about the equilibrium", *(f"{label}, {kind}" for label in results for kind in ("peak", "RMS"))]
-    return Table("Peak and RMS", head, rows, "Channels that do not move are left out.")
+    note = "What each mount has: the largest of the four. Channels that do not move are left out."
+    return Table("Peak and RMS", head, rows, note)
 
 
 def _parts(results: Results, name: str) -> list[str]:
@@ -710,16 +715,22 @@ def _quantities(title: str, parameters: Parameters) -> Table:
     """Each value with symbol, unit and source; settings without unit have no source."""
     known = parameters.quantities()
     rows, badges = [], []
-    for name in type(parameters).model_fields:
+    for name, about in type(parameters).model_fields.items():
         if name == "sources":
             continue
-        unit, symbol, _ = known.get(name, ("", "", "assumed"))
-        source = parameters.sources.get(name, "")
-        value = getattr(parameters, name)
-        unit = "" if unit == "-" else unit
-        rows.append([name.replace("_", " "), _symbol(symbol), f"{plain(value)} {unit}".strip(), source])
-        badges.append(source)
+        unit, symbol, _ = known.get(name, ("", "", ""))
+        value, text = getattr(parameters, name), (about.description or "").removesuffix(f" [{unit}]")
+        shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
+        if unit == "Pa" and 1e4 <= value < 1e8:
+            shown += f" ({exact(BAR * value)} bar)"
+        badges.append(parameters.sources.get(name, ""))
+        rows.append([_named(name, text), _symbol(symbol), shown, badges[-1]])
     return Table(title, ("quantity", "symbol", "value", "source"), rows, kind="words", badges=badges)
+
+
+def _named(key: str, text: str) -> str:
+    """What something is, and its key in a scenario."""
+    return Markup("{} <code>{}</code>").format(text, key)
 
 
 def _symbol(symbol: str) -> str:
@@ -738,11 +749,11 @@ def _mounts(scenario: Scenario) -> Table:
 
 def _settings(title: str, settings: BaseModel, only: Sequence[str] = ()) -> Table:
     rows = [list(row) for row in _flat(settings, "", only)]
-    return Table(title, ("setting", "value", "meaning"), rows, kind="words")
+    return Table(title, ("setting", "value"), rows, kind="words")
 
 
-def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterator[tuple[str, str, str]]:
-    """Key, value and description of each setting, those of inner tables with their path."""
+def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterator[tuple[str, str]]:
+    """Description with key, and value of each setting, those of inner tables with their path."""
     for name, about in type(settings).model_fields.items():
         if only and name not in only:
             continue
@@ -754,4 +765,4 @@ def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterato
             for k, part in enumerate(inner):
                 yield from _flat(part, f"{key}.{k}.")
         else:
-            yield key, plain(value), about.description or ""
+            yield _named(key, about.description or ""), plain(value)

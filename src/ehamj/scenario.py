@@ -375,17 +375,16 @@ def _walk(location: tuple[int | str, ...]) -> tuple[list[str], dict[str, Any]]:
     keys: list[str] = []
     node: Any = schema
     for part in location:
-        choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
-        if len(choices) == 1:
-            node = choices[0]
         if "discriminator" in node:
             node = {"$ref": node["discriminator"]["mapping"][part]}
-        elif len(choices) > 1:
+        elif "anyOf" in node:
             node = {}
         else:
             keys.append(str(part))
             further = node.get("items" if isinstance(part, int) else "additionalProperties", {})
             node = node.get("properties", {}).get(part, further) or {}
+        choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
+        node = choices[0] if len(choices) == 1 else node  # what may be left out has one real choice
         while "$ref" in node:
             node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
     return keys, node

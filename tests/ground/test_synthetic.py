@@ -102,9 +102,7 @@ def test_they_do_so_while_the_motion_fades_in(ground: dict[str, Any], fade_in: f
 
 @given(sines, st.floats(0.1, 3.0))
 def test_a_faded_motion_begins_at_rest(ground: dict[str, Any], fade_in: float) -> None:
-    np.testing.assert_array_equal(
-        motion_of({**ground, "fade_in": fade_in}).sample(np.zeros(1)), np.zeros((3, 1, 4, 3))
-    )
+    np.testing.assert_array_equal(motion_of({**ground, "fade_in": fade_in}).sample(np.zeros(1)), np.zeros((3, 1, 4, 3)))
 
 
 def test_a_faded_motion_is_the_motion_afterwards() -> None:
@@ -214,7 +212,9 @@ def test_displacement_and_velocity_of_a_shock_never_jump(ground: dict[str, Any])
     step, rise = 1e-9, 2 / np.pi * ground["velocity"] * ground["pulse_time"]
     # The largest slopes of either piece; a quintic's are 15/8 and 10/√3 over its duration and its square.
     speed = max(ground["velocity"], 15 / 8 * rise / ground["return_time"])
-    acceleration = max(np.pi / ground["pulse_time"] * ground["velocity"], 10 / 3**0.5 * rise / ground["return_time"] ** 2)
+    acceleration = max(
+        np.pi / ground["pulse_time"] * ground["velocity"], 10 / 3**0.5 * rise / ground["return_time"] ** 2
+    )
     for moment in shock_times(ground):
         before, after = (along(ground, moment + side * step) for side in (-1, 1))
         # 2.1 for 2: at 3 s the times themselves are rounded to 4e-16 s.

@@ -52,18 +52,13 @@ def test_each_mount_sees_the_motion_at_its_own_time(
         np.testing.assert_allclose(part[0], expected, rtol=0, atol=1e-11 * 1e-6 * omega**order)
 
 
-@pytest.mark.parametrize(
-    ("direction", "first", "last"),
-    [(0.0, "rear", "front"), (180.0, "front", "rear"), (90.0, "right", "left"), (-90.0, "left", "right")],
-)
-def test_a_wave_reaches_the_side_that_it_comes_from_first(direction: float, first: str, last: str) -> None:
+@pytest.mark.parametrize(("direction", "first"), [(0.0, "rear"), (180.0, "front"), (90.0, "right"), (-90.0, "left")])
+def test_a_wave_reaches_the_side_that_it_comes_from_first(direction: float, first: str) -> None:
     shock = {"kind": "shock", "begin": 1.0, "wave": {"speed": 100.0, "direction": direction}}
     motion = motion_of(shock)
     # The mount plane's centre sees it at 1 s; by then only the side that it comes from has moved.
     moved = np.abs(motion.sample(np.array([1.0])).displacement[0, :, 2]) > 0
     assert {name for name, moves in zip(MOUNTS, moved, strict=True) if moves} == {n for n in MOUNTS if first in n}
-    arrived = np.abs(motion.sample(np.array([1.0 + 0.9 / 100 + 1e-6])).displacement[0, :, 2]) > 0
-    assert arrived.all(), last
 
 
 def test_front_and_rear_move_in_anti_phase_where_half_a_wavelength_lies_between_them() -> None:
@@ -81,23 +76,32 @@ def test_a_fast_wave_is_a_slab() -> None:
         np.testing.assert_allclose(one, other, rtol=0, atol=2e-10 * 1e-6 * (2 * np.pi * 20.0) ** order)
 
 
-@given(st.sampled_from(("sine", "multisine", "sweep", "broadband")), speeds, directions, st.floats(0.0, 3.9))
-def test_motion_of_a_wave_belongs_together_while_it_fades_in_and_after(
-    kind: str, speed: float, direction: float, begin: float
-) -> None:
-    ground: dict[str, Any] = {"kind": kind, "fade_in": 2.0, "wave": {"speed": speed, "direction": direction}}
-    ground |= {"multisine": {"frequencies": [3.0, 47.0], "velocities": [1e-5]}, "broadband": {"highest": 100.0}}.get(
-        kind, {}
-    )
-    motion = motion_of(ground)
-    length = 1e-4  # of the broadband's spline, knots 1.25 ms apart, so that most intervals lie within one piece
-    edges = motion.sample(np.array([begin, begin + length]))
-    inside = motion.sample(begin + 0.5 * length * (1 + NODES))
+def assert_consistent(motion: Motion, begin: float, tolerance: float) -> None:
+    """Velocity integrates to displacement and acceleration to velocity, over a tenth of a millisecond."""
+    length = 1e-4
+    edges, inside = (motion.sample(begin + length * part) for part in (np.array([0.0, 1.0]), 0.5 * (1 + NODES)))
     for value, slope in zip(edges[:2], inside[1:], strict=True):
         integral = 0.5 * length * np.tensordot(WEIGHTS, slope, axes=1)
-        # Both are continuous: Gauss over a knot of a quintic spline, whose fourth derivative bends, is good to 1e-6.
         difference = np.abs(integral - (value[1] - value[0])).max()
-        assert difference <= 1e-6 * np.abs(slope).max() * length + 1e-12 * np.abs(value).max()
+        assert difference <= tolerance * np.abs(slope).max() * length + 1e-12 * np.abs(value).max()
+
+
+@given(speeds, directions, st.floats(0.0, 3.9))
+def test_motion_of_a_wave_belongs_together_while_it_fades_in_and_after(
+    speed: float, direction: float, begin: float
+) -> None:
+    lines = {"kind": "multisine", "frequencies": [3.0, 47.0], "velocities": [1e-5]}
+    motion = motion_of({**lines, "fade_in": 2.0, "wave": {"speed": speed, "direction": direction}})
+    # 1e-9: the angle, up to 1e3 rad, is rounded to 1e-13, of which a change by 0.03 rad sees 30 times as much.
+    assert_consistent(motion, begin, 1e-9)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.1111, 0.4999, 2.7])
+def test_motion_of_a_broadband_wave_belongs_together(begin: float) -> None:
+    motion = motion_of({"kind": "broadband", "highest": 100.0, "wave": {"direction": 30.0}})
+    # 1e-6: Gauss over a knot of a quintic spline, knots 1.25 ms apart, and over the end of the fade, a kink of the
+    # third derivative.
+    assert_consistent(motion, begin, 1e-6)
 
 
 def test_a_wave_fades_in_at_all_mounts_together() -> None:
@@ -105,16 +109,22 @@ def test_a_wave_fades_in_at_all_mounts_together() -> None:
     np.testing.assert_array_equal(motion.sample(np.zeros(1)), np.zeros((3, 1, 4, 3)))
 
 
-@pytest.mark.parametrize("speed", [50.0, 0.25])
-def test_a_broadband_wave_is_the_same_motion_at_every_mount_but_later(speed: float) -> None:
-    # At 0.25 m/s the front sees at 3 s what the rear will see 7.2 s earlier, 0.6 s before the beginning.
-    motion = motion_of({"kind": "broadband", "fade_in": 0.0, "wave": {"speed": speed, "direction": 0.0}})
+def test_a_broadband_wave_is_the_same_motion_at_every_mount_but_later() -> None:
+    motion = motion_of({"kind": "broadband", "fade_in": 0.0, "wave": {"speed": 50.0, "direction": 0.0}})
     times = np.linspace(0.5, 3.0, 301)
-    front = motion.sample(times + 0.9 / speed).velocity[:, 0, 2]
-    rear = motion.sample(times - 0.9 / speed).velocity[:, 2, 2]
-    assert np.abs(rear).max() > 1e-6
-    # Times of 4 s are rounded to 1e-15 s; the floor accelerates with 1e-2 m/s² at most.
+    front = motion.sample(times + 0.9 / 50.0).velocity[:, 0, 2]
+    rear = motion.sample(times - 0.9 / 50.0).velocity[:, 2, 2]
+    # Times of 3 s are rounded to 4e-16 s; the floor accelerates with 1e-1 m/s² at most.
     np.testing.assert_allclose(front, rear, rtol=0, atol=1e-16)
+
+
+@pytest.mark.parametrize("speed", [50.0, 0.25])
+def test_a_broadband_wave_moves_every_mount_all_the_time(speed: float) -> None:
+    # At 0.25 m/s the front is 3.6 s late and the rear 3.6 s early.
+    motion = motion_of({"kind": "broadband", "fade_in": 0.0, "wave": {"speed": speed, "direction": 0.0}})
+    velocity = motion.sample(np.arange(4000) / 1000.0).velocity[:, :, 2]
+    moved = np.abs(velocity.reshape(40, 100, 4)).max(axis=1)  # in each tenth of a second
+    assert moved.min() > 1e-6
 
 
 @pytest.mark.parametrize("dof", ["rx", "ry", "rz"])
@@ -130,7 +140,10 @@ def test_a_wave_carries_no_rotation(dof: str) -> None:
         ({"speed": -200.0}, r"ground\.wave\.speed = -200\.0: must be greater than 0"),
         ({"speed": float("nan")}, r"ground\.wave\.speed = nan: must be a finite number"),
         ({"speed": "fast"}, r"ground\.wave\.speed = 'fast': must be a valid number"),
-        ({"sped": 200.0}, r"ground\.wave\.sped = 200\.0: unknown key; did you mean 'speed'\? allowed: speed, direction"),
+        (
+            {"sped": 200.0},
+            r"ground\.wave\.sped = 200\.0: unknown key; did you mean 'speed'\? allowed: speed, direction",
+        ),
         (200.0, r"ground\.wave = 200\.0: must be a table"),
     ],
 )

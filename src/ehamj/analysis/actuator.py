@@ -12,13 +12,15 @@ The paper prints it without the s in 2δ_h s/ω_h. Taken at its word that is (fo
 
     x_p/x_v = (K_Q/A_p) / [(s + K_C K_L/A_p²)(s²/ω_h² + (1 + 2δ_h/ω_h))]
 
-which adds a time to a number, and as numbers in SI has an undamped pole pair at ω_h·sqrt(1 + 2δ_h/ω_h) (0.013 % above
-ω_h in Table I): the resonance is infinite, the phase there jumps by 180°, and δ_h shifts a frequency instead of damping.
+which adds a time to a number, and as numbers in SI has an undamped pole pair at ω_h·sqrt(1 + 2δ_h/ω_h), for Table I
+0.013 % above ω_h: the resonance is infinite, the phase there jumps by 180°, and δ_h shifts a frequency instead of
+damping it.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
@@ -87,15 +89,15 @@ def closed_loop(actuator: Actuator, mass: float, gain: float, form: Form = "exac
         form: see `Form`.
     """
     numerator, denominator = _eha(actuator, mass, form)
-    closed = np.polyadd(denominator, [gain * numerator])
+    closed = _sum(denominator, [gain * numerator])
     return _system([gain * numerator], closed, "reference", "stroke", "closed_loop")
 
 
 def bode(actuator: Actuator, mass: float, hertz: Array, form: Form = "exact") -> tuple[Array, Array]:
-    """G_EHA over frequency, of any form: magnitude [m/V] and continuous phase [deg], shaped as ``hertz``; see `g_act`."""
+    """G_EHA of any form over frequency: magnitude [m/V] and continuous phase [deg], shaped as ``hertz``."""
     gain, denominator = _eha(actuator, mass, form)
     omega = 2.0 * np.pi * np.asarray(hertz, float)
-    return gain / np.abs(np.polyval(denominator, 1j * omega)), _phase(np.roots(denominator), omega)
+    return gain / np.abs(np.polyval(denominator, 1j * omega)), _phase(_roots(denominator), omega)
 
 
 def _system(numerator: list[float], denominator: Array, given: str, taken: str, name: str) -> Any:
@@ -110,6 +112,18 @@ def _valve_denominator(actuator: Actuator) -> Array:
     return np.array([1.0 / w**2, 2.0 * actuator.valve_damping / w, 1.0])
 
 
+def _product(a: Any, b: Any) -> Array:
+    return np.asarray(np.polymul(a, b), np.float64)
+
+
+def _sum(a: Any, b: Any) -> Array:
+    return np.asarray(np.polyadd(a, b), np.float64)
+
+
+def _roots(polynomial: Array) -> Complex:
+    return np.roots(polynomial).astype(np.complex128)
+
+
 def _act_denominator(actuator: Actuator, mass: float, form: Form) -> Array:
     _check(actuator, mass)
     if form not in get_args(Form):
@@ -118,15 +132,15 @@ def _act_denominator(actuator: Actuator, mass: float, form: Form) -> Array:
     leak = actuator.flow_pressure / actuator.piston_area**2
     if form == "exact":
         motion = [mass, actuator.membrane_damping, k_l]
-        return np.polyadd([1.0, 0.0], np.polymul([1.0 / k_h, leak], motion))
+        return _sum([1.0, 0.0], _product([1.0 / k_h, leak], motion))
     w, d = omega_h(actuator, mass), delta_h(actuator, mass)
     resonance = [1.0 / w**2, 2.0 * d / w, 1.0] if form == "eq8" else [1.0 / w**2, 0.0, 1.0 + 2.0 * d / w]
-    return np.polymul([1.0, leak * k_l], resonance)
+    return _product([1.0, leak * k_l], resonance)
 
 
 def _eha(actuator: Actuator, mass: float, form: Form) -> tuple[float, Array]:
     gain = actuator.valve_gain * actuator.flow_gain / actuator.piston_area
-    return gain, np.polymul(_valve_denominator(actuator), _act_denominator(actuator, mass, form))
+    return gain, _product(_valve_denominator(actuator), _act_denominator(actuator, mass, form))
 
 
 def omega_h(actuator: Actuator, mass: float = PAPER_MASS) -> float:
@@ -208,7 +222,7 @@ class Loop:
     @cached_property
     def poles(self) -> Complex:
         """Roots of the denominator [rad/s]."""
-        return np.roots(self.denominator).astype(np.complex128)
+        return _roots(self.denominator)
 
     def response(self, omega: float | Array) -> Any:
         """Complex gain at ``omega`` [rad/s]."""
@@ -301,7 +315,7 @@ class Loop:
                 f"gain = {gain:.6g} V/m: the closed loop is unstable and has no bandwidth; it must be below {limit:.6g}"
                 f" V/m, the limit at {self.phase_crossover / (2 * math.pi):.4g} Hz"
             )
-        closed = np.polyadd(self.denominator, [gain * self.numerator])
+        closed = _sum(self.denominator, [gain * self.numerator])
         return _level_crossings(closed, abs(float(closed[-1])) * 10.0 ** (3.0 / 20.0))[0]
 
 
@@ -314,11 +328,11 @@ def _squared(polynomial: Array, scale: float) -> Array:
     rising = polynomial[::-1] * scale ** np.arange(len(polynomial))
     signs = np.array([(1, 1, -1, -1)[k % 4] for k in range(len(rising))])
     even, odd = (rising * signs)[0::2][::-1], (rising * signs)[1::2][::-1]
-    return np.polyadd(np.polymul(even, even), np.polymul([1.0, 0.0], np.polymul(odd, odd)))
+    return _sum(_product(even, even), _product([1.0, 0.0], _product(odd, odd)))
 
 
 def _scale(polynomial: Array) -> float:
-    return float(np.abs(np.roots(polynomial)).max())
+    return float(np.abs(_roots(polynomial)).max())
 
 
 def _stationary(polynomial: Array) -> list[float]:
@@ -342,7 +356,7 @@ def _level_crossings(polynomial: Array, level: float) -> list[float]:
     while excess(edges[-1]) <= 0.0:
         edges[-1] *= 2.0
     found = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         if excess(low) * excess(high) < 0.0:
             found.append(scale * math.sqrt(brentq(excess, low, high, xtol=1e-300, rtol=1e-14)))
     return found
@@ -377,7 +391,7 @@ class FiguresOfMerit:
     gain_margin_db_eq8: float
     phase_crossover_hz_eq8: float
     velocity_gain_limit: float
-    """Gain margin times velocity gain [1/s]: the highest loop velocity gain of a stable loop, to set beside Merritt's."""
+    """Gain margin times velocity gain [1/s]: the highest loop velocity gain of a stable loop; compare Merritt's."""
     merritt_limit: float
     """2δ_hω_h = 4βK_C/V_t [1/s]: that limit for an infinitely fast valve (Merritt)."""
     gain: float
@@ -417,7 +431,7 @@ def figures_of_merit(
     Raises:
         InputError: if a value is not physical, the open loop is undamped, or the closed loop unstable at ``gain``.
     """
-    exact, eq8 = (Loop.of_actuator(actuator, mass, form) for form in ("exact", "eq8"))  # type: ignore[arg-type]
+    exact, eq8 = (Loop.of_actuator(actuator, mass, form) for form in ("exact", "eq8"))
     chosen = exact.highest_gain(gain_margin_db, phase_margin_deg) if gain is None else gain
     bandwidth = exact.bandwidth(chosen)
     phase_margin, crossover = exact.phase_margin(chosen) or (None, None)
@@ -453,5 +467,5 @@ def figures_of_merit(
 
 def _load_resonance(actuator: Actuator, mass: float) -> complex | None:
     """The exact form's pole above the real axis [rad/s]; None if all its poles are real."""
-    upper = [pole for pole in np.roots(_act_denominator(actuator, mass, "exact")) if pole.imag > 0]
+    upper = [pole for pole in _roots(_act_denominator(actuator, mass, "exact")) if pole.imag > 0]
     return complex(upper[0]) if upper else None

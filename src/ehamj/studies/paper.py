@@ -1,7 +1,7 @@
 """The paper, reproduced number by number and figure by figure, with what does not reproduce said aloud.
 
 `reproduce` computes every case, `compare` sets every number that the paper states beside it, `write_paper` writes
-figures, table and a record that `PaperStudy.from_record` reads back.
+figures, table and a record that `PaperStudy.from_dict` reads back.
 """
 
 import csv
@@ -26,11 +26,13 @@ from ehamj.analysis.actuator import (
     Form,
     Loop,
     bode,
+    delta_h,
     figures_of_merit,
+    omega_h,
 )
 from ehamj.errors import InputError
 from ehamj.parameters import FIRST_GENERATION, Actuator
-from ehamj.plots import BLUE, GREEN, INK, ORANGE, PURPLE, STYLE, VERMILLION
+from ehamj.plots import BLUE, GREEN, INK, PURPLE, STYLE, VERMILLION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -163,13 +165,13 @@ class PaperStudy:
         margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
         return figures_of_merit(actuator, self.mass if mass is None else mass, **margins)
 
-    def record(self) -> dict[str, Any]:
-        """The study as plain data, see `from_record`."""
+    def to_dict(self) -> dict[str, Any]:
+        """The study as plain data, see `from_dict`."""
         plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "actuator"}
         return {"actuator": described(self.actuator), **plain}
 
     @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Self:
+    def from_dict(cls, record: Mapping[str, Any]) -> Self:
         """The study of a record: a whole ``paper.json``, or its part ``study``.
 
         Raises:
@@ -209,7 +211,9 @@ class Case:
 
     @property
     def label(self) -> str:
-        """What the paper calls it."""
+        """What to call it."""
+        if self.name == "recommended_fast_valve":
+            return f"recommended design, {self.figures.valve_hz:.0f} Hz valve"
         return LABELS[self.name]
 
     def numbers(self) -> dict[str, float]:
@@ -233,35 +237,64 @@ class Comparison:
     """One number of the paper beside the computed one."""
 
     section: str
-    quantity: str
+    name: str
     unit: str
     paper: float
-    computed: float
+    value: float
+    """What is computed."""
     allowed: tuple[float, float] | None
     """What the rounding of Table I leaves open, to first order; None where nothing is computed from it."""
     verdict: str
-    comment: str
+    note: str
 
     @property
-    def deviation(self) -> float:
-        """Computed minus paper, in the unit of the number."""
-        return self.computed - self.paper
+    def stated(self) -> str:
+        """The paper's number with its unit."""
+        return f"{self.paper:g}{self._unit}"
 
-    def row(self) -> dict[str, Any]:
-        """The comparison as plain data."""
-        relative = 100.0 * self.deviation / self.paper
-        allowed = list(self.allowed) if self.allowed else None
+    @property
+    def computed(self) -> str:
+        """The computed number with its unit."""
+        return f"{self.value:.{self._digits}f}{self._unit}"
+
+    @property
+    def deviation(self) -> str:
+        """Computed minus paper, of a frequency also in percent."""
+        difference = round(self.value - self.paper, self._digits) + 0.0  # no −0
+        percent = f" ({100.0 * (self.value / self.paper - 1.0):+.1f} %)" if self.unit == "Hz" else ""
+        return f"{difference:+.{self._digits}f}{self._unit}{percent}".replace("-", "−")
+
+    @property
+    def comment(self) -> str:
+        """Verdict and note."""
+        return "; ".join(part for part in (self.verdict, self.note) if part)
+
+    @property
+    def allowed_text(self) -> str:
+        """What the rounding of Table I leaves open, as words."""
+        return " to ".join(f"{end:.{self._digits}f}" for end in self.allowed or ())
+
+    @property
+    def _unit(self) -> str:
+        return "" if self.unit == "-" else f" {self.unit}"
+
+    @property
+    def _digits(self) -> int:
+        return 3 if self.unit == "-" else 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """The comparison as plain data, numbers as numbers."""
         return {
             "section": self.section,
-            "quantity": self.quantity,
+            "name": self.name,
             "unit": self.unit,
             "paper": self.paper,
-            "computed": self.computed,
-            "deviation": self.deviation,
-            "deviation_percent": relative if self.unit == "Hz" else None,
-            "table_1_allows": allowed,
+            "computed": self.value,
+            "deviation": self.value - self.paper,
+            "deviation_percent": 100.0 * (self.value / self.paper - 1.0) if self.unit == "Hz" else None,
+            "table_1_allows": list(self.allowed) if self.allowed else None,
             "verdict": self.verdict,
-            "comment": self.comment,
+            "note": self.note,
         }
 
 
@@ -284,17 +317,17 @@ class Reproduction:
     table: tuple[Comparison, ...] = field(repr=False)
     claims: tuple[Claim, ...] = field(repr=False)
 
-    def record(self) -> dict[str, Any]:
-        """Everything as plain data; `PaperStudy.from_record` and `reproduce` give the same again."""
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data; `PaperStudy.from_dict` and `reproduce` give the same again."""
 
         def entry(case: Case) -> dict[str, Any]:
             return {"label": case.label, **case.numbers(), "parameters": described(case.actuator)}
 
         return {
-            "study": self.study.record(),
+            "study": self.study.to_dict(),
             "cases": {name: entry(case) for name, case in self.cases.items()},
             "variants": {name: entry(case) for name, case in self.variants.items()},
-            "table": [comparison.row() for comparison in self.table],
+            "table": [comparison.to_dict() for comparison in self.table],
             "claims": [vars(claim) for claim in self.claims],
             "versions": {name: version(name) for name in ("ehamj", "numpy", "scipy")},
         }
@@ -322,17 +355,17 @@ class _Stated:
     """A number that the paper prints, with half a unit of its last digit."""
 
     section: str
-    quantity: str
+    name: str
     unit: str
     paper: float
     half_unit: float
     case: str
     figure: str
-    comment: str = ""
+    note: str = ""
 
 
 _F, _D, _V = "hydro-mechanical frequency", "hydraulic damping ratio", "valve frequency"
-_SIX = "one of six that fit together, see below"
+_SIX = "256.7 Hz initially would give all six"
 _INPUT = "taken from the text, not computed"
 
 
@@ -386,8 +419,8 @@ def compare(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Comparison, .
 
 
 def _compared(study: PaperStudy, actuator: Actuator, stated: _Stated) -> Comparison:
-    computed = _value(study, actuator, study.mass, stated.figure)
-    if stated.comment == _INPUT:
+    computed = _value(actuator, study.mass, stated.figure)
+    if stated.note == _INPUT:
         allowed, verdict = None, GIVEN
     else:
         allowed = _allowed(study, actuator, stated.figure, computed)
@@ -395,16 +428,24 @@ def _compared(study: PaperStudy, actuator: Actuator, stated: _Stated) -> Compari
         overlaps = low <= stated.paper + stated.half_unit and high >= stated.paper - stated.half_unit
         near = abs(computed - stated.paper) <= stated.half_unit
         verdict = AGREES if near else ROUNDED if overlaps else FAILS
-    return Comparison(
-        stated.section, stated.quantity, stated.unit, stated.paper, computed, allowed, verdict, stated.comment
-    )
+    return Comparison(stated.section, stated.name, stated.unit, stated.paper, computed, allowed, verdict, stated.note)
 
 
-def _value(study: PaperStudy, actuator: Actuator, mass: float, figure: str) -> float:
+def _value(actuator: Actuator, mass: float, figure: str) -> float:
+    """A figure of merit by name, and no more than that one."""
     if figure == "valve_lag_deg":  # at 250 Hz, eq. 1
         ratio = 2.0 * math.pi * 250.0 / actuator.valve_frequency
         return math.degrees(math.atan2(2.0 * actuator.valve_damping * ratio, 1.0 - ratio**2))
-    return float(getattr(study.figures(actuator, mass), figure))
+    if figure == "valve_hz":
+        return actuator.valve_frequency / (2.0 * math.pi)
+    if figure == "omega_h_hz":
+        return omega_h(actuator, mass) / (2.0 * math.pi)
+    if figure == "delta_h":
+        return delta_h(actuator, mass)
+    loop = Loop.of_actuator(actuator, mass, "eq8" if figure.endswith("_eq8") else "exact")
+    if figure.startswith("gain_margin_db"):
+        return 20.0 * math.log10(loop.stability_gain)
+    return loop.phase_crossover / (2.0 * math.pi)
 
 
 def _allowed(study: PaperStudy, actuator: Actuator, figure: str, computed: float) -> tuple[float, float]:
@@ -416,10 +457,10 @@ def _allowed(study: PaperStudy, actuator: Actuator, figure: str, computed: float
         ends = []
         for factor in (1.0 + half_unit / table, 1.0 - half_unit / table):
             if name == "mass":
-                ends.append(_value(study, actuator, study.mass * factor, figure))
+                ends.append(_value(actuator, study.mass * factor, figure))
             else:
                 moved = actuator.with_values({name: getattr(actuator, name) * factor})
-                ends.append(_value(study, moved, study.mass, figure))
+                ends.append(_value(moved, study.mass, figure))
         spread += 0.5 * abs(ends[0] - ends[1])
     return computed - spread, computed + spread
 
@@ -433,6 +474,7 @@ def claims(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Claim, ...]:
     first, last, fast, slow = (
         f[name] for name in ("initial", "recommended", "recommended_fast_valve", "initial_large_signal")
     )
+    first_read, last_read = f["initial_reading"], f["recommended_reading"]
     quarter = study.figures(study.design("initial"), study.mass / 4.0)
     keeps = f"the highest proportional gain with {study.gain_margin_db:g} dB and {study.phase_margin_deg:g}°"
     shift = f["flow_gain_half"].gain_margin_db - first.gain_margin_db
@@ -487,18 +529,17 @@ def claims(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Claim, ...]:
         Claim(
             "5",
             "A gain margin of 128 dB is far superior to 116 dB",
-            f"Their difference comes out ({last.gain_margin_db - first.gain_margin_db:.1f} dB), but {smaller:.1f} dB of "
-            "it only say that a piston of twice the area moves half as fast per volt. What a loop gains is its velocity "
-            f"gain at the limit: {first.velocity_gain_limit:.0f} and {last.velocity_gain_limit:.0f} 1/s.",
+            f"Their difference comes out ({last.gain_margin_db - first.gain_margin_db:.1f} dB), but {smaller:.1f} dB "
+            "of it only say that a piston of twice the area moves half as fast per volt. What a loop gains is its "
+            f"velocity gain at the limit: {first.velocity_gain_limit:.0f} and {last.velocity_gain_limit:.0f} 1/s.",
         ),
         Claim(
             "5",
             "Gain margins of 116 and 128 dB",
             f"Table I gives {first.gain_margin_db - 116:.1f} and {last.gain_margin_db - 128:.1f} dB more: a factor of "
-            f"ten in loop gain. With ten times the flow gain and a valve of 260 Hz margins and frequencies come out "
-            f"({f['initial_reading'].gain_margin_db:.1f} dB at {f['initial_reading'].phase_crossover_hz:.1f} Hz, "
-            f"{f['recommended_reading'].gain_margin_db:.1f} dB at {f['recommended_reading'].phase_crossover_hz:.1f} Hz). "
-            "Table I stays the default.",
+            "ten in loop gain. With ten times the flow gain and a valve of 260 Hz margins and frequencies come out "
+            f"({first_read.gain_margin_db:.1f} dB at {first_read.phase_crossover_hz:.1f} Hz, "
+            f"{last_read.gain_margin_db:.1f} dB at {last_read.phase_crossover_hz:.1f} Hz). Table I stays the default.",
         ),
         Claim(
             "5",
@@ -516,12 +557,19 @@ def claims(study: PaperStudy, every: Mapping[str, Case]) -> tuple[Claim, ...]:
 
 
 def _printed_equation(study: PaperStudy) -> str:
-    figures = study.figures(study.actuator)
-    shift = math.sqrt(1.0 + 2.0 * figures.delta_h / figures.omega_h) - 1.0
+    crossings, shifts = [], []
+    for name in ("initial", "recommended"):
+        design = study.design(name)
+        w, d = omega_h(design, study.mass), delta_h(design, study.mass)
+        hertz = np.linspace(1.0, w / (2.0 * math.pi), 20001)[:-1]  # below the resonance its pole pair adds no phase
+        _, phase = bode(design, study.mass, hertz, "eq8-printed")
+        crossings.append(f"{np.interp(180.0, -phase, hertz):.0f} Hz")
+        shifts.append(f"{100.0 * (math.sqrt(1.0 + 2.0 * d / w) - 1.0):.3f}")
     return (
         "The damping term lacks its s. As printed it adds a time to a number; taken as numbers it is an undamped "
-        f"resonance, {100 * shift:.3f} % above ω_h, whose peak is infinite and whose phase jumps. The figures and "
-        "margins of the paper cannot come from it; the term must read 2δ_h s/ω_h."
+        f"resonance, {' and '.join(shifts)} % above ω_h for the initial and the recommended design, with an infinite "
+        f"peak and a jump in phase, and −180° would be passed at {' and '.join(crossings)}. The paper's own "
+        "frequencies do not come from it; the term must read 2δ_h s/ω_h."
     )
 
 
@@ -555,6 +603,18 @@ FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
 }
 """The paper's figures: caption and cases. The paper numbers its last one 5 a second time; the text calls it 7."""
 
+SYMBOLS: Final = {
+    f"{name}_{change}": f"{words} ${symbol}$ {sign} 2"
+    for name, words, symbol in (
+        ("volume", "chamber volume", "V_t"),
+        ("area", "piston area", "A_p"),
+        ("flow_gain", "flow gain", "K_Q"),
+        ("flow_pressure", "flow-pressure", "K_C"),
+    )
+    for change, sign in (("double", "×"), ("half", "÷"))
+}
+"""What the figures call the cases."""
+
 LINES: Final = ((BLUE, "-", 1.9), (VERMILLION, (0, (6, 1.6)), 1.6), (GREEN, (0, (3, 1.2, 1, 1.2)), 1.6))
 """Colour, dash and width of the first, second and third line."""
 
@@ -567,8 +627,8 @@ def figure_style() -> Iterator[None]:
     """Matplotlib's settings for the studies' figures: symbols are set as mathematics, letters are drawn as shapes."""
     import matplotlib
 
-    own = {"text.parse_math": True, "mathtext.fontset": "dejavusans", "svg.fonttype": "path"}
-    with matplotlib.rc_context({**STYLE, **own}):
+    settings: Any = STYLE | {"text.parse_math": True, "mathtext.fontset": "dejavusans", "svg.fonttype": "path"}
+    with matplotlib.rc_context(settings):
         yield
 
 
@@ -590,7 +650,7 @@ def figure(reproduction: Reproduction, name: str) -> "Figure":
             ("eq8-printed", "eq. 8 as printed (undamped)"),
         )
         return bode_figure([Line(label, chosen[0].actuator, mass, form) for form, label in forms])
-    return bode_figure([Line(case.label, case.actuator, mass) for case in chosen])
+    return bode_figure([Line(SYMBOLS.get(case.name, case.label), case.actuator, mass) for case in chosen])
 
 
 @dataclass(frozen=True)
@@ -612,30 +672,36 @@ def bode_figure(lines: list[Line]) -> "Figure":
     from matplotlib.lines import Line2D
 
     with figure_style():
-        sheet = Figure(figsize=(5.6, 5.0), layout="constrained")
-        above, below = sheet.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.15, 1.0)})
+        drawing = Figure(figsize=(5.6, 5.0), layout="constrained")
+        above, below = drawing.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.15, 1.0)})
         handles = []
-        for line, (color, dash, width) in zip(lines, LINES, strict=False):
-            _draw(above, below, line, {"color": color, "linestyle": dash, "linewidth": width})
-            handles.append(Line2D([], [], color=color, linestyle=dash, linewidth=width, label=_legend_text(line, lines)))
-        marks = {"linestyle": "none", "color": INK, "markerfacecolor": "white", "markersize": 5.5}
-        handles.append(Line2D([], [], marker="o", label="hydro-mechanical frequency $f_h$", **marks))
-        handles.append(Line2D([], [], marker="D", label="phase crossover, $-180°$", **{**marks, "markersize": 4.8}))
+        for before, line, (color, dash, width) in zip([None, *lines], lines, LINES, strict=False):
+            look: dict[str, Any] = {"color": color, "linestyle": dash, "linewidth": width}
+            _draw(above, below, line, look)
+            handles.append(Line2D([], [], label=_legend_text(line, before), **look))
         _axes(above, below, lines)
-        sheet.legend(handles=handles, loc="outside upper left", ncols=1 if len(handles) < 4 else 2)
-    return sheet
+        above.legend(handles=handles, loc="lower left")
+        mark: dict[str, Any] = {"linestyle": "none", "color": INK, "markerfacecolor": "white"}
+        rings = Line2D([], [], marker="o", markersize=5.5, label="hydro-mechanical frequency $f_h$", **mark)
+        diamonds = Line2D([], [], marker="D", markersize=4.8, label="phase crossover at −180°", **mark)
+        below.legend(handles=[rings, diamonds], loc="lower left")
+    return drawing
 
 
-def _legend_text(line: Line, lines: list[Line]) -> str:
-    if all(other.actuator == line.actuator for other in lines):
+def _legend_text(line: Line, before: Line | None) -> str:
+    """The label, and what is new in this line's resonance."""
+    told = [
+        None if one is None else (omega_h(one.actuator, one.mass) / (2.0 * math.pi), delta_h(one.actuator, one.mass))
+        for one in (line, before)
+    ]
+    if told[0] is None or told[0] == told[1]:
         return line.label
-    figures = figures_of_merit(line.actuator, line.mass)
-    return f"{line.label}\n$f_h$ = {figures.omega_h_hz:.0f} Hz, $\\delta_h$ = {figures.delta_h:.3f}"
+    return f"{line.label} ($f_h$ = {told[0][0]:.0f} Hz, $\\delta_h$ = {told[0][1]:.3f})"
 
 
 def _draw(above: "Axes", below: "Axes", line: Line, look: dict[str, Any]) -> None:
-    figures = figures_of_merit(line.actuator, line.mass)
-    around = figures.omega_h_hz * (1.0 + np.linspace(-0.02, 0.02, 401))
+    resonance = omega_h(line.actuator, line.mass) / (2.0 * math.pi)
+    around = resonance * (1.0 + np.linspace(-0.02, 0.02, 401))
     hertz = np.unique(np.concatenate([np.geomspace(*SPAN, 1200), around]))
     magnitude, phase = _decibels(line, hertz)
     above.semilogx(hertz, magnitude, **look)
@@ -643,7 +709,7 @@ def _draw(above: "Axes", below: "Axes", line: Line, look: dict[str, Any]) -> Non
     if line.form == "eq8-printed":
         return
     crossover = Loop.of_actuator(line.actuator, line.mass, line.form).phase_crossover / (2.0 * math.pi)
-    for at, marker, size in ((figures.omega_h_hz, "o", 5.5), (crossover, "D", 4.8)):
+    for at, marker, size in ((resonance, "o", 5.5), (crossover, "D", 4.8)):
         values = _decibels(line, np.array([at]))
         for axes, value in zip((above, below), values, strict=True):
             axes.plot(at, value, marker, color=look["color"], markerfacecolor="white", markersize=size, zorder=4)
@@ -671,22 +737,14 @@ def _axes(above: "Axes", below: "Axes", lines: list[Line]) -> None:
     below.xaxis.set_minor_formatter(NullFormatter())
     for axes in (above, below):
         axes.grid(which="minor", axis="x", linewidth=0.4)
-    for valve in sorted({line.actuator.valve_frequency / (2.0 * math.pi) for line in lines}):
+    valves = sorted({line.actuator.valve_frequency / (2.0 * math.pi) for line in lines})
+    sides = ("center",) if len(valves) == 1 else ("right", "left")
+    for valve, side in zip(valves, sides, strict=False):
         for axes in (above, below):
-            axes.axvline(valve, color=PURPLE, linewidth=1.0, linestyle=(0, (1, 1.5)), zorder=1.5)
-        place = (valve, 1.0)
-        above.annotate(
-            f"valve {valve:.0f} Hz",
-            place,
-            (-3, -3),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            rotation=90,
-            ha="right",
-            va="top",
-            fontsize=8.5,
-            color=PURPLE,
-        )
+            axes.axvline(valve, color=PURPLE, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
+        place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+        text = f"valve {valve:.0f} Hz"
+        above.annotate(text, (valve, 1.0), (0, 2), ha=side, va="bottom", fontsize=8.8, color=PURPLE, **place)
 
 
 # --- files ---------------------------------------------------------------------------------------------------------
@@ -707,22 +765,22 @@ def write_paper(folder: Path, study: PaperStudy | None = None) -> list[Path]:
     drawings = []
     for name in FIGURES:
         drawings += save_figure(figure(reproduction, name), folder, name)
-    rows = [comparison.row() for comparison in reproduction.table]
+    rows = [comparison.to_dict() for comparison in reproduction.table]
     with table.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
-    record.write_text(json.dumps(reproduction.record(), indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
+    record.write_text(json.dumps(reproduction.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n", "utf-8")
     page.write_text(table_html(reproduction), "utf-8")
     return [page, table, record, *drawings]
 
 
-def save_figure(sheet: "Figure", folder: Path, name: str) -> list[Path]:
+def save_figure(drawing: "Figure", folder: Path, name: str) -> list[Path]:
     """Save a figure as ``name.svg`` and ``name.png`` (300 dpi); the same figure gives the same bytes."""
     paths = [folder / f"{name}.svg", folder / f"{name}.png"]
     with figure_style():
-        sheet.savefig(paths[0], metadata={"Date": None})
-        sheet.savefig(paths[1], dpi=300)
+        drawing.savefig(paths[0], metadata={"Date": None})
+        drawing.savefig(paths[1], dpi=300)
     return paths
 
 
@@ -731,8 +789,8 @@ def table_html(reproduction: Reproduction) -> str:
     rows = "\n".join(_html_row(comparison) for comparison in reproduction.table)
     told = "\n".join(f"<tr>{_cells(c.section, c.statement, c.finding)}</tr>" for c in reproduction.claims)
     figures = "\n".join(
-        f'<figure><img src="{name}.svg" alt="{html.escape(caption)}"><figcaption>{name.replace("-", " ").capitalize()}. '
-        f"{html.escape(caption)}.</figcaption></figure>"
+        f'<figure><img src="{name}.svg" alt="{html.escape(caption)}">'
+        f"<figcaption>{name.replace('-', ' ').capitalize()}. {html.escape(caption)}.</figcaption></figure>"
         for name, (caption, _) in FIGURES.items()
     )
     return _PAGE.format(rows=rows, claims=told, figures=figures)
@@ -742,24 +800,10 @@ def _cells(*texts: str) -> str:
     return "".join(f"<td>{html.escape(text)}</td>" for text in texts)
 
 
-def _html_row(comparison: Comparison) -> str:
-    digits = 3 if comparison.unit == "-" else 1
-    unit = "" if comparison.unit == "-" else f" {comparison.unit}"
-    deviation = f"{comparison.deviation:+.{digits}f}{unit}"
-    if comparison.unit == "Hz":
-        deviation += f" ({100 * comparison.deviation / comparison.paper:+.1f} %)"
-    allowed = "" if comparison.allowed is None else " to ".join(f"{end:.{digits}f}" for end in comparison.allowed)
-    kind = {FAILS: "fails", GIVEN: "given"}.get(comparison.verdict, "agrees")
-    texts = (
-        comparison.section,
-        comparison.quantity,
-        f"{comparison.paper:g}{unit}",
-        f"{comparison.computed:.{digits}f}{unit}",
-        deviation.replace("-", "−"),
-        allowed,
-    )
-    last = f'<td class="{kind}">{html.escape(comparison.verdict)}</td>{_cells(comparison.comment)}'
-    return f"<tr>{_cells(*texts)}{last}</tr>"
+def _html_row(row: Comparison) -> str:
+    numbers = _cells(row.section, row.name, row.stated, row.computed, row.deviation, row.allowed_text)
+    kind = {FAILS: "fails", GIVEN: "given"}.get(row.verdict, "agrees")
+    return f'<tr>{numbers}<td class="{kind}">{html.escape(row.verdict)}</td>{_cells(row.note)}</tr>'
 
 
 _PAGE: Final = """<!DOCTYPE html>
@@ -772,8 +816,8 @@ body {{ font: 15px/1.5 'Segoe UI', Roboto, Helvetica, Arial, sans-serif; color: 
 table {{ border-collapse: collapse; font-size: 14px; }}
 th, td {{ text-align: left; vertical-align: top; padding: .3rem .7rem; border-bottom: 1px solid #E4E7EB; }}
 th {{ border-bottom: 2px solid #8A939C; }}
-.values td:nth-child(n+3):nth-child(-n+6) {{ text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }}
-.values th:nth-child(n+3):nth-child(-n+6) {{ text-align: right; }}
+.values :is(td, th):nth-child(n+3):nth-child(-n+6) {{ text-align: right; white-space: nowrap;
+  font-variant-numeric: tabular-nums; }}
 .agrees {{ color: #00664B; }} .fails {{ color: #B00020; font-weight: 600; }} .given {{ color: #6E7781; }}
 .figures {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr)); gap: 1.5rem; }}
 figure {{ margin: 0; }} img {{ width: 100%; }} figcaption {{ font-size: 14px; }}
