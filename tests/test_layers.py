@@ -14,7 +14,7 @@ RANKS = (
     ("parameters", "hydraulics"),
     ("ground", "commands", "channels"),
     ("controllers", "model"),
-    ("scenario", "native"),
+    ("scenario", "native", "chambers"),
     ("isolation", "operating_point"),
     ("summary", "result"),
     ("replay", "simulate"),

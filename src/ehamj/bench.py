@@ -16,9 +16,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.hydraulics.cylinder import chamber_flows, pressure_rate
+from ehamj.hydraulics.cylinder import chamber_flows
+from ehamj.hydraulics.fluid import pressure_rate
 from ehamj.hydraulics.valve import spool_acceleration, spool_target
-from ehamj.layout import COLUMN, N_MOUNTS, N_STATES, PARAMETERS
+from ehamj.layout import COLUMN, N_MOUNTS, N_STATES
 from ehamj.model import build_model
 from ehamj.native import hydraulics
 from ehamj.native.hold import default_timer
@@ -153,9 +154,16 @@ def ceiling(scenario: Scenario, step: float) -> Array:
 
 @cache
 def _ceiling_loop() -> Any:
-    column = tuple(COLUMN[name] for name in PARAMETERS)
-    area, v1, v2, _, beta, vapour, gain, edge, cross, eps, supply, tank = column[:12]
-    valve, omega, zeta, drive, stroke, volts, stiff, damp, k_lat, c_lat, x, y, _ = column[12:]
+    area, v1, v2, beta, wall = (
+        COLUMN[k] for k in ("piston_area", "volume_1", "volume_2", "bulk_modulus", "wall_compliance")
+    )
+    gain, edge, cross, eps = (COLUMN[k] for k in ("flow_gain", "edge_leakage", "cross_leakage", "laminar_ratio"))
+    supply, tank, rated = (COLUMN[k] for k in ("supply_pressure", "tank_pressure", "rated_pressure"))
+    valve, omega, zeta = (COLUMN[k] for k in ("valve_gain", "valve_frequency", "valve_damping"))
+    drive, stroke, volts = (COLUMN[k] for k in ("spool_drive_limit", "spool_stroke", "voltage_limit"))
+    stiff, damp = COLUMN["membrane_stiffness"], COLUMN["membrane_damping"]
+    k_lat, c_lat = COLUMN["lateral_stiffness"], COLUMN["lateral_damping"]
+    x, y = COLUMN["mount_x"], COLUMN["mount_y"]
 
     def rates(s, t, inverse, p, amplitude, angular, force, out):  # type: ignore[no-untyped-def]
         force[:] = 0.0
@@ -165,22 +173,22 @@ def _ceiling_loop() -> Any:
             rise = s[8] + py * s[9] - px * s[10]
             a = 12 + N_STATES * i
             q1, q2, _ = chamber_flows(
-                s[a],
+                min(max(s[a], -p[i, stroke]), p[i, stroke]),
                 s[a + 2],
                 s[a + 3],
                 p[i, supply],
                 p[i, tank],
+                p[i, rated],
                 p[i, gain],
-                p[i, stroke],
                 p[i, edge],
                 p[i, cross],
                 p[i, eps],
             )
             target = spool_target(amplitude[i] * np.sin(angular[i] * t), p[i, valve], p[i, volts])
             out[a] = s[a + 1]
-            out[a + 1] = spool_acceleration(s[a], s[a + 1], target, p[i, omega], p[i, zeta], p[i, drive])
-            out[a + 2] = pressure_rate(q1, p[i, area] * rise, s[a + 2], p[i, v1], p[i, beta], p[i, vapour])
-            out[a + 3] = pressure_rate(q2, -p[i, area] * rise, s[a + 3], p[i, v2], p[i, beta], p[i, vapour])
+            out[a + 1] = spool_acceleration(s[a], s[a + 1], target, p[i, omega], p[i, zeta], p[i, drive], 0.0)
+            out[a + 2] = pressure_rate(q1, p[i, area] * rise, s[a + 2], p[i, v1], p[i, beta], p[i, wall])
+            out[a + 3] = pressure_rate(q2, -p[i, area] * rise, s[a + 3], p[i, v2], p[i, beta], p[i, wall])
             lift = p[i, area] * (s[a + 2] - s[a + 3]) - p[i, stiff] * height - p[i, damp] * rise
             pull_x = -p[i, k_lat] * (s[0] - py * s[5]) - p[i, c_lat] * (s[6] - py * s[11])
             pull_y = -p[i, k_lat] * (s[1] + px * s[5]) - p[i, c_lat] * (s[7] + px * s[11])

@@ -2,5 +2,5 @@
 
 import numba
 
-kernel = numba.njit(nogil=True, error_model="numpy")
+kernel = numba.njit(nogil=True, error_model="numpy", forceinline=True)
 """Decorator of every kernel. Kernels are compiled into their callers, which hold the cache."""

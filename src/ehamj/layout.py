@@ -25,17 +25,27 @@ CHAMBERS: Final = (1, 2)
 STATES: Final = ("spool", "spool_rate", "pressure_1", "pressure_2")
 """Activation states of one hydraulic actuator [mA, mA/s, Pa, Pa]."""
 
+CURVE_POINTS: Final = 11
+"""Points of a valve's flow curve, at equal shares of its stroke from 0 to 1."""
+
 PARAMETERS: Final = (
-    "piston_area",  # A_p [m²]
+    "kind",  # what a row describes: VALVE, SUPPLY or LEDGER
+    "piston_area",  # A_p of chamber 1 [m²]
+    "piston_area_2",  # of chamber 2
     "volume_1",  # chamber volume at stroke 0 [m³]
     "volume_2",
     "moving_volume",  # 1: volumes follow the stroke, 0: constant
     "bulk_modulus",  # β [Pa]
     "vapour_pressure",  # [Pa]
+    "air_fraction",  # α at atmospheric pressure [-]
+    "polytropic_exponent",  # n [-]
+    "wall_compliance",  # 1/β_w [1/Pa]
     "flow_gain",  # K_Q [m³/s/mA]
     "edge_leakage",  # g₀ [m³/s/Pa]
     "cross_leakage",  # c [m³/s/Pa]
     "laminar_ratio",  # ε [-]
+    "rated_pressure",  # Δp₀ [Pa]
+    "shared_supply",  # 1: the supply has states of its own, 0: supply_pressure holds
     "supply_pressure",  # P_s [Pa]
     "tank_pressure",  # P_t [Pa]
     "valve_gain",  # K_v [mA/V]
@@ -43,6 +53,17 @@ PARAMETERS: Final = (
     "valve_damping",  # ζ [-]
     "spool_drive_limit",  # a_max [mA/s²]
     "spool_stroke",  # x_max [mA]
+    "end_stops",  # 1: the spool stops there
+    "threshold",  # [mA]
+    "hysteresis",  # [mA]
+    "null_offset",  # [mA]
+    "lapped",  # 1: the edges have overlaps
+    "overlap_supply_1",  # [mA]
+    "overlap_1_tank",
+    "overlap_supply_2",
+    "overlap_2_tank",
+    "curved",  # 1: the opening follows the flow curve
+    *(f"flow_curve_{k}" for k in range(CURVE_POINTS)),  # share of full opening [-]
     "voltage_limit",  # [V]
     "membrane_stiffness",  # K_L [N/m]
     "membrane_damping",  # C [N s/m]
@@ -53,6 +74,38 @@ PARAMETERS: Final = (
     "weight",  # constant force on the stroke coordinate, up positive [N]
 )
 """Columns of the model's actuator_user, one row per actuator. SI, spool in mA."""
+
+VALVE: Final = 0.0
+SUPPLY: Final = 1.0
+LEDGER: Final = 2.0
+"""Kinds of rows of actuator_user."""
+
+SUPPLY_PARAMETERS: Final = (
+    "kind",
+    "set_pressure",  # [Pa]
+    "pump_conductance",  # [m³/s/Pa]
+    "pump_flow",  # limit [m³/s]
+    "gas_volume",  # V₀ [m³]
+    "precharge",  # p₀ [Pa]
+    "polytropic_exponent",  # n [-]
+    "line_resistance",  # R [Pa s/m³]
+    "line_inertance",  # L [Pa s²/m³]
+    "manifold_volume",  # [m³]
+    "bulk_modulus",  # [Pa]
+)
+"""Columns of the supply's row."""
+
+SUPPLY_STATES: Final = ("station_pressure", "line_flow", "supply_pressure")
+"""Activation states of the supply [Pa, m³/s, Pa]."""
+
+LEDGER_STATES: Final = (
+    *(f"oil_in {mount} {chamber}" for mount in MOUNTS for chamber in (1, 2)),  # ∫ρQ/ρ₀ dt [m³]
+    "energy_in",  # ∫Σ(enthalpy that flows into chambers) dt [J]
+    "piston_work",  # ∫Σp V̇ dt [J]
+    "supplied_energy",  # ∫P_s Q_s dt [J]
+    "throttled_energy",  # ∫Σ q Δp dt over all edges and leaks [J]
+)
+"""Activation states of the ledger: what crossed the chambers' borders since the start."""
 
 COLUMN: Final = {name: column for column, name in enumerate(PARAMETERS)}
 
@@ -70,7 +123,9 @@ STAGE_GROUND_RATE: Final = STAGE_GROUND + N_MOUNTS  # [m/s]
 STAGE_COMMAND: Final = STAGE_GROUND_RATE + N_MOUNTS  # open-loop command of each valve [V]
 STAGE_FLOW: Final = STAGE_COMMAND + N_MOUNTS  # flow into chamber 1 and 2 of each mount [m³/s]
 STAGE_DRAWN: Final = STAGE_FLOW + 2 * N_MOUNTS  # flow that each mount draws from the supply [m³/s]
-N_USERDATA: Final = STAGE_DRAWN + N_MOUNTS
+STAGE_FORCE: Final = STAGE_DRAWN + N_MOUNTS  # force of each actuator on its plate, ground's share included [N]
+METERING: Final = STAGE_FORCE + N_MOUNTS  # where the metering edges of each valve stood at the last step [mA]
+N_USERDATA: Final = METERING + N_MOUNTS
 
 WARP: Final = (1.0, -1.0, -1.0, 1.0)
 """Pattern of the four mounts that moves nothing and only builds pressure."""

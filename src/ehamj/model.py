@@ -12,7 +12,20 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.layout import MOUNTS, N_STATES, N_USERDATA, PARAMETERS
+from ehamj.layout import (
+    CURVE_POINTS,
+    LEDGER,
+    LEDGER_STATES,
+    MOUNTS,
+    N_MOUNTS,
+    N_STATES,
+    N_USERDATA,
+    PARAMETERS,
+    SUPPLY,
+    SUPPLY_PARAMETERS,
+    SUPPLY_STATES,
+    VALVE,
+)
 from ehamj.parameters import Actuator, Plant, Position2
 
 FOOT_HEIGHT = 0.08
@@ -20,6 +33,11 @@ PLATE_HALF_HEIGHT = 0.03
 PAD_HALF_HEIGHT = 0.12
 PAD_HEIGHT = -2 * PLATE_HALF_HEIGHT - PAD_HALF_HEIGHT
 """Heights of the drawing [m]."""
+
+HUGE = 1e300
+"""MJCF has no infinity."""
+
+OVERLAPS = ("overlap_supply_1", "overlap_1_tank", "overlap_supply_2", "overlap_2_tank")
 
 CONSTRAINT_SOFTENING = 1e-3
 """Factor on the compliance of the rigid-foot constraint.
@@ -42,15 +60,26 @@ def template() -> Path:
 def parameter_row(actuator: Actuator, position: Position2, plant: Plant) -> list[float]:
     """One actuator as a row of the model's actuator_user (`ehamj.layout.PARAMETERS`)."""
     tied = plant.plates == "tied"
+    places, flows = zip(*actuator.flow_curve, strict=True) if actuator.flow_curve else ((0.0, 1.0), (0.0, 1.0))
     values = {
-        "volume_1": actuator.chamber_volume / 2,
-        "volume_2": actuator.chamber_volume / 2,
+        "kind": VALVE,
+        "piston_area_2": actuator.area_ratio * actuator.piston_area,
+        "volume_1": actuator.volume_share * actuator.chamber_volume,
+        "volume_2": (1.0 - actuator.volume_share) * actuator.chamber_volume,
+        "wall_compliance": 1.0 / actuator.wall_modulus,
+        "rated_pressure": plant.supply.rating_pressure,
+        "shared_supply": float(plant.supply.dynamic),
+        "end_stops": float(actuator.end_stops),
+        "lapped": float(any(actuator.overlap)),
+        **dict(zip(OVERLAPS, actuator.overlap, strict=True)),
+        "curved": float(bool(actuator.flow_curve)),
+        **{f"flow_curve_{k}": float(np.interp(k / (CURVE_POINTS - 1), places, flows)) for k in range(CURVE_POINTS)},
         "moving_volume": float(actuator.moving_volume),
         "edge_leakage": actuator.edge_leakage,
         "cross_leakage": actuator.cross_leakage,
         "supply_pressure": plant.supply.pressure,
         "tank_pressure": plant.supply.tank_pressure,
-        "spool_drive_limit": min(actuator.spool_drive_limit, 1e300),  # MJCF has no infinity
+        "spool_drive_limit": min(actuator.spool_drive_limit, HUGE),
         "mount_x": position[0],
         "mount_y": position[1],
         # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.
@@ -93,6 +122,11 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False, memory: int =
             biastype=mujoco.mjtBias.mjBIAS_USER,
             userdata=parameter_row(actuator, position, plant),
         )
+    if plant.supply.dynamic:
+        _add_states(spec, "supply", SUPPLY_STATES, supply_row(plant))
+    if plant.bookkeeping:
+        begins = N_MOUNTS * N_STATES + (len(SUPPLY_STATES) if plant.supply.dynamic else 0)
+        _add_states(spec, "ledger", LEDGER_STATES, [LEDGER, float(begins)])
     if plant.plates == "tied" or not any(actuator.rigid_foot for actuator in plant.actuators):
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     if drawn:
@@ -109,6 +143,37 @@ def build_model(plant: Plant, timestep: float, drawn: bool = False, memory: int 
     model = spec.compile()
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
     return model
+
+
+def supply_row(plant: Plant) -> list[float]:
+    """The shared supply as a row of the model's actuator_user (`ehamj.layout.SUPPLY_PARAMETERS`)."""
+    supply = plant.supply
+    values = {
+        "kind": SUPPLY,
+        "set_pressure": supply.pressure,
+        "pump_conductance": supply.pump_flow / supply.pump_droop,
+        "gas_volume": supply.accumulator_volume,
+        "precharge": supply.accumulator_precharge,
+        "polytropic_exponent": supply.accumulator_exponent,
+        "bulk_modulus": supply.oil_modulus,
+    }
+    return [values[name] if name in values else getattr(supply, name) for name in SUPPLY_PARAMETERS]
+
+
+def _add_states(spec: mujoco.MjSpec, name: str, states: tuple[str, ...], row: list[float]) -> None:
+    """States without a force of their own, as an actuator on the heave joint with no gear."""
+    spec.add_actuator(
+        name=name,
+        target="z",
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        gear=[0.0] * 6,
+        dyntype=mujoco.mjtDyn.mjDYN_USER,
+        actdim=len(states),
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        gainprm=[0.0] * 10,
+        biastype=mujoco.mjtBias.mjBIAS_NONE,
+        userdata=row + [0.0] * (len(PARAMETERS) - len(row)),
+    )
 
 
 def _check_plates(plant: Plant) -> None:

@@ -10,7 +10,18 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.layout import COLUMN, CUBICS, N_INPUTS, N_MOUNTS, N_STATES, N_USERDATA, STEP_RATE, STEP_START
+from ehamj.layout import (
+    COLUMN,
+    CUBICS,
+    N_INPUTS,
+    N_MOUNTS,
+    N_STATES,
+    N_USERDATA,
+    STEP_RATE,
+    STEP_START,
+    SUPPLY_PARAMETERS,
+    SUPPLY_STATES,
+)
 
 Array = NDArray[np.float64]
 
@@ -57,8 +68,20 @@ def rates(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inpu
 
 
 def scales(model: mujoco.MjModel) -> Array:
-    """A small motion of each state, as a step for differences: 0.1 µm or µrad, 0.1 mm/s, 10 µA, 10 mA/s, 100 Pa."""
-    return np.concatenate([np.full(model.nq, 1e-7), np.full(model.nv, 1e-4), np.tile([1e-2, 10.0, 1e2, 1e2], N_MOUNTS)])
+    """A small motion of each state, as a step for differences: 0.1 µm or µrad, 0.1 mm/s, 10 µA, 10 mA/s, 100 Pa.
+
+    Of the shared supply 100 Pa and 10 mm³/s; the ledger's states act on nothing, and take any step.
+    """
+    valves = np.tile([1e-2, 10.0, 1e2, 1e2], N_MOUNTS)
+    others = np.ones(model.na - valves.size)
+    if supply_states(model):
+        others[: len(SUPPLY_STATES)] = 1e2, 1e-8, 1e2
+    return np.concatenate([np.full(model.nq, 1e-7), np.full(model.nv, 1e-4), valves, others])
+
+
+def supply_states(model: mujoco.MjModel) -> bool:
+    """Whether the supply has states of its own."""
+    return bool(model.actuator_user[0, COLUMN["shared_supply"]])
 
 
 def jacobian(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
@@ -82,21 +105,28 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     Raises:
         EquilibriumError: if Newton's method does not converge.
     """
-    table = model.actuator_user
+    table = model.actuator_user[:N_MOUNTS]
     mid = 0.5 * (table[:, COLUMN["supply_pressure"]] + table[:, COLUMN["tank_pressure"]])
     limit = table[:, COLUMN["voltage_limit"]]
     state = np.zeros(model.nq + model.nv + model.na)
-    act = state[model.nq + model.nv :].reshape(N_MOUNTS, N_STATES)
+    first = model.nq + model.nv
+    act = state[first : first + N_MOUNTS * N_STATES].reshape(N_MOUNTS, N_STATES)
     act[:, 0] = table[:, COLUMN["valve_gain"]] * np.clip(inputs.command, -limit, limit)
     act[:, 2:] = mid[:, None]
-    pressures = model.nq + model.nv + np.arange(model.na).reshape(N_MOUNTS, N_STATES)[:, 2:].ravel()
-    unknown = np.concatenate([np.arange(model.nq), pressures])
-    balance = np.concatenate([model.nq + np.arange(model.nv), pressures])
+    pressures = first + np.arange(N_MOUNTS * N_STATES).reshape(N_MOUNTS, N_STATES)[:, 2:].ravel()
+    supply = first + N_MOUNTS * N_STATES + np.arange(len(SUPPLY_STATES) if supply_states(model) else 0)
+    if supply.size:  # begin where the pump controls, between no flow and all of it
+        row = dict(zip(SUPPLY_PARAMETERS, model.actuator_user[N_MOUNTS], strict=False))
+        middle = row["set_pressure"] - 0.5 * row["pump_flow"] / row["pump_conductance"]
+        state[supply] = middle, 0.5 * row["pump_flow"], middle
+    unknown = np.concatenate([np.arange(model.nq), pressures, supply])
+    balance = np.concatenate([model.nq + np.arange(model.nv), pressures, supply])
     still = Inputs(inputs.displacement, np.zeros_like(inputs.velocity), inputs.command)
-    unit = np.concatenate([np.full(model.nq, 1e-5), np.repeat(mid, 2)])
+    unit = np.concatenate([np.full(model.nq, 1e-5), np.repeat(mid, 2), np.array([1e6, 1e-5, 1e6])[: supply.size]])
     stiffness = table[:, COLUMN["bulk_modulus"]] / table[:, COLUMN["volume_1"]]
     flow = table[:, COLUMN["flow_gain"]] * table[:, COLUMN["spool_stroke"]]
-    tolerance = np.concatenate([np.full(model.nv, 1e-7), np.repeat(1e-9 * stiffness * flow, 2)])
+    fine = np.repeat(1e-9 * stiffness * flow, 2)
+    tolerance = np.concatenate([np.full(model.nv, 1e-7), fine, np.array([1.0, 1e-9, 1.0])[: supply.size] * fine[0]])
 
     def residual(at: Array) -> Array:
         return rates(model, data, at, still)[balance] / tolerance

@@ -11,6 +11,7 @@ A source is one of
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -33,7 +34,11 @@ class Settings(BaseModel):
     def _lists_are_tuples(cls, table: Any) -> Any:
         if not isinstance(table, Mapping):
             return table
-        return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
+        return {key: _tuples(value) for key, value in table.items()}
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
 
 
 def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **limits: Any) -> Any:
@@ -94,6 +99,21 @@ class Actuator(Parameters):
     moving_volume: bool = Field(True, description="chamber volumes follow the stroke (false: constant)")
     bulk_modulus: float = quantity(1.4e9, "Pa", "β", "effective bulk modulus of the oil", "paper", gt=0)
     vapour_pressure: float = quantity(0.0, "Pa", "P_v", "pressure at which the oil cavitates", "assumed", ge=0)
+    area_ratio: float = quantity(1.0, "-", "A_2/A_1", "area of chamber 2 over that of chamber 1", "paper", gt=0)
+    volume_share: float = quantity(0.5, "-", "V_1/V_t", "share of chamber 1 in the oil volume", "paper", gt=0, lt=1)
+    air_fraction: float = quantity(
+        0.0, "-", "α", "entrained air at atmospheric pressure, by volume (bulk_modulus is then the liquid's)", "assumed",
+        ge=0, lt=1,
+    )  # fmt: skip
+    polytropic_exponent: float = quantity(1.4, "-", "n", "of the entrained air", "assumed", ge=1, le=1.7)
+    wall_modulus: Unlimited = quantity(
+        math.inf,
+        "Pa",
+        "β_w",
+        "pressure that would double a chamber by stretching its walls (inf: rigid)",
+        "assumed",
+        gt=0,
+    )
     membrane_stiffness: float = quantity(
         6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0
     )
@@ -130,7 +150,54 @@ class Actuator(Parameters):
     spool_stroke: float = quantity(
         20.0, "mA", "x_max", "spool position at which the edges are fully open", "assumed", gt=0
     )
+    overlap: tuple[float, float, float, float] = quantity(
+        (0.0, 0.0, 0.0, 0.0), "mA", "x_0", "overlap of the edges supply–1, 1–tank, supply–2, 2–tank (negative: underlap)",
+        "assumed",
+    )  # fmt: skip
+    null_offset: float = quantity(0.0, "mA", "x_n", "opening of the valve with its spool centred", "assumed")
+    hysteresis: float = quantity(0.0, "mA", "x_y", "play between spool and metering edges", "assumed", ge=0)
+    threshold: float = quantity(0.0, "mA", "x_t", "error of position that does not move the spool", "assumed", ge=0)
+    end_stops: bool = Field(False, description="the spool stops at ±spool_stroke")
+    flow_curve: tuple[tuple[float, float], ...] = quantity(
+        (),
+        "-",
+        "q/q_N",
+        "pairs of spool position and flow, as shares of the full ones, from (0, 0) to (1, 1)",
+        "assumed",
+    )
+    rated_flow: float | None = quantity(
+        None, "m³/s", "q_N", "flow of one edge fully open at rated_drop; replaces flow_gain", "assumed", gt=0
+    )
+    rated_drop: float = quantity(
+        35e5, "Pa", "Δp_N", "pressure drop over one edge at which rated_flow holds", "assumed", gt=0
+    )
     voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for name in ("overlap", "null_offset", "hysteresis", "threshold"):
+            value = getattr(self, name)
+            largest = max(map(abs, value)) if isinstance(value, tuple) else abs(value)
+            if largest >= self.spool_stroke:
+                raise ValueError(
+                    f"{name} = {value} mA must be smaller than the full stroke, spool_stroke = {self.spool_stroke:g} mA"
+                )
+        if self.flow_curve:
+            places, flows = zip(*self.flow_curve, strict=True)
+            if (places[0], flows[0]) != (0.0, 0.0) or (places[-1], flows[-1]) != (1.0, 1.0):
+                raise ValueError(f"flow_curve = {list(self.flow_curve)} must go from [0, 0] to [1, 1]")
+            if min(b - a for a, b in pairwise(places)) <= 0 or min(b - a for a, b in pairwise(flows)) < 0:
+                raise ValueError(
+                    f"flow_curve = {list(self.flow_curve)} must increase in position, and not fall in flow"
+                )
+        return self
+
+    def rated_at(self, supply: "Supply") -> Self:
+        """The actuator with its flow gain from rated-flow data, if it has them: K_Q = q_N/x_max·√(Δp₀/Δp_N)."""
+        if self.rated_flow is None:
+            return self
+        gain = self.rated_flow / self.spool_stroke * math.sqrt(supply.rating_pressure / self.rated_drop)
+        return self.with_values({"flow_gain": gain, "rated_flow": None, "sources": {"flow_gain": "given"}})
 
     @property
     def edge_leakage(self) -> float:
@@ -149,8 +216,9 @@ class Actuator(Parameters):
 
     @property
     def maximum_stroke(self) -> float:
-        """Stroke at which one chamber is empty, V_t/(2A_p) [m]."""
-        return 0.5 * self.chamber_volume / self.piston_area
+        """Stroke at which one chamber is empty [m]."""
+        volume_1 = self.volume_share * self.chamber_volume
+        return min(volume_1, (self.chamber_volume - volume_1) / self.area_ratio) / self.piston_area
 
     @property
     def rigid_foot(self) -> bool:
@@ -177,17 +245,49 @@ class Supply(Parameters):
 
     pressure: float = quantity(70e5, "Pa", "P_s", "supply pressure", "assumed", gt=0)
     tank_pressure: float = quantity(0.0, "Pa", "P_t", "tank pressure", "assumed", ge=0)
+    dynamic: bool = Field(False, description="pump, accumulator, line and manifold, which the four actuators share")
+    pump_flow: float = quantity(1.5e-4, "m³/s", "Q_max", "largest flow of the pump", "assumed", gt=0)
+    pump_droop: float = quantity(
+        5e5, "Pa", "Δp_c", "fall of pressure at which the pump gives all its flow", "assumed", gt=0
+    )
+    accumulator_volume: float = quantity(
+        1e-3, "m³", "V_0", "gas volume of the accumulator at precharge", "assumed", gt=0
+    )
+    accumulator_precharge: float = quantity(45e5, "Pa", "p_0", "gas pressure of the empty accumulator", "assumed", gt=0)
+    accumulator_exponent: float = quantity(
+        1.3, "-", "n", "polytropic exponent of the accumulator", "assumed", ge=1, le=1.7
+    )
+    line_length: float = quantity(3.0, "m", "l", "length of the line from pump to manifold", "assumed", gt=0)
+    line_diameter: float = quantity(12e-3, "m", "d", "inner diameter of the line", "assumed", gt=0)
+    manifold_volume: float = quantity(5e-4, "m³", "V_m", "oil volume of the manifold", "assumed", gt=0)
+    oil_density: float = quantity(870.0, "kg/m³", "ρ", "density of the oil", "assumed", gt=0)
+    oil_viscosity: float = quantity(0.04, "Pa s", "µ", "dynamic viscosity of the oil", "assumed", gt=0)
+    oil_modulus: float = quantity(1.4e9, "Pa", "β", "bulk modulus of the oil in the manifold", "assumed", gt=0)
 
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.pressure <= self.tank_pressure:
             raise ValueError(f"pressure = {self.pressure:g} Pa must be above tank_pressure = {self.tank_pressure:g} Pa")
+        if self.dynamic and self.accumulator_precharge >= self.pressure:
+            raise ValueError(
+                f"accumulator_precharge = {self.accumulator_precharge:g} Pa must be below pressure = {self.pressure:g} Pa"
+            )
         return self
 
     @property
     def rating_pressure(self) -> float:
         """Pressure drop per edge at which the flow gain holds, Δp₀ = (P_s − P_t)/2 [Pa]."""
         return 0.5 * (self.pressure - self.tank_pressure)
+
+    @property
+    def line_resistance(self) -> float:
+        """Laminar resistance of the line, 128 µ l/(π d⁴) [Pa s/m³] (Hagen–Poiseuille)."""
+        return 128.0 * self.oil_viscosity * self.line_length / (math.pi * self.line_diameter**4)
+
+    @property
+    def line_inertance(self) -> float:
+        """Inertance of the line, ρ l/A [Pa s²/m³]."""
+        return self.oil_density * self.line_length / (math.pi / 4 * self.line_diameter**2)
 
 
 class Machine(Parameters):
@@ -241,6 +341,8 @@ class Plant:
     supply: Supply
     gravity: float
     """Gravitational acceleration, downwards positive [m/s²]."""
+    bookkeeping: bool
+    """Whether oil and energy are balanced in the simulation's own states."""
     plates: Literal["sliding", "tied"]
     """``sliding``: each plate on a joint of its own; ``tied``: the plate's inertia on the stroke coordinate."""
 

@@ -48,6 +48,14 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "chamber_pressure": (("mount", "chamber"), "Pa", "absolute pressure in each chamber"),
     "chamber_flow": (("mount", "chamber"), "m^3/s", "flow into each chamber"),
     "supply_pressure": ((), "Pa", "absolute supply pressure"),
+    "chamber_void": (("mount", "chamber"), "m^3", "void by cavitation in each chamber"),
+    "oil_in": (("mount", "chamber"), "m^3", "oil that entered each chamber since the start, at atmospheric density"),
+    "oil_held": (("mount", "chamber"), "m^3", "oil in each chamber, at atmospheric density"),
+    "energy_in": ((), "J", "energy that flowed into all chambers since the start"),
+    "piston_work": ((), "J", "work of the oil on pistons and walls since the start"),
+    "supplied_energy": ((), "J", "energy drawn from the supply since the start"),
+    "throttled_energy": ((), "J", "energy lost over edges and leaks since the start"),
+    "oil_energy": ((), "J", "energy stored in the oil by compression"),
 }
 """Every variable of a result beside ``time``: further dimensions, units, long name."""
 

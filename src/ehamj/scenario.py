@@ -95,6 +95,7 @@ class Output(Settings):
 
     replay: bool = Field(True, description="write replay.rrd")
     report: bool = Field(True, description="write report.html and figures/")
+    bookkeeping: bool = Field(False, description="balance oil and energy in states of their own, and report them")
     exaggeration: Annotated[float, Field(gt=0)] | Literal["auto"] = Field(
         "auto", description="factor on the motions drawn in the replay"
     )
@@ -163,9 +164,10 @@ class Scenario(Settings):
         return Plant(
             machine=self.machine,
             positions=tuple(mount.position for mount in self._mounts),
-            actuators=tuple(self.actuators[mount.actuator] for mount in self._mounts),
+            actuators=tuple(self.actuators[mount.actuator].rated_at(self.supply) for mount in self._mounts),
             supply=self.supply,
             gravity=self.gravity,
+            bookkeeping=self.output.bookkeeping,
             plates=self.plates,
         )
 

@@ -11,11 +11,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.chambers import Chambers
 from ehamj.controllers import Controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.ground import Motion
 from ehamj.kinematics import point_motion
-from ehamj.layout import DOF_OF_JOINT, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES
+from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
 from ehamj.model import build_model, build_spec
 from ehamj.native import hydraulics
 from ehamj.native.stepping import (
@@ -152,7 +153,7 @@ def choose_timestep(scenario: Scenario, controller: Controller | None = None) ->
     matrix = jacobian(model, data, equilibrium(model, data, Inputs.rest()), Inputs.rest())
     fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
     period = _common_divisor(periods.values())
-    return period / math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9)
+    return period / max(1, math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9))
 
 
 def _common_divisor(periods: Iterable[float]) -> float:
@@ -204,7 +205,14 @@ def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
 def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
     """Step to the end, or until something fails: rows, tally, how it ended, seconds spent in the stepping loop."""
     compile_loop()
-    rows = np.empty((prepared.steps // prepared.every + 1, row_size(prepared.model)))
+    count = prepared.steps // prepared.every + 1
+    try:
+        rows = np.empty((count, row_size(prepared.model)))
+    except MemoryError:
+        s = prepared.scenario
+        raise InputError(
+            f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
+        ) from None
     tally = np.zeros(N_TALLY)
     loop = make_loop(prepared.controller, prepared.scenario.plant, prepared.model.opt.timestep)
     done, recorded, wall = 0, 0, 0.0
@@ -263,14 +271,21 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
     feet = [point_motion(displacement, velocity, acceleration, (*position, 0.0)) for position in plant.positions]
     foot = [np.stack(part, axis=1) for part in zip(*feet, strict=True)]
     cg = point_motion(displacement, velocity, acceleration, plant.machine.cg)
-    act = rows[:, slice(*at.act)].reshape(-1, N_MOUNTS, N_STATES)
-    area = np.array([actuator.piston_area for actuator in plant.actuators])
+    states = rows[:, slice(*at.act)]
+    own = N_MOUNTS * N_STATES
+    act = states[:, :own].reshape(-1, N_MOUNTS, N_STATES)
+    chambers = Chambers.of(plant)
+    pressure = chambers.pressure(act[:, :, 2:])
+    supply = np.full(rows.shape[0], plant.supply.pressure)
+    if plant.supply.dynamic:
+        supply = states[:, own + SUPPLY_STATES.index("supply_pressure")]
     if plant.plates == "sliding":
         plate, plate_velocity = rows[:, slice(*at.qpos)][:, 6:], rows[:, slice(*at.qvel)][:, 6:]
     else:
         lever = np.array([[0, 0, 1, y, -x, 0] for x, y in plant.positions])
         plate, plate_velocity = displacement @ lever.T, velocity @ lever.T
-    return {
+    stroke = plate - ground.displacement[:, :, 2]
+    found = {
         "ground_displacement": ground.displacement,
         "ground_velocity": ground.velocity,
         "ground_acceleration": ground.acceleration,
@@ -282,23 +297,33 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
         "cg_displacement": cg[0],
         "cg_velocity": cg[1],
         "cg_acceleration": cg[2],
-        "stroke": plate - ground.displacement[:, :, 2],
+        "stroke": stroke,
         "stroke_velocity": plate_velocity - ground.velocity[:, :, 2],
         "spool": act[:, :, 0],
         "valve_command": rows[:, slice(*at.command)],
-        "actuator_force": area * (act[:, :, 2] - act[:, :, 3]),
-        "chamber_pressure": act[:, :, 2:],
+        "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
+        "chamber_pressure": pressure,
+        "chamber_void": chambers.void(act[:, :, 2:], stroke),
         "chamber_flow": rows[:, slice(*at.flow)].reshape(-1, N_MOUNTS, 2),
-        "supply_pressure": np.full(rows.shape[0], plant.supply.pressure),
+        "supply_pressure": supply,
     }
+    if plant.bookkeeping:
+        ledger = states[:, -len(LEDGER_STATES) :]
+        border = dict(zip(LEDGER_STATES[2 * N_MOUNTS :], ledger[:, 2 * N_MOUNTS :].T, strict=True))
+        found |= {"oil_in": ledger[:, : 2 * N_MOUNTS].reshape(-1, N_MOUNTS, 2), **border}
+        found |= {
+            "oil_held": chambers.mass(act[:, :, 2:], stroke),
+            "oil_energy": chambers.energy(act[:, :, 2:], stroke).sum(axis=(1, 2)),
+        }
+    return found
 
 
 def _why(stopped: Stopped, prepared: _Prepared, recorded: float) -> str:
     """What failed, where and when, and what is kept."""
     where = MOUNTS[stopped.mount] if stopped.mount >= 0 else "the machine"
     what = {
-        CHAMBER_1_EMPTY: "chamber 1 ran empty (the stroke reached its lower end)",
-        CHAMBER_2_EMPTY: "chamber 2 ran empty (the stroke reached its upper end)",
+        CHAMBER_1_EMPTY: "chamber 1 ran empty: the stroke left its range, or the step is too long to follow the oil",
+        CHAMBER_2_EMPTY: "chamber 2 ran empty: the stroke left its range, or the step is too long to follow the oil",
     }.get(stopped.status, "a state is no longer finite")
     at = stopped.steps * prepared.model.opt.timestep
     return (

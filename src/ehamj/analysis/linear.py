@@ -1,7 +1,7 @@
 """The whole machine as one linear system with all its states, from the compiled model that is simulated."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -22,11 +22,11 @@ from ehamj.channels import (
 )
 from ehamj.controllers.law import OUTPUTS as COMMANDS
 from ehamj.errors import InputError
-from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, JOINTS, MOUNTS, N_MOUNTS, N_STATES
+from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, JOINTS, MOUNTS, N_MOUNTS, N_STATES, SUPPLY_STATES
 from ehamj.layout import STATES as ACTUATOR_STATES
 from ehamj.model import build_model
 from ehamj.native import hydraulics
-from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
+from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
 from ehamj.parameters import Plant
 from ehamj.scenario import Scenario
 from ehamj.simulate import reduced
@@ -121,7 +121,7 @@ def linear_model(
     Raises:
         InputError: if there is no such operating point.
     """
-    plant = scenario.plant if feet else reduced(scenario.plant)
+    plant = replace(scenario.plant if feet else reduced(scenario.plant), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
     data.xfrc_applied[model.body("machine").id] = np.asarray(load, float)
@@ -184,7 +184,8 @@ def linearise(
 def _state_names(model: mujoco.MjModel) -> tuple[str, ...]:
     joints = [*JOINTS, *(f"plate {mount}" for mount in MOUNTS)][: model.nq]
     motion = [f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints]
-    return (*motion, *(f"{state} {mount}" for mount in MOUNTS for state in ACTUATOR_STATES))
+    actuators = (f"{state} {mount}" for mount in MOUNTS for state in ACTUATOR_STATES)
+    return (*motion, *actuators, *(SUPPLY_STATES if supply_states(model) else ()))
 
 
 def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held: Inputs) -> Array:
@@ -232,7 +233,8 @@ def _signal_matrices(model: mujoco.MjModel, plant: Plant, A: Array, B: Array) ->
         C[ACCELERATION + dof], D[ACCELERATION + dof] = A[nq + joint], B[nq + joint]
     size = N_MOUNTS * len(AXES)
     D[GROUND : GROUND + 2 * size, N_MOUNTS : N_MOUNTS + 2 * size] = np.eye(2 * size)
-    C[STATE : STATE + N_MOUNTS * N_STATES, nq + nv :] = np.eye(N_MOUNTS * N_STATES)
+    own = N_MOUNTS * N_STATES
+    C[STATE : STATE + own, nq + nv : nq + nv + own] = np.eye(own)
     for mount, (x, y) in enumerate(plant.positions):
         for order, first in enumerate((0, nq)):
             row = PLATE + N_MOUNTS * order + mount

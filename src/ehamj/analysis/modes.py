@@ -94,7 +94,7 @@ def _group(state: str) -> str:
         return "motion"
     if first.startswith("spool"):
         return "valve"
-    return "pressure" if first.startswith("pressure") else "controller"
+    return "controller" if first == "controller" else "pressure"
 
 
 def energy_shares(model: LinearModel, shape: ComplexArray) -> dict[str, float]:

@@ -11,12 +11,25 @@ import numba
 from numba import carray, types
 
 from ehamj.compiled import kernel
-from ehamj.hydraulics.cylinder import chamber_flows, pressure_rate
-from ehamj.hydraulics.valve import spool_acceleration, spool_target
+from ehamj.hydraulics.cylinder import chamber_flows, lapped_chamber_flows
+from ehamj.hydraulics.fluid import (
+    ATMOSPHERE,
+    actual_pressure,
+    oil_modulus,
+    pressure_rate,
+    relative_volume,
+    specific_energy,
+)
+from ehamj.hydraulics.supply import supply_rates
+from ehamj.hydraulics.valve import curved_opening, held_by_stop, play, spool_acceleration, spool_target
 from ehamj.layout import (
     COLUMN,
     CUBICS,
+    CURVE_POINTS,
     JOINTS,
+    LEDGER,
+    LEDGER_STATES,
+    METERING,
     N_MOUNTS,
     N_STATES,
     N_USERDATA,
@@ -24,29 +37,40 @@ from ehamj.layout import (
     STAGE_COMMAND,
     STAGE_DRAWN,
     STAGE_FLOW,
+    STAGE_FORCE,
     STAGE_GROUND,
     STAGE_GROUND_RATE,
     STEP_RATE,
     STEP_START,
+    SUPPLY,
+    SUPPLY_PARAMETERS,
+    SUPPLY_STATES,
 )
 from ehamj.native.cache import compiled_here
 from ehamj.native.offsets import offsets
 from ehamj.native.pointers import doubles_at, load_double
 
-AREA, VOLUME_1, VOLUME_2 = COLUMN["piston_area"], COLUMN["volume_1"], COLUMN["volume_2"]
+KIND = COLUMN["kind"]
+AREA, AREA_2, VOLUME_1, VOLUME_2 = (COLUMN[k] for k in ("piston_area", "piston_area_2", "volume_1", "volume_2"))
 MOVING, BULK_MODULUS, VAPOUR_PRESSURE = COLUMN["moving_volume"], COLUMN["bulk_modulus"], COLUMN["vapour_pressure"]
+AIR, EXPONENT, WALL = COLUMN["air_fraction"], COLUMN["polytropic_exponent"], COLUMN["wall_compliance"]
 FLOW_GAIN, EDGE_LEAKAGE, CROSS_LEAKAGE = COLUMN["flow_gain"], COLUMN["edge_leakage"], COLUMN["cross_leakage"]
-LAMINAR_RATIO, SUPPLY, TANK = COLUMN["laminar_ratio"], COLUMN["supply_pressure"], COLUMN["tank_pressure"]
+LAMINAR_RATIO, RATED, SHARED = COLUMN["laminar_ratio"], COLUMN["rated_pressure"], COLUMN["shared_supply"]
+SUPPLY_PRESSURE, TANK = COLUMN["supply_pressure"], COLUMN["tank_pressure"]
 VALVE_GAIN, FREQUENCY, DAMPING = COLUMN["valve_gain"], COLUMN["valve_frequency"], COLUMN["valve_damping"]
-DRIVE_LIMIT, SPOOL_STROKE, VOLTAGE_LIMIT = (
-    COLUMN["spool_drive_limit"],
-    COLUMN["spool_stroke"],
-    COLUMN["voltage_limit"],
+DRIVE_LIMIT, SPOOL_STROKE, VOLTAGE_LIMIT = (COLUMN[k] for k in ("spool_drive_limit", "spool_stroke", "voltage_limit"))
+END_STOPS, THRESHOLD, HYSTERESIS = COLUMN["end_stops"], COLUMN["threshold"], COLUMN["hysteresis"]
+OFFSET, LAPPED, LAP, CURVED, CURVE = (
+    COLUMN[k] for k in ("null_offset", "lapped", "overlap_supply_1", "curved", "flow_curve_0")
 )
 STIFFNESS, VISCOUS = COLUMN["membrane_stiffness"], COLUMN["membrane_damping"]
 LATERAL_STIFFNESS, LATERAL_DAMPING = COLUMN["lateral_stiffness"], COLUMN["lateral_damping"]
 MOUNT_X, MOUNT_Y, WEIGHT = COLUMN["mount_x"], COLUMN["mount_y"], COLUMN["weight"]
 N_PARAMETERS = len(PARAMETERS)
+N_ACT = N_STATES * N_MOUNTS
+MANIFOLD = N_ACT + SUPPLY_STATES.index("supply_pressure")
+LEDGER_OFFSET = 1  # column of the ledger's row that says where its states begin
+N_LEDGER = len(LEDGER_STATES)
 X, Y, RZ = JOINTS.index("x"), JOINTS.index("y"), JOINTS.index("rz")
 
 
@@ -84,40 +108,164 @@ def stage_inputs(time, shared, table, force):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def actuator_rates(act, act_dot, length, velocity, control, shared, table):  # type: ignore[no-untyped-def]
-    """Time derivatives of the states of all actuators, and their flows into ``shared``."""
-    for mount in range(N_MOUNTS):
-        first, own = N_STATES * mount, N_PARAMETERS * mount
-        spool, rate, pressure_1, pressure_2 = act[first], act[first + 1], act[first + 2], act[first + 3]
-        stroke = length[mount] - shared[STAGE_GROUND + mount]
-        swept = table[own + AREA] * (velocity[mount] - shared[STAGE_GROUND_RATE + mount])
-        target = spool_target(
-            control[mount] + shared[STAGE_COMMAND + mount], table[own + VALVE_GAIN], table[own + VOLTAGE_LIMIT]
-        )
-        flow_1, flow_2, drawn = chamber_flows(
-            spool,
+def metered_opening(spool, memory, table, own):  # type: ignore[no-untyped-def]
+    """Opening that the flow sees [mA]: spool with play, null offset, full stroke and flow curve."""
+    stroke = table[own + SPOOL_STROKE]
+    opening = play(memory, spool, table[own + HYSTERESIS]) + table[own + OFFSET]
+    opening = min(max(opening, -stroke), stroke)
+    if table[own + CURVED] != 0.0:
+        opening = curved_opening(opening, stroke, table[own + CURVE : own + CURVE + CURVE_POINTS])
+    return opening
+
+
+@kernel
+def valve_flows(opening, pressure_1, pressure_2, supply, table, own):  # type: ignore[no-untyped-def]
+    """Flow into each chamber, and drawn from the supply, of one valve [m³/s]."""
+    if table[own + LAPPED] == 0.0:
+        return chamber_flows(
+            opening,
             pressure_1,
             pressure_2,
-            table[own + SUPPLY],
+            supply,
             table[own + TANK],
+            table[own + RATED],
             table[own + FLOW_GAIN],
-            table[own + SPOOL_STROKE],
             table[own + EDGE_LEAKAGE],
             table[own + CROSS_LEAKAGE],
             table[own + LAMINAR_RATIO],
         )
-        moved = table[own + MOVING] * table[own + AREA] * stroke
-        volume_1, volume_2 = table[own + VOLUME_1] + moved, table[own + VOLUME_2] - moved
-        beta, vapour = table[own + BULK_MODULUS], table[own + VAPOUR_PRESSURE]
-        act_dot[first] = rate
-        act_dot[first + 1] = spool_acceleration(
-            spool, rate, target, table[own + FREQUENCY], table[own + DAMPING], table[own + DRIVE_LIMIT]
+    return lapped_chamber_flows(
+        opening,
+        (table[own + LAP], table[own + LAP + 1], table[own + LAP + 2], table[own + LAP + 3]),
+        table[own + SPOOL_STROKE],
+        pressure_1,
+        pressure_2,
+        supply,
+        table[own + TANK],
+        table[own + RATED],
+        table[own + FLOW_GAIN],
+        table[own + EDGE_LEAKAGE],
+        table[own + CROSS_LEAKAGE],
+        table[own + LAMINAR_RATIO],
+    )
+
+
+@kernel
+def supply_of(act, table, own):  # type: ignore[no-untyped-def]
+    """Supply pressure that an actuator sees [Pa]."""
+    if table[own + SHARED] != 0.0:
+        return act[MANIFOLD]
+    return table[own + SUPPLY_PRESSURE]
+
+
+@kernel
+def chamber_volumes(stroke, table, own):  # type: ignore[no-untyped-def]
+    """Volumes of both chambers, walls unstretched [m³]."""
+    moved = table[own + MOVING] * stroke
+    return table[own + VOLUME_1] + table[own + AREA] * moved, table[own + VOLUME_2] - table[own + AREA_2] * moved
+
+
+@kernel
+def actuator_rates(act, act_dot, length, velocity, control, shared, table):  # type: ignore[no-untyped-def]
+    """Time derivatives of the states of all actuators, and their flows into ``shared``."""
+    for mount in range(N_MOUNTS):
+        first, own = N_STATES * mount, N_PARAMETERS * mount
+        spool, rate = act[first], act[first + 1]
+        vapour, beta, wall = table[own + VAPOUR_PRESSURE], table[own + BULK_MODULUS], table[own + WALL]
+        pressure_1, pressure_2 = actual_pressure(act[first + 2], vapour), actual_pressure(act[first + 3], vapour)
+        speed = velocity[mount] - shared[STAGE_GROUND_RATE + mount]
+        volume_1, volume_2 = chamber_volumes(length[mount] - shared[STAGE_GROUND + mount], table, own)
+        target = spool_target(
+            control[mount] + shared[STAGE_COMMAND + mount], table[own + VALVE_GAIN], table[own + VOLTAGE_LIMIT]
         )
-        act_dot[first + 2] = pressure_rate(flow_1, swept, pressure_1, volume_1, beta, vapour)
-        act_dot[first + 3] = pressure_rate(flow_2, -swept, pressure_2, volume_2, beta, vapour)
+        acceleration = spool_acceleration(
+            spool,
+            rate,
+            target,
+            table[own + FREQUENCY],
+            table[own + DAMPING],
+            table[own + DRIVE_LIMIT],
+            table[own + THRESHOLD],
+        )
+        if table[own + END_STOPS] != 0.0:
+            rate, acceleration = held_by_stop(spool, rate, acceleration, table[own + SPOOL_STROKE])
+        opening = metered_opening(spool, shared[METERING + mount], table, own)
+        flow_1, flow_2, drawn = valve_flows(opening, pressure_1, pressure_2, supply_of(act, table, own), table, own)
+        beta_1, beta_2 = beta, beta
+        if table[own + AIR] != 0.0:
+            beta_1 = oil_modulus(pressure_1, beta, table[own + AIR], table[own + EXPONENT])
+            beta_2 = oil_modulus(pressure_2, beta, table[own + AIR], table[own + EXPONENT])
+        act_dot[first] = rate
+        act_dot[first + 1] = acceleration
+        act_dot[first + 2] = pressure_rate(flow_1, table[own + AREA] * speed, act[first + 2], volume_1, beta_1, wall)
+        act_dot[first + 3] = pressure_rate(flow_2, -table[own + AREA_2] * speed, act[first + 3], volume_2, beta_2, wall)
         shared[STAGE_FLOW + 2 * mount] = flow_1
         shared[STAGE_FLOW + 2 * mount + 1] = flow_2
         shared[STAGE_DRAWN + mount] = drawn
+        oil = table[own + AREA] * pressure_1 - table[own + AREA_2] * pressure_2
+        still = table[own + STIFFNESS] * shared[STAGE_GROUND + mount]
+        moving = table[own + VISCOUS] * shared[STAGE_GROUND_RATE + mount]
+        shared[STAGE_FORCE + mount] = oil + still + moving + table[own + WEIGHT]
+
+
+@kernel
+def shared_supply_rates(act, act_dot, shared, row):  # type: ignore[no-untyped-def]
+    """Time derivatives of the supply's states, from the flow that all actuators draw."""
+    drawn = 0.0
+    for mount in range(N_MOUNTS):
+        drawn += shared[STAGE_DRAWN + mount]
+    act_dot[N_ACT], act_dot[N_ACT + 1], act_dot[N_ACT + 2] = supply_rates(
+        act[N_ACT],
+        act[N_ACT + 1],
+        act[N_ACT + 2],
+        drawn,
+        row[1],
+        row[2],
+        row[3],
+        row[4],
+        row[5],
+        row[6],
+        row[7],
+        row[8],
+        row[9],
+        row[10],
+    )
+
+
+@kernel
+def ledger_rates(act, act_dot, velocity, length, shared, table, at):  # type: ignore[no-untyped-def]
+    """Time derivatives of what crosses the chambers' borders (`ehamj.layout.LEDGER_STATES`), from ``at`` on."""
+    energy, work, supplied, throttled = 0.0, 0.0, 0.0, 0.0
+    for mount in range(N_MOUNTS):
+        first, own = N_STATES * mount, N_PARAMETERS * mount
+        beta, air, exponent, wall = (
+            table[own + BULK_MODULUS],
+            table[own + AIR],
+            table[own + EXPONENT],
+            table[own + WALL],
+        )
+        vapour, supply, tank = table[own + VAPOUR_PRESSURE], supply_of(act, table, own), table[own + TANK]
+        drawn = shared[STAGE_DRAWN + mount]
+        speed = velocity[mount] - shared[STAGE_GROUND_RATE + mount]
+        received, delivered = 0.0, 0.0
+        for chamber in range(2):
+            state = act[first + 2 + chamber]
+            pressure = actual_pressure(state, vapour)
+            flow = shared[STAGE_FLOW + 2 * mount + chamber]
+            density = 1.0 / relative_volume(pressure, beta, air, exponent)
+            act_dot[at + 2 * mount + chamber] = density * flow
+            energy += density * flow * specific_energy(pressure, beta, air, exponent) + pressure * flow
+            swept = table[own + AREA] * speed if chamber == 0 else -table[own + AREA_2] * speed
+            stretch = 1.0 + (state - ATMOSPHERE) * wall
+            volume_1, volume_2 = chamber_volumes(length[mount] - shared[STAGE_GROUND + mount], table, own)
+            volume = volume_1 if chamber == 0 else volume_2
+            work += pressure * (stretch * swept + volume * wall * act_dot[first + 2 + chamber])
+            received += flow
+            delivered += pressure * flow
+        supplied += supply * drawn
+        throttled += supply * drawn - tank * (drawn - received) - delivered
+    end = at + 2 * N_MOUNTS
+    act_dot[end], act_dot[end + 1], act_dot[end + 2], act_dot[end + 3] = energy, work, supplied, throttled
 
 
 class Callbacks(NamedTuple):
@@ -142,28 +290,29 @@ def callbacks() -> Callbacks:
         stage_inputs(load_double(data, time_at), shared, table, carray(doubles_at(data, passive_at), len(JOINTS)))
 
     def act_dyn(model, data, actuator):  # type: ignore[no-untyped-def]
-        # MuJoCo clears and asks actuator by actuator; answering for all at the last one halves the cost.
-        if actuator == N_MOUNTS - 1:
-            actuator_rates(
-                carray(doubles_at(data, act_at), N_STATES * N_MOUNTS),
-                carray(doubles_at(data, act_dot_at), N_STATES * N_MOUNTS),
-                carray(doubles_at(data, length_at), N_MOUNTS),
-                carray(doubles_at(data, velocity_at), N_MOUNTS),
-                carray(doubles_at(data, ctrl_at), N_MOUNTS),
-                carray(doubles_at(data, shared_at), N_USERDATA),
-                carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS),
-            )
+        # MuJoCo clears and asks actuator by actuator; answering for all valves at the last one halves the cost.
+        if actuator < N_MOUNTS - 1:
+            return 0.0
+        row = N_PARAMETERS * actuator
+        table = carray(doubles_at(model, user_at), row + N_PARAMETERS)
+        shared = carray(doubles_at(data, shared_at), N_USERDATA)
+        length = carray(doubles_at(data, length_at), N_MOUNTS)
+        velocity = carray(doubles_at(data, velocity_at), N_MOUNTS)
+        kind = table[row + KIND]
+        size = N_ACT + len(SUPPLY_STATES) + N_LEDGER  # of which only the part that the model has is touched
+        act, act_dot = carray(doubles_at(data, act_at), size), carray(doubles_at(data, act_dot_at), size)
+        if kind == SUPPLY:
+            shared_supply_rates(act, act_dot, shared, table[row : row + len(SUPPLY_PARAMETERS)])
+        elif kind == LEDGER:
+            ledger_rates(act, act_dot, velocity, length, shared, table, int(table[row + LEDGER_OFFSET]))
+        else:
+            control = carray(doubles_at(data, ctrl_at), N_MOUNTS)
+            actuator_rates(act, act_dot, length, velocity, control, shared, table)
         return 0.0
 
     def act_bias(model, data, actuator):  # type: ignore[no-untyped-def]
-        table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
-        act = carray(doubles_at(data, act_at), N_STATES * N_MOUNTS)
-        shared = carray(doubles_at(data, shared_at), N_USERDATA)
-        own, first = N_PARAMETERS * actuator, N_STATES * actuator
-        oil = table[own + AREA] * (act[first + 2] - act[first + 3])
-        still = table[own + STIFFNESS] * shared[STAGE_GROUND + actuator]
-        moving = table[own + VISCOUS] * shared[STAGE_GROUND_RATE + actuator]
-        return oil + still + moving + table[own + WEIGHT]
+        # MuJoCo asks for forces after it has asked for all rates: the rates have left them.
+        return carray(doubles_at(data, shared_at), N_USERDATA)[STAGE_FORCE + actuator]
 
     on_state = types.void(types.intp, types.intp)
     on_actuator = types.float64(types.intp, types.intp, types.int32)

@@ -1,6 +1,7 @@
 """The stepping loop, compiled: inputs in, one Runge–Kutta step of the engine, a row out now and then."""
 
 import ctypes
+import math
 from functools import cache
 from typing import Any, Final, NamedTuple
 
@@ -14,11 +15,12 @@ from ehamj.channels import ACCELERATION, DISPLACEMENT, GROUND, N_SIGNALS, PLATE,
 from ehamj.compiled import kernel
 from ehamj.controllers import Controller
 from ehamj.controllers.kernel import tick
-from ehamj.hydraulics.valve import spool_target
+from ehamj.hydraulics.valve import play, spool_target
 from ehamj.layout import (
     AXES,
     CUBICS,
     DOF_OF_JOINT,
+    METERING,
     N_INPUTS,
     N_MOUNTS,
     N_STATES,
@@ -32,18 +34,19 @@ from ehamj.layout import (
 )
 from ehamj.native.cache import compiled_here
 from ehamj.native.callbacks import (
-    AREA,
     DRIVE_LIMIT,
+    END_STOPS,
     FREQUENCY,
-    MOVING,
+    HYSTERESIS,
     N_PARAMETERS,
     SPOOL_STROKE,
-    SUPPLY,
     VALVE_GAIN,
     VAPOUR_PRESSURE,
     VOLTAGE_LIMIT,
     VOLUME_1,
     VOLUME_2,
+    chamber_volumes,
+    supply_of,
 )
 from ehamj.native.hold import library
 from ehamj.native.offsets import offsets
@@ -84,7 +87,8 @@ def write_inputs(shared, time, rate, start, end):  # type: ignore[no-untyped-def
 
 @kernel
 def check(act, act_dot, qacc, length, shared, table):  # type: ignore[no-untyped-def]
-    """Status and mount of the present state: everything finite, no chamber empty."""
+    """Status and mount of the present state: everything finite, no chamber empty (of several the emptiest)."""
+    least, status, where = 0.0, DONE, -1
     for mount in range(N_MOUNTS):
         own = N_PARAMETERS * mount
         total = 0.0
@@ -92,15 +96,16 @@ def check(act, act_dot, qacc, length, shared, table):  # type: ignore[no-untyped
             total += act[k] - act[k] + act_dot[k] - act_dot[k]
         if total != 0.0:  # a NaN or an infinity is the only number that is not itself minus itself
             return NOT_FINITE, mount
-        moved = table[own + MOVING] * table[own + AREA] * (length[mount] - shared[STAGE_GROUND + mount])
-        if table[own + VOLUME_1] + moved <= 0.0:
-            return CHAMBER_1_EMPTY, mount
-        if table[own + VOLUME_2] - moved <= 0.0:
-            return CHAMBER_2_EMPTY, mount
+        volume_1, volume_2 = chamber_volumes(length[mount] - shared[STAGE_GROUND + mount], table, own)
+        share_1, share_2 = volume_1 / table[own + VOLUME_1], volume_2 / table[own + VOLUME_2]
+        if share_1 <= least:
+            least, status, where = share_1, CHAMBER_1_EMPTY, mount
+        if share_2 <= least:
+            least, status, where = share_2, CHAMBER_2_EMPTY, mount
     for k in range(qacc.size):
         if qacc[k] - qacc[k] != 0.0:
             return NOT_FINITE, -1
-    return DONE, -1
+    return status, where
 
 
 @kernel
@@ -119,10 +124,23 @@ def count_limits(act, control, shared, table, tally):  # type: ignore[no-untyped
         tally[3 * N_MOUNTS + mount] += act[first + 2] <= vapour or act[first + 3] <= vapour
         flow = shared[STAGE_DRAWN + mount]
         drawn += flow
-        power += flow * table[own + SUPPLY]
+        power += flow * supply_of(act, table, own)
     tally[TALLY_FLOW] += drawn
     tally[TALLY_FLOW + 1] = max(tally[TALLY_FLOW + 1], drawn)
     tally[TALLY_FLOW + 2] += power
+
+
+@kernel
+def settle_valves(act, shared, table):  # type: ignore[no-untyped-def]
+    """What a step leaves to be put right at its end: where hysteresis holds the edges, and spools at their stops."""
+    for mount in range(N_MOUNTS):
+        own, first = N_PARAMETERS * mount, N_STATES * mount
+        if table[own + END_STOPS] != 0.0 and abs(act[first]) >= table[own + SPOOL_STROKE]:
+            act[first] = math.copysign(table[own + SPOOL_STROKE], act[first])
+            if act[first] * act[first + 1] > 0.0:
+                act[first + 1] = 0.0
+        if table[own + HYSTERESIS] != 0.0:
+            shared[METERING + mount] = play(shared[METERING + mount], act[first], table[own + HYSTERESIS])
 
 
 N_GROUND: Final = N_MOUNTS * len(AXES)
@@ -257,7 +275,7 @@ def _advance() -> Any:
     qpos_at, qvel_at, qacc_at, act_at, act_dot_at = at.qpos, at.qvel, at.qacc, at.act, at.act_dot
 
     def advance(  # type: ignore[no-untyped-def]
-        forward, runge_kutta, model, data, nq, nv, nuserdata, first, steps, h, last, start, end, every, rows, tally,
+        forward, runge_kutta, model, data, nq, nv, na, nuserdata, first, steps, h, last, start, end, every, rows, tally,
         At, Bt, Ct, Dt, parts, weights, sample_every, delay, limit, resolution,
     ):  # fmt: skip
         shared = carray(doubles_at(data, shared_at), nuserdata)
@@ -267,8 +285,7 @@ def _advance() -> Any:
         velocity = carray(doubles_at(data, velocity_at), N_MOUNTS)
         qpos, qvel = carray(doubles_at(data, qpos_at), nq), carray(doubles_at(data, qvel_at), nv)
         qacc = carray(doubles_at(data, qacc_at), nv)
-        act = carray(doubles_at(data, act_at), N_STATES * N_MOUNTS)
-        act_dot = carray(doubles_at(data, act_dot_at), N_STATES * N_MOUNTS)
+        act, act_dot = carray(doubles_at(data, act_at), na), carray(doubles_at(data, act_dot_at), na)
         states = At.shape[0]
         memory, waiting = shared[N_USERDATA : N_USERDATA + states], shared[N_USERDATA + states :]
         places = waiting.size // N_MOUNTS
@@ -312,12 +329,13 @@ def _advance() -> Any:
                 out[column:] = shared[STAGE_FLOW : STAGE_FLOW + 3 * N_MOUNTS]
             if k < steps:
                 call_runge_kutta(runge_kutta, model, data, 4)
+                settle_valves(act, shared, table)
         return steps, DONE, -1, row
 
     floats2, floats3 = types.float64[:, ::1], types.Array(types.float64, 3, "C", readonly=True)
     signature = (
         *(types.intp,) * 4,
-        *(types.int64,) * 5,
+        *(types.int64,) * 6,
         types.float64,
         types.int64,
         floats3,
@@ -374,6 +392,7 @@ def advance(
         data._address,
         model.nq,
         model.nv,
+        model.na,
         model.nuserdata,
         first,
         steps,
