@@ -134,8 +134,9 @@ def test_a_raised_floor_raises_the_machine() -> None:
 def test_without_edge_leakage_the_mean_pressure_stays_at_half_the_supply(plates: str) -> None:
     # Nothing determines the mean then: the static equations are singular.
     position, pressure = solved(model_of(plates, edge_leakage_share=0.0), Inputs.rest())
-    np.testing.assert_allclose(pressure.mean(axis=1), MIDDLE, rtol=1e-12)
-    np.testing.assert_allclose(pressure, MIDDLE, rtol=1e-9)  # leakage across the piston takes the difference away
+    # 1e-7: differences across a sliding plate's tie, a spring of 1e16 N/m, are noisy: 0.1 Pa.
+    np.testing.assert_allclose(pressure.mean(axis=1), MIDDLE, rtol=1e-7)
+    np.testing.assert_allclose(pressure[:, 0] - pressure[:, 1], 0.0, atol=1e-9 * MIDDLE)  # the piston leaks it away
     assert position[2] == pytest.approx(-14.62e-6, abs=0.005e-6)
 
 

@@ -141,8 +141,14 @@ def worst_class(classes: list[str | None]) -> str | None:
     return min((name for name in classes if name is not None), key=list(CLASSES).index)
 
 
+def _class_in_words(verdicts: list[dict[str, Any]]) -> str:
+    if any(verdict["deciding_band_hz"] is None for verdict in verdicts):
+        return "undecided"
+    return worst_class([verdict["class"] for verdict in verdicts]) or "worse than workshop"
+
+
 def _sentence(report: dict[str, Any], axes: tuple[str, ...]) -> str:
-    before, after = (worst_class([report[who][axis]["class"] for axis in axes]) for who in ("floor", "machine"))
-    words = f"floor {before or 'worse than workshop'}, machine {after or 'worse than workshop'}"
+    before, after = (_class_in_words([report[who][axis] for axis in axes]) for who in ("floor", "machine"))
+    words = f"floor {before}, machine {after}"
     undecided = list(dict.fromkeys(band for axis in axes for band in report["machine"][axis]["undecided_bands_hz"]))
     return words + (f", undecided at {', '.join(undecided)} Hz" if undecided else "")

@@ -7,6 +7,7 @@ callbacks of `ehamj.native` add the oil and the ground's share.
 """
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -135,6 +136,20 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False, memory: int =
         for geom in list(spec.geoms):
             spec.delete(geom)
     return spec
+
+
+def drawn_xml(plant: Plant, timestep: float) -> str:
+    """The drawn model as MJCF, with the actuators' parameters to the last digit.
+
+    MuJoCo's own writer takes numbers for zero that are small beside others of a row, as a flow gain is beside a bulk
+    modulus.
+    """
+    spec = build_spec(plant, timestep, drawn=True)
+    tree = ElementTree.fromstring(spec.to_xml())
+    rows = {actuator.name: actuator.userdata for actuator in spec.actuators}
+    for element in tree.iterfind("actuator/general"):
+        element.set("user", " ".join(repr(float(value)) for value in rows[element.get("name", "")]))
+    return ElementTree.tostring(tree, encoding="unicode")
 
 
 def build_model(plant: Plant, timestep: float, drawn: bool = False, memory: int = 0) -> mujoco.MjModel:

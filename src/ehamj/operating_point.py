@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ehamj.layout import (
     COLUMN,
     CUBICS,
+    MOUNTS,
     N_INPUTS,
     N_MOUNTS,
     N_STATES,
@@ -134,10 +135,10 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     error = residual(state)
     for _ in range(60):
         if np.abs(error).max() <= 1.0:
-            mujoco.mj_forward(model, data)
+            _check_strokes(data, table, inputs)
             return state
         matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
-        change = np.linalg.lstsq(matrix, -error, rcond=1e-12)[0] * unit
+        change = np.linalg.lstsq(matrix, -error, rcond=1e-10)[0] * unit
         for _ in range(30):  # halve the step until the balance improves
             trial = state.copy()
             trial[unknown] += change
@@ -149,3 +150,17 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
             break
         state, error = trial, trial_error
     raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")
+
+
+def _check_strokes(data: mujoco.MjData, table: Array, inputs: Inputs) -> None:
+    """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
+    stroke = data.actuator_length[:N_MOUNTS] - inputs.displacement[:, 2]
+    moved = table[:, COLUMN["moving_volume"]] * stroke
+    volume_1 = table[:, COLUMN["volume_1"]] + table[:, COLUMN["piston_area"]] * moved
+    volume_2 = table[:, COLUMN["volume_2"]] - table[:, COLUMN["piston_area_2"]] * moved
+    worst = int(np.argmin(np.minimum(volume_1, volume_2)))
+    if min(volume_1[worst], volume_2[worst]) <= 0.0:
+        raise EquilibriumError(
+            "no static equilibrium: the machine cannot stand under these loads and commands, "
+            f"at {MOUNTS[worst]} the stroke would be {stroke[worst]:.3g} m, which empties a chamber"
+        )

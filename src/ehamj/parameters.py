@@ -165,8 +165,13 @@ class Actuator(Parameters):
         "pairs of spool position and flow, as shares of the full ones, from (0, 0) to (1, 1)",
         "assumed",
     )
-    rated_flow: float | None = quantity(
-        None, "m³/s", "q_N", "flow of one edge fully open at rated_drop; replaces flow_gain", "assumed", gt=0
+    rated_flow: float = quantity(
+        0.0,
+        "m³/s",
+        "q_N",
+        "flow of one edge fully open at rated_drop; replaces flow_gain (0: it does not)",
+        "assumed",
+        ge=0,
     )
     rated_drop: float = quantity(
         35e5, "Pa", "Δp_N", "pressure drop over one edge at which rated_flow holds", "assumed", gt=0
@@ -194,10 +199,10 @@ class Actuator(Parameters):
 
     def rated_at(self, supply: "Supply") -> Self:
         """The actuator with its flow gain from rated-flow data, if it has them: K_Q = q_N/x_max·√(Δp₀/Δp_N)."""
-        if self.rated_flow is None:
+        if self.rated_flow == 0.0:
             return self
         gain = self.rated_flow / self.spool_stroke * math.sqrt(supply.rating_pressure / self.rated_drop)
-        return self.with_values({"flow_gain": gain, "rated_flow": None, "sources": {"flow_gain": "given"}})
+        return self.with_values({"flow_gain": gain, "rated_flow": 0.0, "sources": {"flow_gain": "given"}})
 
     @property
     def edge_leakage(self) -> float:
@@ -341,10 +346,10 @@ class Plant:
     supply: Supply
     gravity: float
     """Gravitational acceleration, downwards positive [m/s²]."""
-    bookkeeping: bool
-    """Whether oil and energy are balanced in the simulation's own states."""
     plates: Literal["sliding", "tied"]
     """``sliding``: each plate on a joint of its own; ``tied``: the plate's inertia on the stroke coordinate."""
+    bookkeeping: bool = False
+    """Whether oil and energy are balanced in the simulation's own states."""
 
     @property
     def total_mass(self) -> float:

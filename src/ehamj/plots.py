@@ -12,7 +12,7 @@ import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -34,15 +34,16 @@ LEFT, BELOW = 58.0, 40.0
 """Room left of and below every axes, for numbers and names [pt]."""
 
 BLUE, VERMILLION, GREEN, PURPLE, SKY, ORANGE = "#0072B2", "#D55E00", "#00855F", "#B5578F", "#56B4E9", "#E69F00"
-FLOOR_COLOR: Final = "#6E7781"
+FLOOR_COLOR: Final = "#A3ACB5"
+GREY: Final = "#6E7781"
 INK: Final = "#1F2933"
 FAINT: Final = "#C9CFD6"
 LIMIT_COLOR: Final = "#B00020"
-MARKERS: Final = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", SKY: "v", ORANGE: "P", FLOOR_COLOR: "."}
+MARKERS: Final = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", SKY: "v", ORANGE: "P"}
 MOUNT_STYLES: Final = ((PURPLE, 2.9), (ORANGE, 2.1), (GREEN, 1.3), ("#1A1A1A", 0.6))
 """Colour and line width of each mount: later ones are thinner, so that lines which coincide all show."""
 
-STYLE: Final[dict[str, Any]] = {
+STYLE: Final[Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.5,
@@ -56,7 +57,6 @@ STYLE: Final[dict[str, Any]] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.formatter.limits": (-5, 6),
     "axes.formatter.useoffset": False,
     "grid.color": "#E4E7EB",
     "grid.linewidth": 0.7,
@@ -68,6 +68,8 @@ STYLE: Final[dict[str, Any]] = {
     "legend.fontsize": 8.8,
     "legend.handlelength": 1.6,
     "legend.columnspacing": 1.2,
+    "legend.labelspacing": 0.3,
+    "legend.borderpad": 0.2,
     "svg.fonttype": "none",
     "svg.hashsalt": "ehamj",
 }
@@ -150,7 +152,7 @@ def envelope(time: Array, values: Array, most: int = STRETCHES) -> tuple[Array, 
     return middle, np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
 
 
-def thinned(time: Array, values: Array, most: int = 2 * STRETCHES) -> tuple[Array, Array]:
+def thinned(time: Array, values: Array, most: int = 3 * STRETCHES) -> tuple[Array, Array]:
     """A line of at most about ``2·most`` points that keeps every peak: lowest and highest value of each stretch.
 
     Args:
@@ -200,7 +202,7 @@ def _arrange(
     """
     columns = _columns(list(entries), WIDTH - LEFT)
     rows = -(-len(entries) // columns)
-    title, legend = 24.0, 12.6 * rows + 6.0
+    title, legend = 24.0, 12.0 * rows + 8.0
     height = title + legend + sum(panel for _, panel in panels) + BELOW * len(panels)
     figure.set_size_inches(WIDTH / INCH, height / INCH)
     figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
@@ -243,10 +245,10 @@ def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
         top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
         axes.set_ylim(bottom, top)
         axes.axhspan(bottom, 0.0, color="#FBEDEA", zorder=0)
-        axes.axhline(0.0, color=FLOOR_COLOR, linewidth=1.2)
+        axes.axhline(0.0, color=GREY, linewidth=1.2)
         axes.set_ylabel("attenuation [dB], up = quieter")
-        entries: dict[str, Artist] = {shown(curve.label): _band_line(axes, curve) for curve in curves}
-        entries["as the floor (0 dB)"] = Line2D([], [], color=FLOOR_COLOR, linewidth=1.2)
+        entries = _band_lines(axes, curves)
+        entries["as the floor (0 dB)"] = Line2D([], [], color=GREY, linewidth=1.2)
         _arrange(figure, [(axes, 150.0)], entries)
     return figure
 
@@ -283,19 +285,21 @@ def criterion(
             level = float(limit[-1])
             if not bottom * 1.1 < level < top:
                 continue
-            axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class {name}")
+            axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
             axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=FAINT, linewidth=0.8, linestyle=":")
             place = (axes.get_xlim()[1], level)
             axes.annotate(name, place, (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
-        entries: dict[str, Artist] = {}
-        for curve in curves:
-            quiet = np.where(curve.values > 0, curve.values, np.nan)
-            entries[shown(curve.label)] = _band_line(axes, Levels(curve.label, curve.frequency, quiet, curve.color))
+        entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
         if known_to is not None and known_to < axes.get_xlim()[1]:
             axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
             entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
         _arrange(figure, [(axes, 190.0)], entries, right=76.0)
     return figure
+
+
+def _positive(values: Array) -> Array:
+    """Values that a logarithmic axis can show."""
+    return np.where(values > 0, values, np.nan)
 
 
 def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
@@ -311,18 +315,26 @@ def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
     axes.set_xlabel("third-octave band [Hz]")
 
 
-def _band_line(axes: "Axes", curve: Levels) -> "Artist":
-    floor = curve.color == FLOOR_COLOR
-    (line,) = axes.plot(
-        curve.frequency,
-        curve.values,
-        color=curve.color,
-        linewidth=2.6 if floor else 1.5,
-        marker=MARKERS.get(curve.color, "o"),
-        markersize=3.8,
-        zorder=2.5 if floor else 3,
-    )
-    return line
+def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":
+    """Draw the curves, earlier ones thinner and on top, so that those which coincide all show. Returns the legend."""
+    entries: dict[str, Artist] = {}
+    for place, curve in enumerate(curve for curve in curves if curve.color != FLOOR_COLOR):
+        (entries[shown(curve.label)],) = axes.plot(
+            curve.frequency,
+            curve.values,
+            color=curve.color,
+            linewidth=1.4 + 0.9 * place,
+            marker=MARKERS.get(curve.color, "o"),
+            markersize=3.4 + 1.6 * place,
+            zorder=3.0 - 0.1 * place,
+        )
+    floors: dict[str, Artist] = {}
+    for curve in curves:
+        if curve.color == FLOOR_COLOR:
+            (floors[shown(curve.label)],) = axes.plot(
+                curve.frequency, curve.values, color=curve.color, linewidth=4.5, zorder=2.2, solid_capstyle="round"
+            )
+    return floors | entries
 
 
 def history(
@@ -344,7 +356,7 @@ def history(
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
     """
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     with _styled():
         figure = _figure(title)
@@ -363,6 +375,7 @@ def history(
         for axes in (above, *below):
             axes.set_ylabel(quantity)
             axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
         if window:
             above.set_xlabel("time [s], whole run")
             below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
@@ -467,9 +480,9 @@ def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot]) -> "Figure":
             _square(axes, foot.x, -foot_size, foot_size, colors[foot.kind])
         ends = axes.get_xlim()
         ground = Rectangle((ends[0], -1.6 * foot_size), ends[1] - ends[0], 0.6 * foot_size, linewidth=0.0, hatch="////")
-        ground.set(facecolor="white", edgecolor=FLOOR_COLOR)
+        ground.set(facecolor="white", edgecolor=GREY)
         axes.add_patch(ground)
-        axes.plot(ends, [-foot_size] * 2, color=FLOOR_COLOR, linewidth=1.4)
+        axes.plot(ends, [-foot_size] * 2, color=GREY, linewidth=1.4)
         _dimension(axes, (0.0, height), length / 2 + foot_size, "y")
         if cg[2] > 1.5 * foot_size:
             _dimension(axes, (0.0, cg[2]), -length / 2 - foot_size, "y")
@@ -552,7 +565,7 @@ def _waves(axes: "Axes", waves: Sequence[tuple[str, float]], room: float) -> Non
     for place, (label, direction) in enumerate(waves, start=1):
         x, y = left + 0.5 * room, top - place * step
         reach = 0.3 * room * np.array([math.cos(math.radians(direction)), math.sin(math.radians(direction))])
-        style = {"arrowstyle": "-|>", "color": FLOOR_COLOR, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+        style = {"arrowstyle": "-|>", "color": GREY, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", (x + reach[0], y + reach[1]), (x - reach[0], y - reach[1]), arrowprops=style)
         axes.text(x, y - 0.4 * room, label, va="top", ha="center", fontsize=8.8, color="#4B5563")
 

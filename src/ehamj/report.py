@@ -19,7 +19,7 @@ from pydantic import BaseModel
 from ehamj import plots
 from ehamj.criteria.third_octave import bands
 from ehamj.criteria.vc import CLASSES, limit
-from ehamj.layout import AXES, MOUNTS
+from ehamj.layout import MOUNTS
 from ehamj.parameters import Parameters
 from ehamj.plots import Levels, Limit, Trace
 from ehamj.result import Result, written_whole
@@ -48,9 +48,13 @@ ENGINEERING: Final = {
     "rad": (1e6, "µrad"),
     "rad/s": (1e6, "µrad/s"),
     "Pa": (1e-5, "bar"),
+    "m^3": (1e6, "cm³"),
     "m^3/s": (6e4, "l/min"),
 }
 """Factor and unit in which people read an SI unit."""
+
+FAMILIES: Final = ("machine-", "attenuation-", "criterion-", "history-")
+"""How the names of a report's figures begin; those that an earlier report left behind are removed."""
 
 NEGLIGIBLE: Final = 1e-6
 """Values below this in engineering units are rounding; a channel of nothing else is left out."""
@@ -93,11 +97,19 @@ def write_report(folder: Path, results: Results) -> None:
     Args:
         folder: existing folder.
         results: by label; the first is the one reported, the others are variants beside it.
+
+    Raises:
+        ValueError: if there is no result.
     """
+    if not results:
+        raise ValueError("results: a report needs at least one")
     pictures = draw(results)
     drawings = {picture.name: plots.svg(picture.figure, picture.name) for picture in pictures}
     figures = folder / "figures"
     figures.mkdir(exist_ok=True)
+    for old in figures.glob("*.svg"):
+        if old.stem not in drawings and old.stem.startswith(FAMILIES):
+            old.unlink()
     for name, text in drawings.items():
         with written_whole(figures / f"{name}.svg") as path:
             path.write_text(text, encoding="utf-8")
@@ -132,7 +144,7 @@ def page(results: Results, pictures: Sequence[Picture], drawings: Mapping[str, s
     first = next(iter(results.values()))
     return environment.get_template("report.html").render(
         scenario=first.scenario,
-        complete=all(result.complete for result in results.values()),
+        variants=len(results),
         failures={label: _failure(result) for label, result in results.items() if not result.complete},
         verdict=_verdict(first),
         headline=_headline(results),
@@ -146,7 +158,6 @@ def page(results: Results, pictures: Sequence[Picture], drawings: Mapping[str, s
         tables=[_levels(results), _saturation(results), _oil(results), _timing(results)],
         inputs=list(_inputs(results)),
         versions=first.summary.get("versions", {}),
-        sources=("paper", "identified", "assumed", "given"),
     )
 
 
@@ -206,7 +217,7 @@ def plain(value: Any) -> str:
     if isinstance(value, tuple | list):
         if len(value) > 12:
             return f"{len(value)} values, {plain(value[0])} to {plain(value[-1])}"
-        return ", ".join(map(plain, value))
+        return ", ".join(f"({plain(part)})" if isinstance(part, tuple) else plain(part) for part in value) or DASH
     return DASH if value is None or value == "" else str(value)
 
 
@@ -221,9 +232,9 @@ def colors_of(results: Results) -> dict[str, str]:
 
 
 def _machine(scenario: Scenario) -> Iterator[Picture]:
-    actuators = {mount.name: mount.actuator for mount in scenario.mount}
+    actuators: dict[str, str] = {mount.name: mount.actuator for mount in scenario.mount}
     feet = [
-        plots.Foot(name, *position, kind=actuators[name])  # type: ignore[call-arg]
+        plots.Foot(name, *position, kind=actuators[name])
         for name, position in zip(MOUNTS, scenario.plant.positions, strict=True)
     ]
     waves = dict.fromkeys(
@@ -274,9 +285,9 @@ def _criterion(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
         curves = [
             curve
             for label, who, table, color in _velocities(results, axis, colors)
-            if (curve := _curve(who or label, table, MICRO, color))
+            if (curve := _curve(who or label, table, MICRO, color)) and np.nanmax(curve.values) > plots.QUIETEST
         ]
-        if any(np.nanmax(curve.values) > plots.QUIETEST for curve in curves):
+        if curves:
             figure = plots.criterion(f"Velocity and vibration classes, {AXIS_NAMES[axis]}", curves, classes, known_to)
             yield Picture(f"criterion-{axis}", "criterion", figure)
 
@@ -337,8 +348,10 @@ def _histories(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]
 
 
 def characteristic_part(result: Result) -> Window:
-    """From when to when a run is drawn in full [s]: around the floor's (or else the machine's) vertical peak, or the end
-    of a run that failed. None for a run that is hardly longer."""
+    """From when to when a run is drawn in full [s]; None for a run that is hardly longer.
+
+    Around the vertical peak of the floor, or of the machine if the floor rests; the end of a run that failed.
+    """
     time = result.dataset.time.values
     if time[-1] - time[0] < 1.5 * ZOOM:
         return None
@@ -371,14 +384,17 @@ def _pressure_history(results: Results, window: Window) -> Picture:
         Trace(f"chamber {k + 1}, all mounts", time, pressure[:, :, k], color)
         for k, color in enumerate((plots.SKY, plots.ORANGE))
     ]
-    solid, dashed = _per_mount(time, pressure[:, :, 0]), _per_mount(time, pressure[:, :, 1], "--")
+    detail = [*_per_mount(time, pressure[:, :, 0]), *_per_mount(time, pressure[:, :, 1], "--")]
+    manifold = BAR * first.dataset.supply_pressure.values
+    if np.ptp(manifold) > 0:
+        whole.append(Trace("manifold", time, manifold, plots.FLOOR_COLOR))
     limits = [
         Limit(
             f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar",
             (BAR * supply.pressure, BAR * supply.tank_pressure),
         ),
     ]
-    figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, [*solid, *dashed], limits, window)
+    figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, detail, limits, window)
     caption = "Chamber 1, which lifts, solid; chamber 2 dashed."
     return Picture("history-pressure", "histories", figure, caption)
 
@@ -404,48 +420,27 @@ def _failure(result: Result) -> str:
     return str(result.summary.get("failure", "the simulation did not reach its end"))
 
 
-def _verdict(result: Result) -> list[dict[str, str]]:
-    """The verdict's lines: vertical apart from horizontal, as the summary says them, and what they leave open."""
+def _verdict(result: Result) -> list[tuple[str, str]]:
+    """The verdict's lines as the summary says them: vertical apart from horizontal."""
     criterion = result.summary.get("criterion", {})
     lines = []
     for name, axes in (("vertical", ("z",)), ("horizontal", ("x", "y"))):
         parts = [criterion.get(who, {}).get(axis, {}) for who in ("floor", "machine") for axis in axes]
-        open_bands = list(dict.fromkeys(band for part in parts for band in part.get("undecided_bands_hz", ())))
         judged = any(part.get("deciding_band_hz") is not None for part in parts)
         said = criterion.get("verdict", {}).get(name, DASH)
-        lines.append(
-            {
-                "name": name,
-                "text": said if judged else "not judged: the run is too short for any band of the criterion",
-                "open": f"undecided: {_ranges(open_bands)} Hz" if open_bands and judged else "",
-            }
-        )
+        lines.append((name, said if judged else "not judged: the run is too short for any band of the criterion"))
     return lines
-
-
-def _ranges(names: Sequence[str]) -> str:
-    """Bands in words, neighbours as a range: '4 to 8, 50'."""
-    order = [band.name for band in bands(1.0, 315.0)]
-    places = sorted(order.index(name) for name in names)
-    runs: list[list[int]] = []
-    for place in places:
-        if runs and place == runs[-1][-1] + 1:
-            runs[-1].append(place)
-        else:
-            runs.append([place])
-    return ", ".join(order[run[0]] if len(run) == 1 else f"{order[run[0]]} to {order[run[-1]]}" for run in runs)
 
 
 def _headline(results: Results) -> Table:
     """Vertical attenuation at a few bands."""
-    rows = []
-    for label, result in results.items():
-        table = result.summary.get("attenuation_db", {}).get("z", {})
-        rows.append([label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)])
-    still = not _floor_moves(next(iter(results.values())))
-    note = "The ground is at rest, so there is nothing to attenuate." if still else ""
-    if not still and any(DASH in row for row in rows):
-        note = f"{DASH}: undecided, since the floor's motion in that band is not known or too small."
+    tables = {label: result.summary.get("attenuation_db", {}).get("z", {}) for label, result in results.items()}
+    rows = [[label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)] for label, table in tables.items()]
+    note = f"{DASH}: undecided." if any(DASH in row for row in rows) else ""
+    if not _known(tables.values()):
+        rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
+    if not _floor_moves(next(iter(results.values()))):
+        note = "The ground is at rest: there is nothing to attenuate."
     head = ["", *(f"{band} Hz" for band in HEADLINE_BANDS)]
     return Table("Vertical attenuation [dB] in the third-octave bands at", head, rows, note)
 
@@ -503,7 +498,9 @@ def _notes(results: Results) -> dict[str, list[str]]:
     if not _floor_moves(first):
         attenuation = ["The ground is at rest: attenuation is not defined."]
     elif silent:
-        attenuation.append(f"Undecided in every band, since the floor moves too little: {'; '.join(silent)}.")
+        attenuation.append(
+            f"Undecided in every band, since the floor moves too little or the run is short: {'; '.join(silent)}."
+        )
     criterion = [
         "The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."
     ]
@@ -564,26 +561,22 @@ def _facts(result: Result) -> list[tuple[str, str]]:
 
 def _bands(results: Results) -> Table:
     """Vertical levels and attenuation per band."""
-    summaries = {label: result.summary for label, result in results.items()}
-    first = next(iter(summaries.values()))
-    floor = first.get("third_octave_velocity", {}).get("floor", {}).get("z", {})
+    first = next(iter(results.values())).summary
     head = ["band [Hz]", "floor [µm/s]"]
-    for label in summaries:
+    for label in results:
         head += [f"{label} [µm/s]", f"{label} [dB]"]
     rows = []
-    for band, level in floor.items():
+    for band, level in first.get("third_octave_velocity", {}).get("floor", {}).get("z", {}).items():
         row = [band, measured(_scaled(level, MICRO))]
-        for summary in summaries.values():
-            machine = summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {}).get(band)
-            row += [
-                measured(_scaled(machine, MICRO)),
-                decibel(summary.get("attenuation_db", {}).get("z", {}).get(band)),
-            ]
+        for result in results.values():
+            machine = result.summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {})
+            attenuation = result.summary.get("attenuation_db", {}).get("z", {})
+            row += [measured(_scaled(machine.get(band), MICRO)), decibel(attenuation.get(band))]
         if set(row[1:]) != {DASH}:
             rows.append(row)
     note = (
-        "Levels: RMS velocity, of the floor at its worst mount, of the machine at its centre of gravity. Attenuation is "
-        "counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
+        "Levels: RMS velocity, of the floor at its worst mount, of the machine at its centre of gravity. Attenuation "
+        "is counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
     )
     return Table("Vertical, per third-octave band", head, rows, note)
 
@@ -624,7 +617,7 @@ def _worst(table: Any, part: str) -> float | None:
     if not isinstance(table, Mapping):
         return table if isinstance(table, float | int) else None
     if part in table:
-        return table[part]  # type: ignore[no-any-return]
+        return table[part]
     values = [_worst(inner, part) for inner in table.values()]
     return max((value for value in values if value is not None), default=None)
 
@@ -644,7 +637,7 @@ def _saturation(results: Results) -> Table:
         if len(results) > 1:
             rows.append([label])
         for limit_name, shares in result.summary.get("saturation", {}).items():
-            percent = [number(100.0 * shares[mount]) if mount in shares else DASH for mount in MOUNTS]
+            percent = [measured(_scaled(shares.get(mount), 100.0)) for mount in MOUNTS]
             rows.append([limit_name.replace("_", " "), *percent])
     return Table("Share of the time at a limit [%]", ["", *MOUNTS], rows)
 
@@ -688,12 +681,9 @@ def _inputs(results: Results) -> Iterator[Table]:
     yield from _shared(results, lambda scenario: [_mounts(scenario)])
     yield from _shared(results, _actuators)
     yield from _shared(results, lambda scenario: [_quantities("Supply", scenario.supply)])
-    yield from _shared(results, lambda scenario: [_settings("Run", scenario, RUN_SETTINGS)])
+    yield from _shared(results, _run)
     yield from _shared(results, lambda scenario: [_settings("Ground", scenario.ground)])
     yield from _shared(results, lambda scenario: [_settings("Control", scenario.control)])
-
-
-RUN_SETTINGS: Final = ("duration", "seed", "gravity", "timestep", "record_rate", "plates")
 
 
 def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
@@ -705,6 +695,15 @@ def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
         for table in tables:
             whose = f", {', '.join(labels)}" if len(found) > 1 else ""
             yield Table(table.title + whose, table.head, table.rows, table.note, table.kind, table.badges)
+
+
+def _run(scenario: Scenario) -> list[Table]:
+    single = [
+        name
+        for name in type(scenario).model_fields
+        if name not in ("name", "description") and isinstance(getattr(scenario, name), int | float | str)
+    ]
+    return [_settings("Run", scenario, single)]
 
 
 def _actuators(scenario: Scenario) -> list[Table]:
@@ -721,7 +720,7 @@ def _quantities(title: str, parameters: Parameters) -> Table:
         unit, symbol, _ = known.get(name, ("", "", ""))
         value, text = getattr(parameters, name), (about.description or "").removesuffix(f" [{unit}]")
         shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
-        if unit == "Pa" and 1e4 <= value < 1e8:
+        if unit == "Pa" and isinstance(value, float) and 1e4 <= value < 1e8:
             shown += f" ({exact(BAR * value)} bar)"
         badges.append(parameters.sources.get(name, ""))
         rows.append([_named(name, text), _symbol(symbol), shown, badges[-1]])
@@ -739,9 +738,9 @@ def _symbol(symbol: str) -> str:
 
 
 def _mounts(scenario: Scenario) -> Table:
-    actuators = {mount.name: mount.actuator for mount in scenario.mount}
+    actuators: dict[str, str] = {mount.name: mount.actuator for mount in scenario.mount}
     rows = [
-        [name, exact(x), exact(y), actuators[name]]  # type: ignore[index]
+        [name, exact(x), exact(y), actuators[name]]
         for name, (x, y) in zip(MOUNTS, scenario.plant.positions, strict=True)
     ]
     return Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")

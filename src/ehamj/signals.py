@@ -11,6 +11,10 @@ from scipy.interpolate import PPoly, make_interp_spline
 Array = NDArray[np.float64]
 
 
+SLACK = 5e-10
+"""Half a nanosecond: the times of steps are multiples of the step with rounding, and a jump belongs to one of them."""
+
+
 class Sample(NamedTuple):
     """A signal at some times, shape (n,) each: value, first and second derivative by time."""
 
@@ -76,8 +80,7 @@ class Step:
     start: float
 
     def sample(self, time: Array, left: bool = False) -> Sample:
-        # Half a nanosecond of slack: the times of steps are multiples of the step with rounding.
-        after = time > self.start + 5e-10 if left else time >= self.start - 5e-10
+        after = time > self.start + SLACK if left else time >= self.start - SLACK
         zero = np.zeros_like(time)
         return Sample(np.where(after, self.height, 0.0), zero, zero)
 
@@ -93,15 +96,14 @@ class Chirp:
     start: float = 0.0
 
     def sample(self, time: Array, left: bool = False) -> Sample:
-        growth = np.log(self.last / self.first) / self.duration
+        growth = np.log1p((self.last - self.first) / self.first) / self.duration
         since = time - self.start
-        inside = (since >= 0.0) & (since <= self.duration)
+        edge = since - SLACK if left else since + SLACK
+        inside = (edge > 0.0) & (edge < self.duration)
         since = np.clip(since, 0.0, self.duration)
-        if growth == 0.0:
-            angle, omega = 2 * np.pi * self.first * since, np.full_like(since, 2 * np.pi * self.first)
-        else:
-            omega = 2 * np.pi * self.first * np.exp(growth * since)
-            angle = (omega - 2 * np.pi * self.first) / growth
+        omega = 2 * np.pi * self.first * np.exp(growth * since)
+        turns = since if growth == 0.0 else np.expm1(growth * since) / growth
+        angle = 2 * np.pi * self.first * turns
         sine, cosine = np.where(inside, np.sin(angle), 0.0), np.where(inside, np.cos(angle), 0.0)
         curvature = self.amplitude * (growth * omega * cosine - omega**2 * sine)
         return Sample(self.amplitude * sine, self.amplitude * omega * cosine, curvature)

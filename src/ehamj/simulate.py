@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.chambers import Chambers
+from ehamj.commands import Passive
 from ehamj.controllers import Controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.ground import Motion
 from ehamj.kinematics import point_motion
 from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
-from ehamj.model import build_model, build_spec
+from ehamj.model import build_model, drawn_xml
 from ehamj.native import hydraulics
 from ehamj.native.stepping import (
     CHAMBER_1_EMPTY,
@@ -103,7 +104,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: C
         notes=prepared.motion.notes,
         usable_to=prepared.motion.usable_to,
     )
-    xml = build_spec(scenario.plant, prepared.model.opt.timestep, drawn=True).to_xml()
+    xml = drawn_xml(scenario.plant, prepared.model.opt.timestep)
     if prepared.controller is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
     result = Result(scenario, dataset, summary, xml, prepared.controller)
@@ -181,7 +182,10 @@ def _model(plant: Plant, timestep: float, memory: int = 0) -> mujoco.MjModel:
 
 def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
     motion, commands = scenario.motion(), scenario.commands()
-    controller = scenario.controller() if controller is None else controller
+    if controller is None:
+        controller = scenario.controller()
+    else:  # instead of the scenario's control, its open-loop commands too
+        commands = Passive().commands()
     try:
         timestep = choose_timestep(scenario, controller)
         memory = make_loop(controller, scenario.plant, timestep).memory

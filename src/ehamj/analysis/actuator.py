@@ -49,6 +49,18 @@ FAST_VALVE: Final = 2.0 * math.pi * 400.0
 RULE_OF_THREE: Final = 3.0
 """What valve makers ask for: the valve's −90° at no less than three times the load's resonance."""
 
+BEYOND_THE_PAPER: Final = (
+    "foot_stiffness",
+    "area_ratio",
+    "volume_share",
+    "air_fraction",
+    "wall_modulus",
+    "overlap",
+    "flow_curve",
+    "rated_flow",
+)
+"""Parameters that change the linear behaviour in ways that eqs. 1 to 9 do not have: at their defaults only."""
+
 UNDAMPED: Final = 1e-9
 """Damping ratio of a pole below which a loop counts as undamped."""
 
@@ -62,12 +74,12 @@ def g_act(actuator: Actuator, mass: float = PAPER_MASS, form: Form = "exact") ->
     """G_act: ``spool`` [mA] → ``stroke`` [m], as a ``control.TransferFunction``.
 
     Args:
-        actuator: its foot must be rigid.
+        actuator: with defaults for what is `BEYOND_THE_PAPER`; play and threshold of its spool do not count.
         mass: translating mass M, machine and plate [kg].
         form: ``exact``, ``eq8`` (corrected) or ``eq8-printed``; the module says what they are.
 
     Raises:
-        InputError: if mass, form or foot are none of these.
+        InputError: if a value is not one of these.
     """
     gain = actuator.flow_gain / actuator.piston_area
     return _system([gain], _act_denominator(actuator, mass, form), "spool", "stroke", "G_act")
@@ -155,11 +167,13 @@ def delta_h(actuator: Actuator, mass: float = PAPER_MASS) -> float:
 
 
 def _check(actuator: Actuator, mass: float) -> float:
-    if not actuator.rigid_foot:
-        raise InputError(
-            f"foot_stiffness = {actuator.foot_stiffness:g} N/m: the paper's actuator carries its mass rigidly, so it "
-            "must be inf here"
-        )
+    for name in BEYOND_THE_PAPER:
+        value, plain = getattr(actuator, name), Actuator.model_fields[name].default
+        if value != plain:
+            raise InputError(
+                f"{name} = {value!r}: the paper's linear actuator knows nothing of it, so it must be {plain!r} here; "
+                "linearise the machine for such an actuator"
+            )
     return _positive("mass", mass, "kg")
 
 
@@ -421,7 +435,7 @@ def figures_of_merit(
     """The figures of merit of one actuator under a mass.
 
     Args:
-        actuator: its foot must be rigid, its K_C positive.
+        actuator: as in `g_act`, and its K_C positive: without leakage eq. 8 has no damping.
         mass: translating mass M [kg].
         gain: proportional gain for bandwidth and phase margin [V/m]; without it the highest one that keeps the two
             margins that follow.
@@ -431,6 +445,7 @@ def figures_of_merit(
     Raises:
         InputError: if a value is not physical, the open loop is undamped, or the closed loop unstable at ``gain``.
     """
+    _positive("flow_pressure", actuator.flow_pressure, "m³/s/Pa")
     exact, eq8 = (Loop.of_actuator(actuator, mass, form) for form in ("exact", "eq8"))
     chosen = exact.highest_gain(gain_margin_db, phase_margin_deg) if gain is None else gain
     bandwidth = exact.bandwidth(chosen)

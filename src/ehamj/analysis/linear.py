@@ -228,9 +228,9 @@ def _signal_matrices(model: mujoco.MjModel, plant: Plant, A: Array, B: Array) ->
     """The vector of signals (`ehamj.channels`) from state and input."""
     nq, nv, n = model.nq, model.nv, A.shape[0]
     C, D = np.zeros((N_SIGNALS, n)), np.zeros((N_SIGNALS, B.shape[1]))
-    for dof, joint in enumerate(DOF_OF_JOINT):
-        C[DISPLACEMENT + dof, joint] = C[VELOCITY + dof, nq + joint] = 1.0
-        C[ACCELERATION + dof], D[ACCELERATION + dof] = A[nq + joint], B[nq + joint]
+    for dof, column in enumerate(DOF_OF_JOINT):
+        C[DISPLACEMENT + dof, column] = C[VELOCITY + dof, nq + column] = 1.0
+        C[ACCELERATION + dof], D[ACCELERATION + dof] = A[nq + column], B[nq + column]
     size = N_MOUNTS * len(AXES)
     D[GROUND : GROUND + 2 * size, N_MOUNTS : N_MOUNTS + 2 * size] = np.eye(2 * size)
     own = N_MOUNTS * N_STATES

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.channels import channel_names, channel_row
+from ehamj.channels import N_SIGNALS, channel_names, channel_row
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Plant
@@ -47,7 +47,10 @@ class Controller:
         n, p = np.atleast_2d(self.A).shape[0], len(self.inputs)
         shapes = {"A": (n, n), "B": (n, p), "C": (len(MOUNTS), n), "D": (len(MOUNTS), p)}
         for name, shape in shapes.items():
-            matrix = np.asarray(getattr(self, name), float)
+            given = np.asarray(getattr(self, name))
+            if np.iscomplexobj(given):
+                raise InputError(f"controller.{name}: has complex entries; every entry must be a real number")
+            matrix = np.array(given, float, order="C")
             if matrix.size == 0 and 0 in shape:
                 matrix = np.zeros(shape)
             if matrix.shape != shape:
@@ -58,7 +61,6 @@ class Controller:
             if not np.isfinite(matrix).all():
                 at = tuple(int(k) for k in np.argwhere(~np.isfinite(matrix))[0])
                 raise InputError(f"controller.{name}: entry {at} is {matrix[at]}; every entry must be finite")
-            matrix = np.ascontiguousarray(matrix)
             matrix.flags.writeable = False
             object.__setattr__(self, name, matrix)
         for name in self.inputs:
@@ -94,6 +96,9 @@ class Controller:
         labels = list(system.output_labels)
         if len(labels) != len(MOUNTS):
             raise InputError(f"controller: has {len(labels)} outputs, it must have {len(MOUNTS)}, one per valve")
+        wrong = [label for label in labels if label.startswith("valve_command") and label not in OUTPUTS]
+        if wrong:
+            raise InputError(f"controller: output {wrong[0]!r} is no valve; the valves are {', '.join(OUTPUTS)}")
         order = [labels.index(name) for name in OUTPUTS] if set(labels) == set(OUTPUTS) else range(len(MOUNTS))
         inputs = tuple(settings.pop("inputs", system.input_labels))
         period = settings.pop("period", float(system.dt))
@@ -114,7 +119,7 @@ class Controller:
 
     def sensing(self, plant: Plant) -> Array:
         """The inputs as rows over the vector of signals, (inputs, signals); see `ehamj.channels`."""
-        return np.array([channel_row(name, plant) for name in self.inputs]).reshape(len(self.inputs), -1)
+        return np.array([channel_row(name, plant) for name in self.inputs]).reshape(len(self.inputs), N_SIGNALS)
 
     def save(self, path: Path) -> None:
         """Write the law as JSON."""

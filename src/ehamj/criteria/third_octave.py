@@ -37,7 +37,7 @@ class Band:
         """Nominal centre frequency as people write it, in Hz: '31.5'."""
         decade, place = divmod(self.index, 10)
         value = NOMINAL[place] * 10.0 ** (decade + 3)
-        return f"{value:.3g}"
+        return np.format_float_positional(value, precision=3, fractional=False, trim="-")
 
 
 def bands(first: float, last: float) -> tuple[Band, ...]:

@@ -84,5 +84,5 @@ def judge(levels: Array, measured: tuple[Band, ...], flat_from_1_hz: bool = Fals
             break
         met = name
         margin = float(-20 * np.log10(shares[worst])) if shares[worst] > 0 else None
-    needed = bands(4.0, 80.0)
+    needed = bands(1.0 if flat_from_1_hz else 4.0, 80.0)
     return Verdict(met, deciding, margin, tuple(band.name for band in needed if band not in known))

@@ -76,7 +76,9 @@ class BroadbandGround(Settings):
         return spread(start, signals, self.wave, self.fade_in)
 
     def _signal(self, start: Start, axis: str) -> Signal:
-        length = start.duration + 2 * MARGIN
+        delay = 0.0 if self.wave is None else float(np.abs(self.wave.delays(start.positions)).max())
+        margin = MARGIN + delay
+        length = start.duration + 2 * margin
         n = int(np.ceil(OVERSAMPLING * self.highest * length))
         rate = n / length
         frequency: Array = np.arange(n // 2 + 1, dtype=np.float64) / length
@@ -85,4 +87,4 @@ class BroadbandGround(Settings):
         amplitude = np.sqrt(2.0 * self.spectrum(frequency) / length)  # of the velocity's line at each frequency
         lines = np.zeros(frequency.size, complex)
         lines[1:] = amplitude[1:] * np.exp(1j * phase[1:]) / (2j * np.pi * frequency[1:])
-        return Sampled(rate, np.fft.irfft(lines * n / 2, n), -MARGIN)
+        return Sampled(rate, np.fft.irfft(lines * n / 2, n), -margin)

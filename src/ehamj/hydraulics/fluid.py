@@ -77,7 +77,13 @@ def specific_energy(pressure: float, liquid_modulus: float, air: float, exponent
 
 @kernel
 def chamber_mass(
-    state: float, volume: float, vapour: float, liquid_modulus: float, air: float, exponent: float, wall_compliance: float
+    state: float,
+    volume: float,
+    vapour: float,
+    liquid_modulus: float,
+    air: float,
+    exponent: float,
+    wall_compliance: float,
 ) -> float:
     """Mass of the oil in a chamber over its density at atmospheric pressure [m³]; the void holds none."""
     pressure = actual_pressure(state, vapour)

@@ -64,7 +64,6 @@ def hydraulics() -> Iterator[None]:
         ForeignCallbackError: if one of the callbacks is taken.
     """
     global _depth, _timer
-    ours = callbacks()
     with _lock:
         if _depth == 0:
             taken = [name for name, is_set in installed().items() if is_set]
@@ -72,6 +71,7 @@ def hydraulics() -> Iterator[None]:
                 raise ForeignCallbackError(
                     f"MuJoCo's callback mjcb_{taken[0]} is set by other code; set it to None while ehamj simulates"
                 )
+            ours = callbacks()
             timer = _slot("time")
             _timer, timer.value = timer.value, None
             for name, callback in zip(_OURS, ours, strict=True):

@@ -32,7 +32,7 @@ PARAMETERS: Final = ("mass", *LINEAR)
 
 SYMBOLS: Final = {"mass": "M"} | {name: Actuator.quantities()[name][1] for name in LINEAR}
 
-FIGURES: Final[dict[str, tuple[str, str, Callable[[FiguresOfMerit], float | None]]]] = {
+MERITS: Final[dict[str, tuple[str, str, Callable[[FiguresOfMerit], float | None]]]] = {
     "hydraulic_stiffness": ("N/m", "hydraulic stiffness K_h", lambda f: f.hydraulic_stiffness),
     "omega_h": ("rad/s", "hydro-mechanical frequency ω_h", lambda f: f.omega_h),
     "delta_h": ("-", "hydraulic damping ratio δ_h", lambda f: f.delta_h),
@@ -77,7 +77,7 @@ class SensitivityStudy:
                 raise InputError(f"factors = {self.factors!r}: each must be a positive, finite number")
 
     def values(self, parameter: str, factor: float) -> dict[str, float]:
-        """Every one of `FIGURES` with one parameter multiplied; NaN where a figure does not exist.
+        """Every one of `MERITS` with one parameter multiplied; NaN where a figure does not exist.
 
         Raises:
             InputError: if there is no such parameter, or the changed design has no such figures.
@@ -91,7 +91,7 @@ class SensitivityStudy:
             actuator = actuator.with_values({parameter: getattr(actuator, parameter) * factor})
         margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
         found = figures_of_merit(actuator, mass, **margins)
-        taken = {name: take(found) for name, (_, _, take) in FIGURES.items()}
+        taken = {name: take(found) for name, (_, _, take) in MERITS.items()}
         return {name: math.nan if value is None else value for name, value in taken.items()}
 
 
@@ -99,7 +99,7 @@ def one_at_a_time(study: SensitivityStudy | None = None) -> xr.Dataset:
     """Figures of merit with each parameter multiplied by each factor, the others kept.
 
     Returns:
-        One variable per figure (`FIGURES`), each over (parameter, factor), with units.
+        One variable per figure (`MERITS`), each over (parameter, factor), with units.
 
     Raises:
         InputError: if the design has no such figures (see `ehamj.analysis.actuator.figures_of_merit`).
@@ -108,7 +108,7 @@ def one_at_a_time(study: SensitivityStudy | None = None) -> xr.Dataset:
     table = [[study.values(parameter, factor) for factor in study.factors] for parameter in PARAMETERS]
     variables = {
         name: (("parameter", "factor"), [[cell[name] for cell in row] for row in table], _attributes(name))
-        for name in FIGURES
+        for name in MERITS
     }
     return xr.Dataset(variables, _coordinates() | {"factor": list(study.factors)})
 
@@ -127,6 +127,7 @@ def elasticities(study: SensitivityStudy | None = None) -> xr.DataArray:
         InputError: as `one_at_a_time`.
     """
     study = study or SensitivityStudy()
+    study.values("mass", 1.0)  # refuse the design as it is, not as it is varied
     columns = []
     for parameter in PARAMETERS:
 
@@ -138,14 +139,14 @@ def elasticities(study: SensitivityStudy | None = None) -> xr.DataArray:
         with np.errstate(invalid="ignore"):
             wide, near = ((logarithms(h) - logarithms(-h)) / (2.0 * h) for h in (STEP, 0.5 * STEP))
         columns.append((4.0 * near - wide) / 3.0)
-    names = ("figure", [name for _, name, _ in FIGURES.values()])
-    coordinates = {"figure": list(FIGURES), "name": names} | _coordinates()
+    names = ("figure", [name for _, name, _ in MERITS.values()])
+    coordinates = {"figure": list(MERITS), "name": names} | _coordinates()
     attributes = {"units": "1", "long_name": "d ln figure / d ln parameter"}
     return xr.DataArray(np.array(columns).T, coordinates, ("figure", "parameter"), "elasticity", attributes)
 
 
 def _attributes(name: str) -> dict[str, str]:
-    unit, long_name, _ = FIGURES[name]
+    unit, long_name, _ = MERITS[name]
     return {"units": unit, "long_name": long_name}
 
 
@@ -450,16 +451,21 @@ def _set(text: str) -> str:
     )
 
 
-def write_sensitivity(folder: Path, study: SensitivityStudy | None = None) -> list[Path]:
+def write_sensitivity(folder: Path, study: SensitivityStudy | None = None, rule: RuleStudy | None = None) -> list[Path]:
     """Write ``rule`` and ``elasticities`` as figures (SVG, PNG), and both tables as CSV, into a folder.
 
     Returns:
         What was written.
+
+    Raises:
+        InputError: as `elasticities`.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     slopes = elasticities(study)
+    folder.mkdir(parents=True, exist_ok=True)
     tables = [folder / "elasticities.csv", folder / "one-at-a-time.csv"]
     slopes.drop_vars(("name", "symbol")).to_pandas().to_csv(tables[0])
     one_at_a_time(study).drop_vars("symbol").to_dataframe().to_csv(tables[1])
-    drawn = save_figure(rule_figure(), folder, "rule") + save_figure(elasticity_figure(slopes), folder, "elasticities")
+    drawn = save_figure(rule_figure(rule), folder, "rule") + save_figure(
+        elasticity_figure(slopes), folder, "elasticities"
+    )
     return [*tables, *drawn]
