@@ -232,7 +232,7 @@ def test_overwrite_refuses_a_folder_that_is_no_result(cli: Cli, name: str) -> No
     Path("mine").mkdir()
     Path("mine", name).write_text("mine")
     before = tree()
-    assert "replaces result folders only" in message(cli(*QUICK, "--out", "mine", "--overwrite"))
+    assert "replaces a folder of its own kind only" in message(cli(*QUICK, "--out", "mine", "--overwrite"))
     assert tree() == before
 
 

@@ -374,7 +374,7 @@ def test_the_end_of_a_run_that_failed_is_drawn_in_full(failed: Result, results: 
     assert characteristic_part(replace(failed, dataset=data)) == pytest.approx((3.0, 4.0))
     begin, end = characteristic_part(results["passive"]) or (0.0, 0.0)
     floor = data.ground_velocity.sel(axis="z").mean("mount")
-    assert begin <= float(data.time[int(abs(floor).argmax())]) <= end
+    assert begin <= float(data.time[int(np.abs(floor.values).argmax())]) <= end
     assert characteristic_part(failed) is None  # it is not longer than the part
 
 

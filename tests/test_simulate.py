@@ -426,7 +426,7 @@ def test_progress_rises_to_one() -> None:
 
 @pytest.fixture(scope="module")
 def failure() -> Incomplete:
-    """A command at a step of the integrator far too long (stable to 0.8 ms)."""
+    """A command at a step of the integrator far too long (stable to 0.85 ms)."""
     command = {"kind": "open-loop", "signals": [{"kind": "step", "mounts": ["rear-left"], "amplitude": 10.0}]}
     with pytest.raises(Incomplete) as caught:
         simulate(scenario(duration=1.0, timestep=2e-3, record_rate=500, control=command))
@@ -459,7 +459,7 @@ def test_an_unstable_run_keeps_what_it_has(failure: Incomplete) -> None:
 
 @pytest.mark.parametrize("plates", TOPOLOGIES)
 def test_a_run_beyond_the_integrators_stability_is_no_success(plates: str) -> None:
-    # At 1 ms, where RK4 is stable to 0.8 ms, voids in the oil keep the growing motion bounded, hundreds of times too
+    # At 1 ms, where RK4 is stable to 0.85 ms, voids in the oil keep the growing motion bounded, hundreds of times too
     # large. It must not pass for a result.
     small = {"kind": "open-loop", "signals": [{"kind": "step", "mounts": ["rear-left"], "amplitude": 0.1}]}
     with pytest.raises(SimulationFailed):

@@ -6,16 +6,20 @@ result = ehamj.simulate(scenario)
 result.dataset["cg_velocity"]
 """
 
+from ehamj.analysis.linear import linearise
+from ehamj.controllers import Controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.result import Result, load_result
 from ehamj.scenario import Scenario, load_scenario, parse_scenario
 from ehamj.simulate import simulate, simulate_many
 
 __all__ = [
+    "Controller",
     "InputError",
     "Result",
     "Scenario",
     "SimulationFailed",
+    "linearise",
     "load_result",
     "load_scenario",
     "parse_scenario",

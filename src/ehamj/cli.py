@@ -82,10 +82,11 @@ def run(
     histories, opens with xarray), summary.json, scenario.toml (complete; runs again to the same result) and model.xml
     (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
     """
+    from ehamj.result import RESULT_FILES
     from ehamj.scenario import load_scenario
     from ehamj.store import write_run
 
-    _check_out(out_folder, overwrite)
+    _check_out(out_folder, overwrite, RESULT_FILES)
     loaded = load_scenario(scenario, overrides or ())
     if no_replay or no_report:
         wanted = {"replay": loaded.output.replay and not no_replay, "report": loaded.output.report and not no_report}
@@ -174,7 +175,7 @@ def paper(
     """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one."""
     from ehamj.studies.paper import reproduce, write_paper
 
-    _check_out(out_folder, overwrite)
+    _check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()
     with _new_folder(out_folder, overwrite) as (folder, target), log.status("drawing"):
         write_paper(target)
@@ -256,17 +257,20 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
-def _check_out(folder: Path | None, overwrite: bool) -> None:
-    """Raise InputError unless the result may be written to ``folder``; called before anything is computed."""
-    from ehamj.result import RESULT_FILES
+def _check_out(folder: Path | None, overwrite: bool, marks: Sequence[str]) -> None:
+    """Raise InputError unless ``folder`` may be written; called before anything is computed.
 
+    Only a folder that holds the files ``marks`` is replaced: it is of the kind that will be written.
+    """
     if folder is not None and folder.exists():
         if not overwrite:
             raise InputError(f"--out {str(folder)!r}: exists already; name another folder or add --overwrite")
         if not folder.is_dir():
             raise InputError(f"--out {str(folder)!r}: is a file, not a folder")
-        if any(folder.iterdir()) and not all((folder / name).is_file() for name in RESULT_FILES):
-            raise InputError(f"--out {str(folder)!r}: --overwrite replaces result folders only, and this is none")
+        if any(folder.iterdir()) and not all((folder / name).is_file() for name in marks):
+            raise InputError(
+                f"--out {str(folder)!r}: --overwrite replaces a folder of its own kind only, and this is none"
+            )
         if Path.cwd().is_relative_to(folder.resolve()):
             raise InputError(f"--out {str(folder)!r}: is where you stand; replace it from a folder above")
     folder = folder or RUNS

@@ -102,7 +102,7 @@ class Actuator(Parameters):
     area_ratio: float = quantity(1.0, "-", "A_2/A_1", "area of chamber 2 over that of chamber 1", "paper", gt=0)
     volume_share: float = quantity(0.5, "-", "V_1/V_t", "share of chamber 1 in the oil volume", "paper", gt=0, lt=1)
     air_fraction: float = quantity(
-        0.0, "-", "α", "entrained air at atmospheric pressure, by volume (bulk_modulus is then the liquid's)", "assumed",
+        0.0, "-", "α", "entrained air at 1 atm, by volume (bulk_modulus is then the liquid's)", "assumed",
         ge=0, lt=1,
     )  # fmt: skip
     polytropic_exponent: float = quantity(1.4, "-", "n", "of the entrained air", "assumed", ge=1, le=1.7)
@@ -151,7 +151,7 @@ class Actuator(Parameters):
         20.0, "mA", "x_max", "spool position at which the edges are fully open", "assumed", gt=0
     )
     overlap: tuple[float, float, float, float] = quantity(
-        (0.0, 0.0, 0.0, 0.0), "mA", "x_0", "overlap of the edges supply–1, 1–tank, supply–2, 2–tank (negative: underlap)",
+        (0.0, 0.0, 0.0, 0.0), "mA", "x_0", "overlap of edges supply–1, 1–tank, supply–2, 2–tank (negative: underlap)",
         "assumed",
     )  # fmt: skip
     null_offset: float = quantity(0.0, "mA", "x_n", "opening of the valve with its spool centred", "assumed")
@@ -274,9 +274,8 @@ class Supply(Parameters):
         if self.pressure <= self.tank_pressure:
             raise ValueError(f"pressure = {self.pressure:g} Pa must be above tank_pressure = {self.tank_pressure:g} Pa")
         if self.dynamic and self.accumulator_precharge >= self.pressure:
-            raise ValueError(
-                f"accumulator_precharge = {self.accumulator_precharge:g} Pa must be below pressure = {self.pressure:g} Pa"
-            )
+            precharge = f"accumulator_precharge = {self.accumulator_precharge:g} Pa"
+            raise ValueError(f"{precharge} must be below pressure = {self.pressure:g} Pa")
         return self
 
     @property

@@ -535,7 +535,8 @@ def _cg(axes: "Axes", cg: Vector, up: int, radius: float) -> tuple[str, "Artist"
         axes.add_patch(Wedge(place, radius, first, first + 90.0, facecolor=INK, zorder=4))
     mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=INK)
     mark.set_markerfacecoloralt("white")
-    return f"centre of gravity ({', '.join(f'{part:.3g}' for part in cg)}) m", mark
+    place_text = ", ".join(f"{part:.3g}" for part in cg).replace("-", "−")
+    return f"centre of gravity ({place_text}) m", mark
 
 
 def _tripod(axes: "Axes", up: str, length: float) -> None:

@@ -86,7 +86,7 @@ class Table:
     rows: Sequence[Sequence[str]]
     note: str = ""
     kind: str = "numbers"
-    """``numbers`` (to the right) or ``words`` (to the left)."""
+    """``numbers`` (to the right; ``numbers wide``: with long names) or ``words`` (to the left)."""
     badges: Sequence[str] = field(default=())
     """Of each row, a word that its last cell shows as a badge."""
 
@@ -602,7 +602,7 @@ def _levels(results: Results) -> Table:
                 rows.append([f"{channel} {part}".strip() + f" [{unit}]", *map(measured, values)])
     head = ["about the equilibrium", *(f"{label}, {kind}" for label in results for kind in ("peak", "RMS"))]
     note = "What each mount has: the largest of the four. Channels that do not move are left out."
-    return Table("Peak and RMS", head, rows, note)
+    return Table("Peak and RMS", head, rows, note, kind="numbers wide")
 
 
 def _parts(results: Results, name: str) -> list[str]:

@@ -183,8 +183,8 @@ def test_without_oil_and_damping_sway_and_rocking_solve_a_quadratic(height: floa
 
 def test_a_machine_held_very_stiffly_sideways_heaves_and_rocks_only() -> None:
     stiff = modes(model_of(lateral_stiffness=1e14, lateral_damping=0.0))
-    slow = sorted(mode.name for mode in stiff if mode.frequency < 2000.0 and mode.name != "valve")
-    assert slow == ["heave", "rocking about x", "rocking about y"]
+    slow = {mode.name[-7:]: mode for mode in stiff if mode.frequency < 2000.0 and mode.name != "valve"}
+    assert set(slow) == {"heave", "about x", "about y"}
     # About the mount plane then: J + m h² + Σ m_p r², a lever of the single actuator's cubic.
     for about, inertia, arm in (("x", 2000.0, 0.6), ("y", 3000.0, 0.9)):
         equivalent = (inertia + 4000 * 0.75**2 + 56 * arm**2) / (4 * arm**2)
@@ -194,7 +194,7 @@ def test_a_machine_held_very_stiffly_sideways_heaves_and_rocks_only() -> None:
         cubic = np.polyadd([1.0, 0.0], np.polymul([1 / k_h, TABLE_I.K_C / TABLE_I.A_p**2], motion))
         pole = next(root for root in np.roots(cubic) if root.imag > 0)
         # 1e-4: 1e14 N/m is not infinite.
-        assert named(stiff, f"rocking about {about}").frequency == pytest.approx(abs(pole) / (2 * np.pi), rel=1e-4)
+        assert slow[f"about {about}"].frequency == pytest.approx(abs(pole) / (2 * np.pi), rel=1e-4)
 
 
 # --- under a digital controller -----------------------------------------------------------------------------------
@@ -251,7 +251,7 @@ def test_modes_of_a_closed_loop_are_those_of_another_discretisation(
     period: float, delay: float | None, parts: int, states: bool
 ) -> None:
     model = model_of()
-    law = stroke_feedback(-2e5, states, period=period, delay=delay)
+    law = stroke_feedback(-5e6, states, period=period, delay=delay)
     found = [
         2 * np.pi * mode.frequency * complex(-mode.damping_ratio, np.sqrt(1 - mode.damping_ratio**2))
         for mode in modes(model, law)
@@ -259,16 +259,15 @@ def test_modes_of_a_closed_loop_are_those_of_another_discretisation(
     expected = loop_eigenvalues(model, law, parts)
     expected = expected[(expected.imag > 1.0) & (np.exp(expected.real * period) > 0.05)]
     distance = np.abs(np.array(found)[:, None] - expected[None, :]) / np.abs(expected)
-    # Both from the same continuous matrices: rounding of exponentials and eigenvalues, for equal ones its square root.
-    assert distance[linear_sum_assignment(distance)].max() <= 1e-6
+    # Both from the same continuous matrices: rounding of exponentials and eigenvalues.
+    assert distance[linear_sum_assignment(distance)].max() <= 1e-9
     assert distance.shape[1] >= 6
 
 
 def test_the_loop_moves_the_modes() -> None:
-    # So that the comparison above is of more than the passive machine.
-    model = model_of()
-    passive, closed = named(modes(model), "heave"), named(modes(model, stroke_feedback(-2e5)), "heave")
-    assert abs(closed.frequency / passive.frequency - 1) > 0.02
+    # So that the comparison above is of more than the passive machine: three of four valves, warp having no stroke.
+    closed = modes(model_of(), stroke_feedback(-5e6))
+    assert sum(mode.frequency < 0.8 * 250.0 for mode in closed if mode.name == "valve") == 3
 
 
 def test_a_controller_that_commands_nothing_leaves_the_modes_as_they_are() -> None:
@@ -281,7 +280,7 @@ def test_a_controller_that_commands_nothing_leaves_the_modes_as_they_are() -> No
 
 
 def test_an_unstable_loop_has_negative_damping() -> None:
-    assert min(mode.damping_ratio for mode in modes(model_of(), stroke_feedback(-3e6))) < 0.0
+    assert min(mode.damping_ratio for mode in modes(model_of(), stroke_feedback(-2e7))) < -0.1
 
 
 def test_a_stable_loop_has_none() -> None:

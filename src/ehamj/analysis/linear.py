@@ -124,19 +124,27 @@ def linear_model(
     plant = replace(scenario.plant if feet else reduced(scenario.plant), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
-    data.xfrc_applied[model.body("machine").id] = np.asarray(load, float)
+    force = _finite("load", load, len(DOFS))
+    data.xfrc_applied[model.body("machine").id] = force
     held = Inputs.rest()
-    held.command[:] = 0.0 if commands is None else np.asarray(commands, float)
+    held.command[:] = 0.0 if commands is None else _finite("commands", commands, N_MOUNTS)
     with hydraulics():
         try:
             state = equilibrium(model, data, held)
         except EquilibriumError as error:
-            held_at = f"load = {np.asarray(load).tolist()} N, N m, commands = {held.command.tolist()} V"
+            held_at = f"load = {force.tolist()} N, N m, commands = {held.command.tolist()} V"
             limit = f"the membranes and the oil (up to {plant.supply.pressure:g} Pa) must carry the load"
             raise InputError(f"operating point: {error}; {held_at}; {limit}") from error
         A = jacobian(model, data, state, held)
         B = _input_matrix(model, data, state, held)
     return LinearModel(plant, _state_names(model), A, B, _signal_matrices(model, plant, A, B), state)
+
+
+def _finite(name: str, values: ArrayLike, size: int) -> Array:
+    array = np.asarray(values, float)
+    if array.shape != (size,) or not np.isfinite(array).all():
+        raise InputError(f"{name} = {array.tolist()}: must be {size} finite numbers")
+    return array
 
 
 def linearise(

@@ -616,7 +616,7 @@ FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
 SYMBOLS: Final = {
     f"{name}_{change}": f"{words} ${symbol}$ {sign} 2"
     for name, words, symbol in (
-        ("volume", "chamber volume", "V_t"),
+        ("volume", "volume", "V_t"),
         ("area", "piston area", "A_p"),
         ("flow_gain", "flow gain", "K_Q"),
         ("flow_pressure", "flow-pressure", "K_C"),
