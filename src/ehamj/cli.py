@@ -43,6 +43,9 @@ app = typer.Typer(
 log = Console(stderr=True)
 out = Console()
 
+SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 ScenarioArgument = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.")]
 SetOption = Annotated[
@@ -74,7 +77,10 @@ def run(
     overrides: SetOption = None,
     no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
-    as_json: JsonOption = False,
+    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False,
 ) -> None:
     """Simulate one scenario into a result folder.
 
@@ -105,7 +111,10 @@ def run(
 
 
 @app.command()
-def scenarios(as_json: JsonOption = False) -> None:
+def scenarios(as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False) -> None:
     """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
     from ehamj.scenario import load_scenario, shipped_scenarios
 
@@ -126,7 +135,10 @@ def schema() -> None:
 
 
 @app.command()
-def modes(scenario: ScenarioArgument = "recorded", overrides: SetOption = None, as_json: JsonOption = False) -> None:
+def modes(scenario: ScenarioArgument = "recorded", overrides: SetOption = None, as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
 
     Frequencies are |λ|/2π, damping ratios −Re λ/|λ|; shapes are the motion of the mount plane's centre, its largest
@@ -170,7 +182,10 @@ def _mode_table(modes: "Sequence[Mode]", title: str) -> Table:
 def paper(
     out_folder: Annotated[Path | None, typer.Option("--out", help="Folder [default: a new runs/NNNN].")] = None,
     overwrite: OverwriteOption = False,
-    as_json: JsonOption = False,
+    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False,
 ) -> None:
     """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one."""
     from ehamj.studies.paper import reproduce, write_paper
@@ -193,7 +208,10 @@ def paper(
 def replay(
     folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
     compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
-    as_json: JsonOption = False,
+    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False,
 ) -> None:
     """Build the Rerun recording of a stored result, and open it where there is a screen.
 
@@ -219,7 +237,10 @@ def replay(
 @app.command()
 def bench(
     repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
-    as_json: JsonOption = False,
+    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+JsonOption = False,
 ) -> None:
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
     from ehamj.bench import bench as measure
@@ -351,6 +372,13 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
         table.add_row(label, unit, f"{factor * pick(summary['peak']):.3g}", f"{factor * pick(summary['rms']):.3g}")
     if summary["peak"]:
         out.print(table)
+    verdict = summary["criterion"]["verdict"]
+    out.print(f"vibration class, vertical: {verdict['vertical']}", highlight=False, soft_wrap=True)
+    out.print(f"vibration class, horizontal: {verdict['horizontal']}", highlight=False, soft_wrap=True)
+    quiet = {band: dB for band, dB in summary["attenuation_db"]["z"].items() if dB is not None and band in SHOWN_BANDS}
+    if quiet:
+        words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
+        out.print(f"vertical attenuation, floor to machine: {words}", highlight=False, soft_wrap=True)
     for warning in summary["warnings"]:
         out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
     out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)

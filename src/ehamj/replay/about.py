@@ -42,15 +42,11 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _verdicts(results: Mapping[str, Result]) -> str:
-    """The vibration classes that floor and machine meet, where a summary has them, and the bands they do not cover."""
+    """The vibration classes that floor and machine meet, where a summary has them."""
     lines = []
     for label, result in results.items():
-        criterion = result.summary.get("criterion", {})
-        for direction, verdict in criterion.get("verdict", {}).items():
-            axes = [criterion.get("machine", {}).get(axis) or {} for axis in DIRECTIONS.get(direction, "")]
-            open_bands = dict.fromkeys(band for axis in axes for band in axis.get("undecided_bands_hz", []))
-            but = f"; **undecided at {', '.join(map(str, open_bands))} Hz**" if open_bands else ""
-            lines.append(f"- {label}, {direction}: {verdict}{but}")
+        for direction, verdict in result.summary.get("criterion", {}).get("verdict", {}).items():
+            lines.append(f"- {label}, {direction}: {verdict}")
     return "\n".join(lines)
 
 

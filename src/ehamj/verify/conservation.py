@@ -55,7 +55,7 @@ def smooth(subject: Subject, step: float) -> tuple[float, float, str]:
 
 
 def imbalance(result: Result) -> tuple[float, float]:
-    """Oil held less oil received, over all that moved in that chamber; energy held less received, over that supplied."""
+    """Oil held less received, over all that moved in that chamber; energy held less received, over that supplied."""
     d = {name: result.dataset[name].values for name in ("oil_in", "oil_held", "oil_energy", "energy_in")}
     moved = np.abs(np.diff(d["oil_in"], axis=0)).sum(axis=0)
     oil = np.abs(d["oil_held"] - d["oil_held"][0] - d["oil_in"]).max(axis=0) / moved

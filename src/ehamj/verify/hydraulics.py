@@ -226,7 +226,7 @@ CASES = (
         "partial fractions of valve (eq. 1) times third order (eqs. 3, 6, 7)",
         "of the largest stroke",
         1e-5,
-        "the deviation is the nonlinear part: it is proportional to the step (4e-5 at 10 mV, 4e-6 at 1 mV) and does not "
+        "the deviation is the nonlinear part: proportional to the step (4e-5 at 10 mV, 4e-6 at 1 mV), it does not "
         "depend on the time step; rounding of the pressures is 1e-7",
         piston_step,
     ),

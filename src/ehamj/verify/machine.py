@@ -246,7 +246,8 @@ CASES = (
     ),
     Case(
         "tipping",
-        "membrane stiffness at which a machine with its CG at 1.8 m stops standing, oil free to leak (K_C × 100; it carries no constant load anyway)",
+        "membrane stiffness at which a machine with its CG at 1.8 m stops standing; the oil leaks (K_C × 100) and carries "
+        "no constant load",
         "closed form K_L Σy² = m g h",
         "of the stiffness",
         1e-5,

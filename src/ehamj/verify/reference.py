@@ -1,9 +1,9 @@
-"""The whole nonlinear machine with every hydraulic option, from the equations, integrated by SciPy: an independent model.
+"""The whole nonlinear machine with every hydraulic option, integrated by SciPy: an independent model.
 
 It shares its input with `ehamj.simulate` (parameters, ground, commands, control law) and no equation: the rigid body
-has linearised kinematics with gravity's geometric term, written as matrices; SciPy's Runge–Kutta with error control takes
-it from sample to sample of the controller; the play between spool and metering edges and the spool's end stops are modes
-whose ends are found as roots. The right-hand side is compiled for speed only.
+has linearised kinematics with gravity's geometric term, written as matrices; SciPy's Runge–Kutta with error control
+takes it from sample to sample of the controller; play between spool and metering edges and the spool's end stops are
+modes whose ends are found as roots. The right-hand side is compiled for speed only.
 """
 
 import math
@@ -242,7 +242,10 @@ def _rates(t, y, c, quintics, held, side, memory, stopped, out):  # type: ignore
             volume = c.volume[i, chamber] + sign * c.moves[i] * c.area[i, chamber] * offset
             # compliance of oil and walls at this pressure [m³/Pa]
             compliance = volume * (stretch / _modulus(c, i, p) + c.wall[i])
-            out[20 + 2 * i + chamber] = (flow - stretch * sign * c.area[i, chamber] * speed) / compliance
+            # Below the vapour pressure the state stands for a void: p_v − p = −β ln(share that is oil). What the oil's
+            # volume gains must be the flow, so that the flow counts more the less oil there is.
+            filled = math.exp(min(state - c.vapour[i], 0.0) / _modulus(c, i, p))
+            out[20 + 2 * i + chamber] = (flow / filled - stretch * sign * c.area[i, chamber] * speed) / compliance
     out[:6] = y[6:12]
     out[6:12] = c.inverse_mass @ force
     if shared:

@@ -9,7 +9,7 @@ from ehamj.verify.case import Outcome
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 78rem; padding: 0 1rem; color: #1d2430; }
-table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: .45rem .6rem; }
+table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: .4rem; }
 th { border-bottom: 2px solid #1d2430; } td { border-bottom: 1px solid #d5dae1; } .number { text-align: right; }
 .number { font-variant-numeric: tabular-nums; white-space: nowrap; } .failed { background: #fdecea; }
 small { color: #5a6473; } @media (prefers-color-scheme: dark) { body { background: #14181f; color: #e3e7ee; }
@@ -58,7 +58,8 @@ def _row(outcome: Outcome) -> str:
     kind = "" if outcome.passed else ' class="failed"'
     mark = "✓" if outcome.passed else "✗"
     return (
-        f"<tr{kind}><td>{mark} <b>{name}</b><br><small>{compares}</small></td><td>{source}<br><small>{detail}</small></td>"
+        f"<tr{kind}><td>{mark} <b>{name}</b><br><small>{compares}</small></td>"
+        f"<td>{source}<br><small>{detail}</small></td>"
         f'<td class="number">{outcome.error:.3g}</td><td class="number">{outcome.tolerance:.3g}</td>'
         f'<td>{unit}<br><small>{why}</small></td><td class="number">{outcome.seconds:.1f}</td></tr>'
     )
