@@ -77,10 +77,7 @@ def run(
     overrides: SetOption = None,
     no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
-    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Simulate one scenario into a result folder.
 
@@ -111,10 +108,7 @@ JsonOption = False,
 
 
 @app.command()
-def scenarios(as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False) -> None:
+def scenarios(as_json: JsonOption = False) -> None:
     """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
     from ehamj.scenario import load_scenario, shipped_scenarios
 
@@ -135,10 +129,7 @@ def schema() -> None:
 
 
 @app.command()
-def modes(scenario: ScenarioArgument = "recorded", overrides: SetOption = None, as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False) -> None:
+def modes(scenario: ScenarioArgument = "recorded", overrides: SetOption = None, as_json: JsonOption = False) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
 
     Frequencies are |λ|/2π, damping ratios −Re λ/|λ|; shapes are the motion of the mount plane's centre, its largest
@@ -182,10 +173,7 @@ def _mode_table(modes: "Sequence[Mode]", title: str) -> Table:
 def paper(
     out_folder: Annotated[Path | None, typer.Option("--out", help="Folder [default: a new runs/NNNN].")] = None,
     overwrite: OverwriteOption = False,
-    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one."""
     from ehamj.studies.paper import reproduce, write_paper
@@ -208,10 +196,7 @@ JsonOption = False,
 def replay(
     folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
     compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
-    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Build the Rerun recording of a stored result, and open it where there is a screen.
 
@@ -237,10 +222,7 @@ JsonOption = False,
 @app.command()
 def bench(
     repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
-    as_json: SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
-
-JsonOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
     from ehamj.bench import bench as measure

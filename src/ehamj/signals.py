@@ -55,14 +55,11 @@ class Multisine:
         return cls(*np.broadcast_arrays(*parts))
 
     def sample(self, time: Array, left: bool = False) -> Sample:
-        value, slope, curvature = np.zeros((3, time.size))
-        for amplitude, frequency, phase in zip(self.amplitudes, self.frequencies, self.phases, strict=True):
-            omega = 2.0 * np.pi * frequency
-            angle = omega * time + phase
-            wave = amplitude * np.sin(angle)
-            value += wave
-            slope += amplitude * omega * np.cos(angle)
-            curvature -= omega * omega * wave
+        omega = 2.0 * np.pi * self.frequencies
+        angle = np.multiply.outer(time, omega) + self.phases
+        sine, cosine = np.sin(angle), np.cos(angle)
+        value, slope = sine @ self.amplitudes, cosine @ (omega * self.amplitudes)
+        curvature = -(sine @ (omega**2 * self.amplitudes))
         return Sample(value, slope, curvature)
 
 
@@ -122,17 +119,22 @@ class Sampled:
     start: float = 0.0
 
     @cached_property
-    def _splines(self) -> tuple[PPoly, PPoly, PPoly]:
+    def _spline(self) -> PPoly:
         times = self.start + np.arange(self.values.size) / self.rate
-        # As piecewise polynomials, which evaluate three times faster than B-splines.
-        spline = PPoly.from_spline(make_interp_spline(times, self.values, k=5))
-        return spline, spline.derivative(1), spline.derivative(2)
+        return PPoly.from_spline(make_interp_spline(times, self.values, k=5))
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         end = self.start + (self.values.size - 1) / self.rate
         inside = (time >= self.start) & (time <= end)
         clipped = np.clip(time, self.start, end)
-        value, slope, curvature = (spline(clipped) for spline in self._splines)
+        # All three at once from the pieces' coefficients: several times faster than a spline evaluated thrice.
+        breaks, coefficients = self._spline.x, self._spline.c
+        piece = np.clip(np.searchsorted(breaks, clipped, side="right") - 1, 0, breaks.size - 2)
+        s = clipped - breaks[piece]
+        a, b, c, d, e, f = coefficients[:, piece]
+        value = ((((a * s + b) * s + c) * s + d) * s + e) * s + f
+        slope = (((5.0 * a * s + 4.0 * b) * s + 3.0 * c) * s + 2.0 * d) * s + e
+        curvature = ((20.0 * a * s + 12.0 * b) * s + 6.0 * c) * s + 2.0 * d
         return Sample(value, np.where(inside, slope, 0.0), np.where(inside, curvature, 0.0))
 
 

@@ -1,6 +1,7 @@
 """A run's folder: the result, its variants in folders of their own, replay and report."""
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from ehamj.replay import write_replay
@@ -14,11 +15,12 @@ def write_run(folder: Path, results: Mapping[str, Result]) -> None:
     Replay and report show all of them together; a variant's folder holds its own as well.
     """
     main, *variants = results.items()
-    _write_one(folder, dict(results), main[1])
+    work = [(folder, dict(results), main[1])]
     for name, (label, result) in zip(main[1].scenario.compare, variants, strict=True):
-        own = folder / name
-        own.mkdir()
-        _write_one(own, {label: result}, result)
+        (folder / name).mkdir()
+        work.append((folder / name, {label: result}, result))
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(lambda one: _write_one(*one), work))
 
 
 def _write_one(folder: Path, shown: dict[str, Result], result: Result) -> None:

@@ -215,5 +215,5 @@ def test_a_wave_of_twice_the_mounts_distance_rocks_and_does_not_heave(control: s
     heave = run["machine_displacement"].sel(dof="z").values
     pitch = run["machine_displacement"].sel(dof="ry").values * 0.9
     assert np.abs(pitch).max() > (1e-8 if control == "passive" else 1e-10)
-    # Strokes of opposite sign change the chambers' volumes by opposite amounts: 5e-8 m of 8.5 mm, 6e-6, squared at most.
+    # Strokes of opposite sign change the volumes by opposite amounts: 5e-8 m of 8.5 mm, 6e-6, squared at most.
     assert np.abs(heave - heave[0]).max() < 1e-8 * 5e-8

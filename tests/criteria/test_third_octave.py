@@ -104,6 +104,15 @@ def test_a_sine_at_an_edge_is_in_both_bands_together(band: Band) -> None:
     assert decibel(np.hypot(below, own)) == pytest.approx(0.0, abs=0.1)
 
 
+@pytest.mark.parametrize("band", ALL[1:], ids=lambda band: band.name)
+def test_a_sine_exactly_at_an_edge_is_shared_equally(band: Band) -> None:
+    # A whole number of periods: Hann spreads it over its own line, cut in half by the edge, and one on either side.
+    edge = band.edges[0]
+    wave = np.sin(2 * np.pi * edge * np.arange(3200) / (32 * edge))
+    below, own = band_rms(wave, 32 * edge, (ALL[ALL.index(band) - 1], band))
+    assert (below, own) == pytest.approx((0.5, 0.5), rel=1e-6)
+
+
 @given(st.floats(1.2, 250.0), st.floats(0.0, 6.3), st.floats(20.0, 60.0))
 def test_no_power_is_lost_between_bands(frequency: float, phase: float, seconds: float) -> None:
     levels = band_rms(sine(frequency, seconds, phase), RATE, bands(1.0, 315.0))

@@ -44,8 +44,8 @@ def flow(isolator: dict[str, Any], volts: float) -> np.ndarray:
 
 @pytest.mark.parametrize("volts", [2.0, -2.0])
 def test_overlap_takes_its_length_from_each_edge(volts: float) -> None:
-    """An edge lets through K_Q·(x − x_0): of 4 mA, 3 and 4.5 remain."""
-    laps = [1.0, 2.0, 1.5, -0.5]
+    """An edge lets through K_Q·(x − x_0): of 4 mA, 3 and 3.5 remain, or 2 and 2.5."""
+    laps = [1.0, 2.0, 1.5, 0.5]
     one, two = flow({"overlap": laps}, volts)
     feeds, drains = (laps[0], laps[3]) if volts > 0 else (laps[1], laps[2])
     expected = (4.0 - feeds, -(4.0 - drains)) if volts > 0 else (-(4.0 - feeds), 4.0 - drains)
@@ -60,16 +60,25 @@ def test_within_its_overlap_a_valve_is_closed() -> None:
 def test_underlap_lets_oil_through_at_null_and_holds_mid_pressure() -> None:
     result = run({"overlap": [-1.0] * 4})
     assert np.ptp(pressures(result), axis=0) == pytest.approx(0.0, abs=1.0)
-    assert result.summary["oil"]["mean_flow"] if "mean_flow" in result.summary["oil"] else True
+    drawn = 8 * (1.94e-6 + 0.05 * 6.6e-11 * 35e5)  # over eight supply edges: 1 mA each, and their leak
+    assert result.summary["oil"]["mean_flow_m3_s"] == pytest.approx(drawn, rel=1e-4)
 
 
 def test_null_offset_acts_as_a_spool_out_of_centre() -> None:
-    assert flow({"null_offset": 1.5}, 1.0) == pytest.approx(flow({}, 1.75), rel=1e-9)
+    """Held where the offset is made good, then moved by 3.5 mA."""
+    signals = [{"kind": "step", "amplitude": -0.75, "start": -1.0}, {"kind": "step", "amplitude": 1.75}]
+    result = run(
+        {"piston_area": 1e-9, "chamber_volume": 1e3, "null_offset": 1.5},
+        control={"kind": "open-loop", "signals": signals},
+    )
+    found = result.dataset["chamber_flow"].values[:, 0] / 1.94e-6
+    assert np.abs(found[0]).max() < 1e-6
+    assert found[-1] == pytest.approx([3.5, -3.5], rel=1e-4)  # 2 Pa between the chambers leak 2e-5 of it
 
 
 def test_threshold_leaves_the_spool_short_of_its_target() -> None:
-    """It creeps to the target less the threshold, and does not move for less."""
-    spool = run({"threshold": 0.5}, 1.0).dataset["spool"].values
+    """Without overshoot it ends at the target less the threshold, and it does not move for less."""
+    spool = run({"threshold": 0.5, "valve_damping": 1.5}, 1.0).dataset["spool"].values
     assert spool[-1] == pytest.approx(1.5, abs=1e-6)
     assert not run({"threshold": 0.5}, 0.2).dataset["spool"].values.any()
 
@@ -88,17 +97,12 @@ def test_hysteresis_loses_half_its_play_when_the_spool_turns() -> None:
 
 
 def test_hysteresis_does_not_touch_a_spool_that_moves_one_way() -> None:
-    """Beyond its first half width it only shifts the opening, as a null offset of −w/2 does."""
-    signals = [{"kind": "chirp", "amplitude": 4.0, "first": 2.0, "last": 2.0, "sweep_time": 1.0}]
-    table = {"control": {"kind": "open-loop", "signals": signals}, "duration": 0.1}
-    loose = run({**NEEDLE, "hysteresis": 0.2, "valve_damping": 1.0}, **table)
-    shifted = run({**NEEDLE, "null_offset": -0.1, "valve_damping": 1.0}, **table)
-    late = loose.dataset["spool"].values[:, 0] > 0.3
-    np.testing.assert_allclose(
-        loose.dataset["chamber_flow"].values[late][:5, 0] / 1.94e-6,
-        shifted.dataset["chamber_flow"].values[late][:5, 0] / 1.94e-6,
-        rtol=1e-3,
-    )
+    """Beyond its first half width it only shifts the opening: the flow is K_Q·(x − w/2) all the way."""
+    result = run({**NEEDLE, "chamber_volume": 1e3, "hysteresis": 0.2, "valve_damping": 1.0}, 2.0)
+    spool, found = result.dataset["spool"].values[:, 0], result.dataset["chamber_flow"].values[:, 0, 0] / 1.94e-6
+    moved = spool > 0.1
+    assert moved.sum() > 40
+    np.testing.assert_allclose(found[moved], spool[moved] - 0.1, rtol=1e-6, atol=1e-9)
 
 
 def test_end_stops_hold_the_spool_at_its_stroke_without_a_bounce() -> None:
@@ -154,7 +158,7 @@ def test_elastic_walls_soften_the_chamber() -> None:
 
 def test_chambers_of_unequal_volume_fill_at_unequal_rates() -> None:
     one, two = np.ptp(pressures(run({**NEEDLE, "volume_share": 0.2}, 0.001)), axis=0)
-    assert one / two == pytest.approx(4.0, rel=1e-4)
+    assert one / two == pytest.approx(4.0, rel=1e-3)
 
 
 def test_unequal_areas_push_with_the_difference() -> None:
@@ -191,7 +195,7 @@ def test_four_valves_that_draw_together_pull_the_supply_down() -> None:
 
 def test_a_stiff_pump_and_a_short_wide_line_hold_the_supply() -> None:
     """In the limit the shared supply is the constant one."""
-    stiff = {"dynamic": True, "pump_flow": 1.0, "pump_droop": 1e3, "manifold_volume": 1e-2, "line_diameter": 0.1}
+    stiff = {"dynamic": True, "pump_flow": 1e-2, "pump_droop": 1e4, "line_diameter": 0.05}
     shared, constant = (run({}, 2.0, supply=table).dataset["chamber_pressure"].values for table in (stiff, {}))
     assert np.abs(shared - constant).max() < 1e-3 * 70e5
 
@@ -200,8 +204,14 @@ def test_tank_pressure_lifts_mid_pressure() -> None:
     assert pressures(run({}, supply={"tank_pressure": 4e5}))[0] == pytest.approx([37e5, 37e5], rel=1e-9)
 
 
-def A_of(isolator: dict[str, Any], **table: Any) -> np.ndarray:
-    return linear_model(scenario_of(isolator, **table)).A
+UNITS = np.repeat([1e-7, 1e-4], 6).tolist() + [1.0, 1e3, 1e4, 1e4] * 4
+"""States in units of which each matters: 0.1 µm, 0.1 mm/s, 1 mA, 1 A/s, 0.1 bar."""
+
+
+def changed(one: dict[str, Any], other: dict[str, Any]) -> float:
+    """Largest change of the linear model at null, over the largest entry of its row, in `UNITS`."""
+    first, second = (linear_model(scenario_of(isolator)).A * np.array(UNITS) for isolator in (one, other))
+    return float((np.abs(second - first).max(axis=1) / np.abs(first).max(axis=1)).max())
 
 
 @pytest.mark.parametrize(
@@ -224,10 +234,8 @@ def A_of(isolator: dict[str, Any], **table: Any) -> np.ndarray:
     ids=str,
 )
 def test_an_option_at_its_neutral_value_leaves_the_linear_model(isolator: dict[str, Any]) -> None:
-    """To the rounding of differences: 1e-7 of the largest entry of each row."""
-    plain, other = A_of({}), A_of(isolator)
-    scale = np.abs(plain).max(axis=1, keepdims=True)
-    assert (np.abs(other - plain) <= 1e-7 * scale).all()
+    """To the rounding of differences."""
+    assert changed({}, isolator) < 1e-7
 
 
 @pytest.mark.parametrize(
@@ -245,9 +253,7 @@ def test_an_option_at_its_neutral_value_leaves_the_linear_model(isolator: dict[s
     ids=str,
 )
 def test_an_option_whose_physics_says_so_changes_the_linear_model(isolator: dict[str, Any]) -> None:
-    plain, other = A_of({}), A_of(isolator)
-    scale = np.abs(plain).max(axis=1, keepdims=True)
-    assert (np.abs(other - plain) > 1e-3 * scale).any()
+    assert changed({}, isolator) > 1e-3
 
 
 @pytest.mark.parametrize(
@@ -268,7 +274,7 @@ def test_an_option_whose_physics_says_so_changes_the_linear_model(isolator: dict
         ({"actuators": {"isolator": {"wall_modulus": 0.0}}}, ("wall_modulus", "greater than 0")),
         ({"actuators": {"isolator": {"volume_share": 1.0}}}, ("volume_share", "less than 1")),
         ({"actuators": {"isolator": {"area_ratio": 0.0}}}, ("area_ratio", "greater than 0")),
-        ({"actuators": {"isolator": {"rated_flow": 0.0}}}, ("rated_flow", "greater than 0")),
+        ({"actuators": {"isolator": {"rated_flow": -1e-5}}}, ("rated_flow", "greater than")),
         ({"actuators": {"isolator": {"flow_curve": [[0.0, 0.0], [0.5, 0.6], [0.4, 0.7], [1.0, 1.0]]}}}, ("increase",)),
         ({"actuators": {"isolator": {"flow_curve": [[0.0, 0.0], [0.5, 0.6], [0.7, 0.5], [1.0, 1.0]]}}}, ("not fall",)),
         ({"actuators": {"isolator": {"flow_curve": [[0.1, 0.0], [1.0, 1.0]]}}}, ("flow_curve", "from [0, 0]")),

@@ -94,7 +94,7 @@ def open_loop(*signals: dict[str, Any]) -> dict[str, Any]:
 
 def chamber_pressures(result: Result) -> Array:
     """Pressures (time, mount, chamber) [Pa]."""
-    return result.dataset["chamber_pressure"].values  # type: ignore[no-any-return]
+    return result.dataset["chamber_pressure"].values
 
 
 def fitted_order(steps: Array, errors: Array) -> float:

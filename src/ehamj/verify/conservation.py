@@ -81,7 +81,7 @@ def smooth_order(subject: Subject) -> Finding:
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0])
     errors = np.array([smooth(subject, float(step))[:2] for step in steps])
     orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
-    return Finding(4.0 - min(orders), f"oil {orders[0]:.2f}, energy {orders[1]:.2f}")
+    return Finding(max(0.0, 4.0 - min(orders)), f"oil {orders[0]:.2f}, energy {orders[1]:.2f}")
 
 
 def rough_descent(subject: Subject) -> Finding:

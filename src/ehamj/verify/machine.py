@@ -246,8 +246,8 @@ CASES = (
     ),
     Case(
         "tipping",
-        "membrane stiffness at which a machine with its CG at 1.8 m stops standing; the oil leaks (K_C × 100) and carries "
-        "no constant load",
+        "membrane stiffness at which a machine with its CG at 1.8 m stops standing; oil leaks, K_C × 100, and "
+        "carries no constant load",
         "closed form K_L Σy² = m g h",
         "of the stiffness",
         1e-5,

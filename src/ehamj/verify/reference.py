@@ -152,7 +152,7 @@ def constants(plant: Plant) -> Constants:
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    return numba.njit(error_model="numpy", cache=True)(function)  # type: ignore[no-any-return]
+    return numba.njit(error_model="numpy", cache=True)(function)
 
 
 @_compiled
@@ -289,7 +289,8 @@ class _Run:
     def __init__(self, scenario: Scenario, controller: Controller | None, rtol: float) -> None:
         self.c = constants(scenario.plant)
         self.controller, self.rtol = controller, rtol
-        self.times = np.arange(round(scenario.duration * scenario.record_rate) + 1) / scenario.record_rate
+        rows = round(scenario.duration * scenario.record_rate) + 1
+        self.times: Array = np.arange(rows, dtype=np.float64) / scenario.record_rate
         self.quintics, self.jumps = _inputs(scenario)
         size = 31 if self.c.supply.size else 28
         self.atol = rtol * SCALE[:size]
@@ -375,7 +376,7 @@ class _Run:
     def _ground_velocity(self, t: float) -> Array:
         """Velocity of the ground at a time on the grid (mount, axis) [m/s]."""
         piece = min(int(t / GRID + 0.5), len(self.quintics) - 1)
-        return self.quintics[piece, :12, 1].reshape(4, 3) / GRID  # type: ignore[no-any-return]
+        return self.quintics[piece, :12, 1].reshape(4, 3) / GRID
 
     def _integrate(self, begin: float, end: float) -> None:
         """Advance the state; where a mode ends, the integration starts anew."""
@@ -498,7 +499,7 @@ class _Law:
 def _inputs(scenario: Scenario) -> tuple[Array, Array]:
     """Ground (12) and commands (4) as quintics on the grid, (pieces, 16, 6); and the times at which one jumps."""
     n = math.ceil(scenario.duration / GRID - 1e-9) + 1
-    times = np.arange(n + 1) * GRID
+    times: Array = np.arange(n + 1, dtype=np.float64) * GRID
     left, right = np.zeros((2, n + 1, 16, 3))
     ground = scenario.motion().sample(times)
     for order, part in enumerate(ground):
