@@ -238,6 +238,40 @@ def bench(
     out.print(table)
 
 
+@app.command()
+def verify(
+    out_file: Annotated[Path | None, typer.Option("--out", help="Also write the table as an HTML page.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Check the simulator against independent solutions, and print the table of errors; exit 1 if a case fails.
+
+    Closed forms, an independent SciPy model of the whole machine with every option, conservation of oil and energy,
+    convergence orders, modes and equilibria. It takes about a minute.
+    """
+    from ehamj.verify import to_dict, write_table
+    from ehamj.verify import verify as check
+
+    with log.status("verifying") as status:
+        outcomes = check(progress=lambda done: status.update(f"verified: {done.name}"))
+    if out_file is not None:
+        try:
+            write_table(outcomes, out_file)
+        except OSError as error:
+            raise InputError(f"--out {str(out_file)!r}: cannot be written ({error.strerror})") from error
+    if as_json:
+        _print_json(to_dict(outcomes))
+    else:
+        table = Table("case", "error", "tolerance", "unit", "", "why the tolerance is what it is")
+        for one in outcomes:
+            verdict = "passed" if one.passed else "[bold red]FAILED[/]"
+            table.add_row(
+                one.name, f"{one.error:.3g}", f"{one.tolerance:.3g}", escape(one.unit), verdict, escape(one.why)
+            )
+        out.print(table)
+    if not all(one.passed for one in outcomes):
+        raise typer.Exit(1)
+
+
 def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor

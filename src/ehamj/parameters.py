@@ -191,6 +191,9 @@ class Actuator(Parameters):
             places, flows = zip(*self.flow_curve, strict=True)
             if (places[0], flows[0]) != (0.0, 0.0) or (places[-1], flows[-1]) != (1.0, 1.0):
                 raise ValueError(f"flow_curve = {list(self.flow_curve)} must go from [0, 0] to [1, 1]")
+            off = [place for place in places if abs(10.0 * place - round(10.0 * place)) > 1e-9]
+            if off:
+                raise ValueError(f"flow_curve: position {off[0]:g} must be a multiple of 0.1")
             if min(b - a for a, b in pairwise(places)) <= 0 or min(b - a for a, b in pairwise(flows)) < 0:
                 raise ValueError(
                     f"flow_curve = {list(self.flow_curve)} must increase in position, and not fall in flow"

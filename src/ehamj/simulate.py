@@ -159,8 +159,9 @@ def choose_timestep(scenario: Scenario, controller: Controller | None = None) ->
 
 
 def _modes(plant: Plant) -> NDArray[np.complex128]:
-    """Eigenvalues at the equilibrium at rest [rad/s]."""
-    model = _model(reduced(plant), 1e-4)
+    """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
+    stiff = tuple(actuator.with_values({"air_fraction": 0.0}) for actuator in plant.actuators)
+    model = _model(reduced(replace(plant, actuators=stiff)), 1e-4)
     data = mujoco.MjData(model)
     with hydraulics():
         matrix = jacobian(model, data, equilibrium(model, data, Inputs.rest()), Inputs.rest())

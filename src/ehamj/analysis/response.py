@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.channels import channel_names
 from ehamj.errors import InputError
 from ehamj.layout import DOFS, MOUNTS
 from ehamj.scenario import Scenario, parse_scenario
@@ -123,6 +124,9 @@ def _measure(
     realisations: int,
 ) -> Measured:
     """Run the realisations side by side and average spectra; ``source`` is the input's channel, or its amplitudes."""
+    for name in outputs:
+        if name not in channel_names():
+            raise InputError(f"output {name!r}: is no channel, see ehamj.channels.channel_names()")
     if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
         raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     random = [np.random.default_rng([scenario.seed, k]) for k in range(realisations)]

@@ -1,7 +1,7 @@
 """The oil: compressibility with entrained air and elastic walls, cavitation, and what a chamber holds.
 
-A chamber's state is a pressure that may fall below the vapour pressure: it then stands for the void, since
-p_v − p = β·(void volume)/V. The oil is at the vapour pressure meanwhile, nothing is lost, and the chamber recovers when
+A chamber's state is a pressure that may fall below the vapour pressure: it then stands for the void, of which
+p_v − p = −β·ln(1 − void/V). The oil is at the vapour pressure meanwhile, nothing is lost, and the chamber recovers when
 the void has closed.
 """
 
@@ -20,6 +20,12 @@ LEAST = 1.0
 def actual_pressure(state: float, vapour_pressure: float) -> float:
     """Pressure of the oil [Pa]: never below the vapour pressure."""
     return max(state, vapour_pressure)
+
+
+@kernel
+def filled_share(state: float, pressure: float, modulus: float) -> float:
+    """Share of a chamber that is oil, exp((p − p_v)/β) below the vapour pressure; the rest is void."""
+    return math.exp((state - pressure) / modulus) if state < pressure else 1.0
 
 
 @kernel
@@ -51,8 +57,8 @@ def pressure_rate(
 ) -> float:
     """Rate of a chamber's pressure [Pa/s]: Ṗ = β/V·(Q − V̇) (paper eq. 4), with walls that give way.
 
-    ``inflow`` Q [m³/s], ``swept`` V̇ [m³/s] and ``volume`` V [m³] of the unstretched chamber, whose volume grows by
-    w = 1 + (p − p₀)/β_w: Ṗ = (Q − w V̇)/(V (w/β + 1/β_w)). ``wall_compliance`` is 1/β_w [1/Pa].
+    ``inflow`` Q [m³/s] (where it cavitates, over `filled_share`), ``swept`` V̇ [m³/s] and ``volume`` V [m³] of the
+    unstretched chamber, whose volume grows by w = 1 + (p − p₀)/β_w: Ṗ = (Q − w V̇)/(V (w/β + 1/β_w)). ``wall_compliance`` is 1/β_w [1/Pa].
     """
     stretch = 1.0 + (pressure - ATMOSPHERE) * wall_compliance
     return bulk_modulus * (inflow - stretch * swept) / (volume * (stretch + bulk_modulus * wall_compliance))
@@ -88,6 +94,6 @@ def chamber_mass(
     """Mass of the oil in a chamber over its density at atmospheric pressure [m³]; the void holds none."""
     pressure = actual_pressure(state, vapour)
     modulus = oil_modulus(pressure, liquid_modulus, air, exponent)
-    void = math.exp((state - pressure) / modulus)
+    filled = filled_share(state, pressure, modulus)
     stretch = 1.0 + (state - ATMOSPHERE) * wall_compliance
-    return volume * stretch * void / relative_volume(pressure, liquid_modulus, air, exponent)
+    return volume * stretch * filled / relative_volume(pressure, liquid_modulus, air, exponent)

@@ -15,6 +15,7 @@ from ehamj.hydraulics.cylinder import chamber_flows, lapped_chamber_flows
 from ehamj.hydraulics.fluid import (
     ATMOSPHERE,
     actual_pressure,
+    filled_share,
     oil_modulus,
     pressure_rate,
     relative_volume,
@@ -195,10 +196,13 @@ def actuator_rates(act, act_dot, length, velocity, control, shared, table):  # t
         if table[own + AIR] != 0.0:
             beta_1 = oil_modulus(pressure_1, beta, table[own + AIR], table[own + EXPONENT])
             beta_2 = oil_modulus(pressure_2, beta, table[own + AIR], table[own + EXPONENT])
+        # Oil that enters a chamber with a void fills it the sooner the less of it is oil: mass is conserved.
+        into_1 = flow_1 / filled_share(act[first + 2], pressure_1, beta_1)
+        into_2 = flow_2 / filled_share(act[first + 3], pressure_2, beta_2)
         act_dot[first] = rate
         act_dot[first + 1] = acceleration
-        act_dot[first + 2] = pressure_rate(flow_1, table[own + AREA] * speed, act[first + 2], volume_1, beta_1, wall)
-        act_dot[first + 3] = pressure_rate(flow_2, -table[own + AREA_2] * speed, act[first + 3], volume_2, beta_2, wall)
+        act_dot[first + 2] = pressure_rate(into_1, table[own + AREA] * speed, act[first + 2], volume_1, beta_1, wall)
+        act_dot[first + 3] = pressure_rate(into_2, -table[own + AREA_2] * speed, act[first + 3], volume_2, beta_2, wall)
         shared[STAGE_FLOW + 2 * mount] = flow_1
         shared[STAGE_FLOW + 2 * mount + 1] = flow_2
         shared[STAGE_DRAWN + mount] = drawn

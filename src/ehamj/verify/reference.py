@@ -367,7 +367,8 @@ class _Run:
     def _pieces(self, end: float) -> list[tuple[float, float]]:
         parts = [self.times, self.jumps]
         if self.controller is not None:
-            samples = np.arange(round(end / self.controller.period) + 1) * self.controller.period
+            count = round(end / self.controller.period) + 1
+            samples: Array = np.arange(count, dtype=np.float64) * self.controller.period
             parts += [samples, samples + self.controller.latency]
         edges = np.unique(np.round(np.concatenate(parts), 12))
         edges = edges[(edges >= 0.0) & (edges <= end + 1e-12)]
