@@ -176,7 +176,7 @@ def large_gain(subject: Subject) -> Finding:
     spool = solve_ivp(motion, (0.0, 0.15), [0.0, 0.0], t_eval=times, rtol=1e-8, atol=1e-8, max_step=1e-4).y[0]
     exact = 2 * abs(np.mean(spool * np.exp(-1j * omega * times))) / 18.0
     gain = float(np.abs(spool_response(subject, 0.9, np.full(4, 100.0)))[0])
-    return Finding(abs(gain - exact), f"gain {gain:.4f}, on its own {exact:.4f}; physics.md: 0.28")
+    return Finding(abs(gain - exact), f"gain {gain:.4f}, on its own {exact:.4f}; by another integration 0.28")
 
 
 _PAPER = "the paper: 250 Hz at ±5 %, 100 Hz at ±90 %"

@@ -187,7 +187,7 @@ CASES = (
         _REFERENCE,
         "of each channel's peak",
         1e-4,
-        "issue 5",
+        "what a long run may lose before a user would see it",
         smooth_machine,
     ),
     Case(
@@ -196,7 +196,7 @@ CASES = (
         _REFERENCE + "; changes of play and stops found as roots",
         "of each channel's peak",
         1e-3,
-        "issue 5; a kink inside a step costs second order",
+        "a kink inside a step costs second order",
         full_machine,
     ),
     Case(
