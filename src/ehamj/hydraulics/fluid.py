@@ -58,7 +58,8 @@ def pressure_rate(
     """Rate of a chamber's pressure [Pa/s]: Ṗ = β/V·(Q − V̇) (paper eq. 4), with walls that give way.
 
     ``inflow`` Q [m³/s] (where it cavitates, over `filled_share`), ``swept`` V̇ [m³/s] and ``volume`` V [m³] of the
-    unstretched chamber, whose volume grows by w = 1 + (p − p₀)/β_w: Ṗ = (Q − w V̇)/(V (w/β + 1/β_w)). ``wall_compliance`` is 1/β_w [1/Pa].
+    unstretched chamber, whose volume grows by w = 1 + (p − p₀)/β_w: Ṗ = (Q − w V̇)/(V (w/β + 1/β_w)).
+    ``wall_compliance`` is 1/β_w [1/Pa].
     """
     stretch = 1.0 + (pressure - ATMOSPHERE) * wall_compliance
     return bulk_modulus * (inflow - stretch * swept) / (volume * (stretch + bulk_modulus * wall_compliance))
