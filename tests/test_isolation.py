@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from ehamj.criteria.third_octave import bands
-from ehamj.isolation import isolation, settled, worst_class
+from ehamj.isolation import floor_and_machine, isolation, settled, worst_class
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Plant
 from ehamj.result import Result, make_dataset
@@ -106,6 +106,20 @@ def test_rotation_is_that_of_the_plane_fitted_to_the_mounts(
     found = decided(motion.judged(plant)["attenuation_db"][name])
     assert len(found) == len(BANDS)
     np.testing.assert_allclose(list(found.values()), -20 * np.log10({3: 0.5, 4: 0.2}[column]), atol=1e-9)
+
+
+@pytest.mark.parametrize("corners", [None, CORNERS], ids=["symmetric", "asymmetric"])
+def test_floor_and_machine_turn_the_same_way(corners: dict[str, list[float]] | None) -> None:
+    motion, plant = Motion(), plant_of(corners)
+    rx, ry = noise(3), noise(4)
+    x, y = np.array(plant.positions).T
+    motion.ground[:, :, Z] = np.outer(rx, y) - np.outer(ry, x)
+    motion.machine[:, 3], motion.machine[:, 4] = rx, ry
+    values = {"ground_velocity": motion.ground, "cg_velocity": motion.cg, "machine_velocity": motion.machine}
+    floor, machine = floor_and_machine(make_dataset(TIMES, values, {}), plant)
+    for name, expected in (("rx", rx), ("ry", ry)):
+        np.testing.assert_allclose(floor[name], expected, rtol=0, atol=1e-18)
+        np.testing.assert_array_equal(machine[name], expected)
 
 
 def test_the_beginning_of_a_run_does_not_count() -> None:

@@ -175,13 +175,19 @@ def paper(
     overwrite: OverwriteOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one."""
+    """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one.
+
+    Beyond the paper, amplitude.svg shows how its actuator answers commands of ±1 to ±90 % in the nonlinear simulation.
+    """
+    from ehamj.scenario import load_scenario
+    from ehamj.studies.amplitude import AmplitudeStudy, amplitude_response, write_amplitude
     from ehamj.studies.paper import reproduce, write_paper
 
     _check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()
     with _new_folder(out_folder, overwrite) as (folder, target), log.status("drawing"):
         write_paper(target)
+        write_amplitude(target, amplitude_response(AmplitudeStudy(load_scenario("single-actuator"))))
     if as_json:
         _print_json({"folder": str(folder), **found.to_dict()})
         return

@@ -297,7 +297,7 @@ def test_a_file_that_is_no_law_is_named(tmp_path: Path, text: str | None, messag
 
 
 def test_laws_side_by_side_add_up() -> None:
-    one = law(A=[[0.4]], C=[[1.0], [0.0], [0.0], [2.0]], inputs=("stroke front-left",))
+    one = law(A=[[0.4]], C=[[1.0], [0.0], [0.0], [2.0]], D=[[0.5], [1.5], [2.5], [3.5]], inputs=("stroke front-left",))
     other = law(
         A=np.diag([0.2, 0.7]),
         B=[[1.0, 0.5], [0.0, 3.0]],
