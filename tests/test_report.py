@@ -375,7 +375,8 @@ def test_the_end_of_a_run_that_failed_is_drawn_in_full(failed: Result, results: 
     begin, end = characteristic_part(results["passive"]) or (0.0, 0.0)
     floor = data.ground_velocity.sel(axis="z").mean("mount")
     assert begin <= float(data.time[int(np.abs(floor.values).argmax())]) <= end
-    assert characteristic_part(failed) is None  # it is not longer than the part
+    short = failed.dataset.sel(time=slice(0.0, 0.9))
+    assert characteristic_part(replace(failed, dataset=short)) is None  # it is not longer than the part
 
 
 def test_an_incomplete_variant_is_named(failed: Result, results: dict[str, Result]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.channels import channel_names
+from ehamj.channels import UnknownChannelError, channel_row
 from ehamj.errors import InputError
 from ehamj.layout import DOFS, MOUNTS
 from ehamj.scenario import Scenario, parse_scenario
@@ -125,8 +125,10 @@ def _measure(
 ) -> Measured:
     """Run the realisations side by side and average spectra; ``source`` is the input's channel, or its amplitudes."""
     for name in outputs:
-        if name not in channel_names():
-            raise InputError(f"output {name!r}: is no channel, see ehamj.channels.channel_names()")
+        try:
+            channel_row(name, scenario.plant)
+        except UnknownChannelError as error:
+            raise InputError(f"output: {error}") from error
     if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
         raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     random = [np.random.default_rng([scenario.seed, k]) for k in range(realisations)]

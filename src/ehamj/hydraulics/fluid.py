@@ -24,8 +24,11 @@ def actual_pressure(state: float, vapour_pressure: float) -> float:
 
 @kernel
 def filled_share(state: float, pressure: float, modulus: float) -> float:
-    """Share of a chamber that is oil, exp((p − p_v)/β) below the vapour pressure; the rest is void."""
-    return math.exp((state - pressure) / modulus) if state < pressure else 1.0
+    """Share of a chamber that is oil, exp((p − p_v)/β) below the vapour pressure; the rest is void.
+
+    It counts down to a thousandth: what is emptier has no oil to follow.
+    """
+    return max(math.exp((state - pressure) / modulus), 1e-3) if state < pressure else 1.0
 
 
 @kernel
