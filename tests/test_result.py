@@ -404,3 +404,20 @@ def test_a_failed_run_is_saved_and_loaded(failed: Incomplete, tmp_path: Path) ->
 def test_published_names_are_there() -> None:
     for name in ("load_scenario", "Scenario", "simulate", "simulate_many", "Result", "load_result"):
         assert callable(getattr(ehamj, name))
+
+
+def test_limits_are_dated() -> None:
+    scenario = parse_scenario(
+        {
+            "duration": 0.3,
+            "plates": "tied",
+            "control": {
+                "kind": "open-loop",
+                "signals": [{"kind": "step", "mounts": ["rear-left"], "amplitude": 12.0, "start": 0.1}],
+            },
+        }
+    )
+    found = simulate(scenario).summary["at_limit"]
+    # The step stands from its start to the end, 0.1 to 0.3 s at rows of 1 ms, the last one included.
+    assert found["command"] == {"first_s": 0.1, "longest_s": pytest.approx(0.201), "mount": "rear-left"}
+    assert found["cavitation"] is None

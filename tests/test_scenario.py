@@ -72,7 +72,7 @@ def test_a_scenario_of_nothing_is_the_default_machine() -> None:
     plant = parse_scenario({}).plant
     assert plant.total_mass == 4056.0
     for actuator in plant.actuators:
-        assert actuator.model_dump(exclude={"preset"}) == FIRST_GENERATION.model_dump()
+        assert actuator.model_dump(exclude={"preset", "oil"}) == FIRST_GENERATION.model_dump()
 
 
 # --- presets and mounts -------------------------------------------------------------------------------------------
@@ -602,3 +602,13 @@ def test_schema_accepts_what_ships_as_written_and_resolved(name: str) -> None:
 )
 def test_schema_refuses_what_the_reader_refuses(case: str) -> None:
     assert not Draft202012Validator(schema()).is_valid(BAD[case][0])
+
+
+def test_an_oil_sets_what_belongs_to_it_and_yields_to_what_is_given() -> None:
+    table = {"actuators": {"isolator": {"oil": "mineral", "air_fraction": 0.01}}}
+    actuator = parse_scenario(table).actuators["isolator"]
+    assert (actuator.bulk_modulus, actuator.sources["bulk_modulus"]) == (1.6e9, "assumed")
+    assert (actuator.air_fraction, actuator.sources["air_fraction"]) == (0.01, "given")
+    assert actuator.piston_area == FIRST_GENERATION.piston_area
+    with pytest.raises(InputError, match=r"actuators\.isolator\.oil = 'olive'"):
+        parse_scenario({"actuators": {"isolator": {"oil": "olive"}}})

@@ -52,7 +52,7 @@ def channel_row(name: str, plant: Plant) -> Array:
         UnknownChannelError: if there is no such channel.
     """
     if name not in channel_names():
-        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.3)
+        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.0)
         raise UnknownChannelError(f"channel {name!r} is unknown; near it are: {', '.join(map(repr, near))}")
     row = np.zeros(N_SIGNALS)
     variable, *labels = name.split(" ")

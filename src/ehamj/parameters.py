@@ -248,6 +248,19 @@ RECOMMENDED = Actuator(
 ACTUATOR_PRESETS: dict[str, Actuator] = {"first-generation": FIRST_GENERATION, "recommended": RECOMMENDED}
 
 
+OILS: dict[str, dict[str, float]] = {
+    # The paper's effective modulus, with whatever air and hose it contained.
+    "paper": {},
+    # Mineral oil at 40 °C and well de-aerated; secant modulus as in textbooks (Merritt; Jelali and Kroll).
+    "mineral": {"bulk_modulus": 1.6e9, "air_fraction": 0.005, "vapour_pressure": 10.0},
+    # The same with the air of a tank that foams.
+    "mineral-aerated": {"bulk_modulus": 1.6e9, "air_fraction": 0.03, "vapour_pressure": 10.0},
+    # Fire-resistant HFC fluid: stiffer, and with the vapour pressure of its water at 40 °C.
+    "water-glycol": {"bulk_modulus": 3.2e9, "air_fraction": 0.005, "vapour_pressure": 6e3},
+}
+"""Values that belong to an oil, typical and assumed; those of an actuator's table override them."""
+
+
 class Supply(Parameters):
     """Oil supply and tank; pressures are absolute."""
 

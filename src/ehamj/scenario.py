@@ -26,7 +26,7 @@ from ehamj.ground.combined import Combined
 from ehamj.ground.records import RecordGround
 from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
 from ehamj.layout import MOUNTS
-from ehamj.parameters import ACTUATOR_PRESETS, DEFAULT_MOUNTS, Actuator, Machine, Mount, Plant, Settings, Supply
+from ehamj.parameters import ACTUATOR_PRESETS, DEFAULT_MOUNTS, OILS, Actuator, Machine, Mount, Plant, Settings, Supply
 from ehamj.signals import Signal
 
 SingleGround = Annotated[
@@ -77,15 +77,24 @@ class Isolator(Actuator):
         "first-generation", description="where values that are not given come from"
     )
 
+    oil: Literal["paper", "mineral", "mineral-aerated", "water-glycol"] = Field(
+        "paper", description="sets bulk_modulus, air_fraction and vapour_pressure where they are not given"
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _fill_from_preset(cls, table: Any) -> Any:
         name = table.get("preset", "first-generation") if isinstance(table, Mapping) else None
         if not isinstance(name, str) or name not in ACTUATOR_PRESETS:
             return table  # the field's own validation says what is allowed
+        oil = table.get("oil", "paper")
+        if not isinstance(oil, str) or oil not in OILS:
+            return table
         preset = ACTUATOR_PRESETS[name]
-        values = preset.model_dump(exclude={"sources"})
-        sources = {k: v for k, v in preset.sources.items() if k not in table or table[k] == values[k]}
+        values = {**preset.model_dump(exclude={"sources"}), **OILS[oil]}
+        assumed = dict.fromkeys(OILS[oil], "assumed")
+        known = {**preset.sources, **assumed}
+        sources = {k: v for k, v in known.items() if k not in table or table[k] == values[k]}
         own = table.get("sources", {})
         return {**values, **table, "sources": {**sources, **own} if isinstance(own, Mapping) else own}
 

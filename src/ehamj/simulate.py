@@ -46,6 +46,9 @@ Progress = Callable[[float], None]
 STRETCH = 2048
 """Steps between two returns to Python."""
 
+SHORTEST_STEP = 2e-6
+"""Step below which the automatic choice gives up [s]: periods that have no common divisor were hardly meant."""
+
 STEP_PER_TIME_CONSTANT = 1.2
 """Largest |λ|·step of the automatic step. RK4 is stable to 2.8; at 1.2 the fastest mode itself is followed to a few per
 cent and motions below 100 Hz to 1e-4."""
@@ -155,6 +158,12 @@ def choose_timestep(scenario: Scenario, controller: Controller | None = None) ->
         return first / round(first / scenario.timestep)
     fastest = float(np.abs(_modes(scenario.plant)).max())
     period = _common_divisor(periods.values())
+    if period < SHORTEST_STEP:
+        times = ", ".join(f"{name} = {value:.9g} s" for name, value in periods.items())
+        raise InputError(
+            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose record_rate, "
+            "control.rate and control.delay that are multiples of each other, or state a timestep"
+        )
     return period / max(1, math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9))
 
 

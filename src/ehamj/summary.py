@@ -40,6 +40,7 @@ def summarise(
         "peak": peak,
         "rms": rms,
         "saturation": saturation,
+        "at_limit": at_limit(dataset, scenario),
         "oil": _oil(tally, states, steps * timestep),
         "timing": {
             "simulated_s": simulated,
@@ -74,6 +75,41 @@ def _nested(values: xr.DataArray) -> Any:
         return number if np.isfinite(number) else None
     dimension = values.dims[0]
     return {str(label): _nested(values.sel({dimension: label})) for label in values[dimension].values}
+
+
+def at_limit(dataset: xr.Dataset, scenario: Scenario) -> dict[str, Any]:
+    """When each limit was reached, by the recorded rows: per kind the first time, the longest stretch [s], its mount.
+
+    None where a limit was not reached in any recorded row; `saturation` counts every step.
+    """
+    plant = scenario.plant
+    command, spool = dataset["valve_command"].values, dataset["spool"].values
+    limit, stroke, gain, frequency, drive = (
+        np.array([getattr(actuator, name) for actuator in plant.actuators])
+        for name in ("voltage_limit", "spool_stroke", "valve_gain", "valve_frequency", "spool_drive_limit")
+    )
+    target = gain * np.clip(command, -limit, limit)
+    reached = {
+        "command": np.abs(command) >= limit,
+        "spool": np.abs(spool) >= stroke,
+        "spool_drive": np.abs(frequency**2 * (target - spool)) >= drive,
+        "cavitation": (dataset["chamber_void"].values > 0.0).any(axis=2),
+    }
+    return {name: _stretches(states, scenario.record_rate) for name, states in reached.items()}
+
+
+def _stretches(states: np.ndarray, rate: float) -> dict[str, Any] | None:
+    """First time and longest stretch [s] of states (time, mount), None if they are never true."""
+    if not states.any():
+        return None
+    longest, where = 0, 0
+    for mount in range(states.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], states[:, mount].astype(int), [0]])))
+        lengths = edges[1::2] - edges[::2]
+        if lengths.size and int(lengths.max()) > longest:
+            longest, where = int(lengths.max()), mount
+    first = int(np.argmax(states.any(axis=1)))
+    return {"first_s": first / rate, "longest_s": longest / rate, "mount": MOUNTS[where]}
 
 
 def _saturation(tally: np.ndarray, states: int) -> dict[str, dict[str, float]]:

@@ -75,8 +75,8 @@ def response(of: Controller, z: complex) -> np.ndarray:
         ({"delay": np.nan}, r"controller\.delay = nan: must be zero or positive"),
         ({"voltage_limit": 0.0}, r"controller\.voltage_limit = 0\.0: must be a positive number"),
         ({"voltage_limit": np.inf}, r"controller\.voltage_limit = inf: must be a positive number"),
-        ({"bits": 1}, r"controller\.bits = 1: must be from 2 to 52, or none"),
-        ({"bits": 64}, r"controller\.bits = 64: must be from 2 to 52, or none"),
+        ({"bits": 1}, r"controller\.bits = 1: must be a whole number from 2 to 52, or none"),
+        ({"bits": 64}, r"controller\.bits = 64: must be a whole number from 2 to 52, or none"),
     ],
 )
 def test_a_law_that_cannot_run_is_refused_with_what_would_fit(changes: dict[str, Any], message: str) -> None:
@@ -266,7 +266,7 @@ def test_what_may_be_left_out_has_its_default() -> None:
         ({"outputs": VALVES[::-1]}, r"controller\.outputs = \['valve_command rear-right', .*: must be \["),
         ({"inputs": ["strok front-left"]}, r"controller\.inputs: channel 'strok front-left' is unknown"),
         ({"period_s": "soon"}, "controller: not a law"),
-        ({"bits": "many"}, "controller: not a law"),
+        ({"bits": "many"}, r"controller\.bits = many: must be a whole number"),
     ],
 )
 def test_a_damaged_table_is_refused(change: dict[str, Any], message: str) -> None:

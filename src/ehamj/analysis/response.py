@@ -59,7 +59,7 @@ def measure_valves(
     pattern: Sequence[str] = MOUNTS,
     amplitude: float = 0.01,
     frequency: ArrayLike | None = None,
-    realisations: int = 2,
+    realisations: int = 4,
 ) -> Measured:
     """Response of channels to a command given to the valves of ``pattern`` alike.
 
@@ -87,7 +87,7 @@ def measure_floor(
     dof: str = "z",
     velocity: float = 1e-6,
     frequency: ArrayLike | None = None,
-    realisations: int = 2,
+    realisations: int = 4,
 ) -> Measured:
     """Response of channels to the displacement of a rigid floor in one degree of freedom.
 

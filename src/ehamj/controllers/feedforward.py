@@ -7,7 +7,7 @@ With the machine at rest the oil moves each plate by −x_g when
 (eqs. 3, 6, 7 with M s² x_p = 0; the term C s/K_h, 4e-4 at 100 Hz, is left out). The valve's inverse
 (1 + 2ζs/ω_v + s²/ω_v²)/K_v is rolled off by a third-order Butterworth, the delay of roll-off, computation and hold
 is led by 1 + T s, and the integrator leaks, 1/(s + ω_l), so that its gain is bounded. The leak alone costs
-(K_C K_L/A_p²)·ω_l/ω² of the inverse: −50 dB at 5 Hz for 0.02 Hz.
+ω_l c/(ω |jω + c|), c = (K_C K_L/A_p²)/(1 + K_L/K_h): −50 dB at 5 Hz for 0.02 Hz.
 """
 
 from typing import Annotated, Literal

@@ -22,7 +22,7 @@ UNSTABLE = 1.0 + 1e-9
 OUTPUTS = tuple(f"valve_command {mount}" for mount in MOUNTS)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Controller:
     """x⁺ = A x + B u, y = C x + D u, every ``period``; u are measured channels in SI, y the four commands [V].
 
@@ -70,8 +70,8 @@ class Controller:
         _positive("voltage_limit", self.voltage_limit)
         if not (np.isfinite(self.latency) and self.latency >= 0.0):
             raise InputError(f"controller.delay = {self.delay}: must be zero or positive [s]")
-        if self.bits is not None and not 2 <= self.bits <= 52:
-            raise InputError(f"controller.bits = {self.bits}: must be from 2 to 52, or none")
+        if self.bits is not None and not (isinstance(self.bits, int) and 2 <= self.bits <= 52):
+            raise InputError(f"controller.bits = {self.bits}: must be a whole number from 2 to 52, or none")
         radius = float(np.abs(np.linalg.eigvals(self.A)).max()) if self.A.size else 0.0
         if radius > UNSTABLE:
             raise InputError(
