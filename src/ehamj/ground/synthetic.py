@@ -1,5 +1,6 @@
 """Ground motion made from formulas: rest, sine, multisine, sweep and shock; of a rigid slab, or as a passing wave."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
@@ -34,9 +35,9 @@ class _OneDof(Settings):
     wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: a rigid slab")
     fade_in: float = Field(0.0, ge=0, description="time over which the motion fades in [s]")
 
+    @abstractmethod
     def signal(self) -> Signal:
         """Displacement [m] or rotation [rad]."""
-        raise NotImplementedError
 
     def motion(self, start: Start) -> Motion:
         """Build the motion."""
