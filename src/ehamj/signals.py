@@ -11,6 +11,9 @@ from scipy.interpolate import PPoly, make_interp_spline
 Array = NDArray[np.float64]
 
 
+DEGREE = 5
+"""Degree of the spline through samples."""
+
 SLACK = 5e-10
 """Half a nanosecond: the times of steps are multiples of the step with rounding, and a jump belongs to one of them."""
 
@@ -121,7 +124,7 @@ class Sampled:
     @cached_property
     def _spline(self) -> PPoly:
         times = self.start + np.arange(self.values.size) / self.rate
-        return PPoly.from_spline(make_interp_spline(times, self.values, k=5))
+        return PPoly.from_spline(make_interp_spline(times, self.values, k=DEGREE))
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         end = self.start + (self.values.size - 1) / self.rate
@@ -129,7 +132,9 @@ class Sampled:
         clipped = np.clip(time, self.start, end)
         # All three at once from the pieces' coefficients: several times faster than a spline evaluated thrice.
         breaks, coefficients = self._spline.x, self._spline.c
-        piece = np.clip(np.searchsorted(breaks, clipped, side="right") - 1, 0, breaks.size - 2)
+        # Knots are the samples but for the second, third and their like at the end, with five empty pieces at each end.
+        sample = ((clipped - self.start) * self.rate).astype(np.int64)
+        piece = np.clip(sample + DEGREE - 2, DEGREE, breaks.size - DEGREE - 2)
         s = clipped - breaks[piece]
         a, b, c, d, e, f = coefficients[:, piece]
         value = ((((a * s + b) * s + c) * s + d) * s + e) * s + f

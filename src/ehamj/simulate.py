@@ -17,7 +17,7 @@ from ehamj.commands import Passive
 from ehamj.controllers import Controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.ground import Motion
-from ehamj.kinematics import point_motion
+from ehamj.kinematics import points_motion
 from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
 from ehamj.model import build_model, drawn_xml
 from ehamj.native import hydraulics
@@ -299,9 +299,9 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
     ground = prepared.motion.sample(times)
     dofs = list(DOF_OF_JOINT)
     displacement, velocity, acceleration = (rows[:, slice(*part)][:, dofs] for part in (at.qpos, at.qvel, at.qacc))
-    feet = [point_motion(displacement, velocity, acceleration, (*position, 0.0)) for position in plant.positions]
+    points = [*((*position, 0.0) for position in plant.positions), plant.machine.cg]
+    *feet, cg = points_motion(displacement, velocity, acceleration, points)
     foot = [np.stack(part, axis=1) for part in zip(*feet, strict=True)]
-    cg = point_motion(displacement, velocity, acceleration, plant.machine.cg)
     states = rows[:, slice(*at.act)]
     own = N_MOUNTS * N_STATES
     act = states[:, :own].reshape(-1, N_MOUNTS, N_STATES)
