@@ -151,7 +151,10 @@ class Faded:
     duration: float
 
     def sample(self, time: Array, left: bool = False) -> Sample:
-        value, slope, curvature = self.signal.sample(time, left)
+        plain = self.signal.sample(time, left)
+        if time.size and time.min() >= self.duration:
+            return plain
+        value, slope, curvature = plain
         s = np.clip(time / self.duration, 0.0, 1.0)
         w = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
         w1 = 30.0 * s**2 * (1.0 - s) ** 2 / self.duration
