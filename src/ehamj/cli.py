@@ -404,6 +404,9 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     for warning in summary["warnings"]:
         out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
     out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)
+    for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
+        if (folder / name).is_file():
+            out.print(f"{text}: {folder / name}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _pick(*keys: str) -> Callable[[dict[str, Any]], float]:
