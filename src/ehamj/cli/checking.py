@@ -1,0 +1,64 @@
+"""Commands that check and time the simulator itself."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from ehamj.cli.frame import JsonOption, app, flat, log, out, print_json
+from ehamj.errors import InputError
+
+
+@app.command()
+def bench(
+    repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
+    as_json: JsonOption = False,
+) -> None:
+    """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
+    from ehamj.bench import bench as measure
+
+    with log.status("timing"):
+        figures = measure(repetitions)
+    if as_json:
+        print_json(figures)
+        return
+    table = Table("figure", "value", title="ehamj bench (medians; ratios are what to compare)")
+    for name, value in flat(figures):
+        table.add_row(name, f"{value:.4g}")
+    out.print(table)
+
+
+@app.command()
+def verify(
+    out_file: Annotated[Path | None, typer.Option("--out", help="Also write the table as an HTML page.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Check the simulator against independent solutions, and print the table of errors; exit 1 if a case fails.
+
+    Closed forms, an independent SciPy model of the whole machine with every option, conservation of oil and energy,
+    convergence orders, modes and equilibria. It takes about a minute.
+    """
+    from ehamj.verify import to_dict, write_table
+    from ehamj.verify import verify as check
+
+    with log.status("verifying") as status:
+        outcomes = check(progress=lambda done: status.update(f"verified: {done.name}"))
+    if out_file is not None:
+        try:
+            write_table(outcomes, out_file)
+        except OSError as error:
+            raise InputError(f"--out {str(out_file)!r}: cannot be written ({error.strerror})") from error
+    if as_json:
+        print_json(to_dict(outcomes))
+    else:
+        table = Table("case", "error", "tolerance", "unit", "", "why the tolerance is what it is")
+        for one in outcomes:
+            verdict = "passed" if one.passed else "[bold red]FAILED[/]"
+            table.add_row(
+                one.name, f"{one.error:.3g}", f"{one.tolerance:.3g}", escape(one.unit), verdict, escape(one.why)
+            )
+        out.print(table)
+    if not all(one.passed for one in outcomes):
+        raise typer.Exit(1)

@@ -1,0 +1,157 @@
+"""Commands that simulate, and that list what can be simulated."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from ehamj.cli.frame import (
+    JsonOption,
+    OutOption,
+    OverwriteOption,
+    ScenarioArgument,
+    SetOption,
+    app,
+    check_out,
+    log,
+    new_folder,
+    out,
+    print_json,
+)
+
+if TYPE_CHECKING:
+    from ehamj.result import Result
+    from ehamj.scenario import Scenario
+
+SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation a run prints [Hz]."""
+
+
+@app.command()
+def run(
+    scenario: ScenarioArgument = "recorded",
+    out_folder: OutOption = None,
+    overwrite: OverwriteOption = False,
+    overrides: SetOption = None,
+    no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate one scenario into a result folder.
+
+    The folder holds report.html (read it first), replay.rrd (open it with `ehamj replay`), result.nc (all time
+    histories, opens with xarray), summary.json, scenario.toml (complete; runs again to the same result) and model.xml
+    (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
+    """
+    from ehamj.result import RESULT_FILES
+    from ehamj.scenario import load_scenario
+    from ehamj.store import write_run
+
+    check_out(out_folder, overwrite, RESULT_FILES)
+    loaded = load_scenario(scenario, overrides or ())
+    if no_replay or no_report:
+        wanted = {"replay": loaded.output.replay and not no_replay, "report": loaded.output.report and not no_report}
+        loaded = loaded.model_copy(update={"output": loaded.output.model_copy(update=wanted)})
+    results, failures = _simulate(loaded)
+    with new_folder(out_folder, overwrite) as (folder, target), log.status("writing the result"):
+        write_run(target, results)
+    summary = results[loaded.name].summary
+    if as_json:
+        variants = {name: results[loaded.variant(name).name].summary for name in loaded.compare}
+        print_json({"folder": str(folder), "summary": summary, "variants": variants})
+    else:
+        _print_summary(summary, folder)
+    if failures:
+        raise failures[0]
+
+
+@app.command()
+def scenarios(as_json: JsonOption = False) -> None:
+    """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
+    from ehamj.scenario import load_scenario, shipped_scenarios
+
+    found = {name: load_scenario(name).description for name in shipped_scenarios()}
+    if as_json:
+        print_json({"scenarios": [{"name": name, "description": text} for name, text in found.items()]})
+        return
+    for name, text in found.items():
+        out.print(f"[bold]{name:16}[/] {text}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
+    from ehamj.scenario import scenario_schema
+
+    sys.stdout.write(scenario_schema() + "\n")
+
+
+def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
+    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from ehamj.simulate import Incomplete, simulate
+
+    wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
+    bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
+
+    def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
+        task = bar.add_task(escape(variant.name), total=1.0)
+        try:
+            return simulate(variant, lambda fraction: bar.update(task, completed=fraction)), None
+        except Incomplete as failure:
+            return failure.result, failure
+
+    with bar, ThreadPoolExecutor() as pool:
+        outcomes = list(pool.map(one, wanted))
+    results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
+    return results, [failure for _, failure in outcomes if failure is not None]
+
+
+def _print_summary(summary: dict[str, Any], folder: Path) -> None:
+    """The few numbers that say how it went, and where everything is."""
+    timing = summary["timing"]
+    state = "complete" if summary["complete"] else "INCOMPLETE"
+    times = f"{timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s"
+    out.print(f"[bold]{escape(summary['name'])}[/]: {times}, {state}", highlight=False)
+    table = Table("about equilibrium", "unit", "peak", "RMS")
+    rows: list[tuple[str, str, float, Callable[[dict[str, Any]], float]]] = []
+    for axis in "xyz":
+        rows.append((f"ground velocity {axis} (front-left)", "µm/s", 1e6, _pick("ground_velocity", "front-left", axis)))
+        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, _pick("cg_velocity", axis)))
+    for dof in ("rx", "ry"):
+        rows.append((f"machine rotation {dof}", "µrad", 1e6, _pick("machine_displacement", dof)))
+    rows.append(("stroke (front-left)", "µm", 1e6, _pick("stroke", "front-left")))
+    rows.append(("spool (front-left)", "mA", 1.0, _pick("spool", "front-left")))
+    for label, unit, factor, pick in rows:
+        table.add_row(label, unit, f"{factor * pick(summary['peak']):.3g}", f"{factor * pick(summary['rms']):.3g}")
+    if summary["peak"]:
+        out.print(table)
+    verdict = summary["criterion"]["verdict"]
+    out.print(f"vibration class, vertical: {verdict['vertical']}", highlight=False, soft_wrap=True)
+    out.print(f"vibration class, horizontal: {verdict['horizontal']}", highlight=False, soft_wrap=True)
+    quiet = {band: dB for band, dB in summary["attenuation_db"]["z"].items() if dB is not None and band in SHOWN_BANDS}
+    if quiet:
+        words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
+        out.print(f"vertical attenuation, floor to machine: {words}", highlight=False, soft_wrap=True)
+    for warning in summary["warnings"]:
+        out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
+    out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)
+    for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
+        if (folder / name).is_file():
+            out.print(f"{text}: {folder / name}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _pick(*keys: str) -> Callable[[dict[str, Any]], float]:
+    def pick(levels: dict[str, Any]) -> float:
+        value: Any = levels
+        for key in keys:
+            value = value[key]
+        return float("nan") if value is None else float(value)
+
+    return pick
