@@ -18,9 +18,9 @@ RANKS = (
     ("isolation", "operating_point"),
     ("summary", "result"),
     ("replay", "simulate"),
-    ("analysis", "report"),
-    ("design", "studies", "bench", "store"),
-    ("verify",),
+    ("analysis",),
+    ("report", "design", "studies", "bench"),
+    ("store", "verify"),
     ("cli", "__init__"),
 )
 """Rooms of the package from the ground floor up; rooms of one rank do not know each other."""

@@ -19,7 +19,11 @@ from lxml import html as lxml_html
 from ehamj import plots
 from ehamj.ground import Start
 from ehamj.layout import MOUNTS
-from ehamj.report import PROCESSING, Picture, characteristic_part, colors_of, draw, number, page, write_report
+from ehamj.report import Picture, draw, page, write_report
+from ehamj.report.histories import characteristic_part
+from ehamj.report.parts import colors_of
+from ehamj.report.verdict import PROCESSING
+from ehamj.report.words import number
 from ehamj.result import Result
 from ehamj.scenario import load_scenario, parse_scenario
 from ehamj.simulate import Incomplete, simulate

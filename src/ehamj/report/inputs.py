@@ -1,0 +1,106 @@
+"""Tables of what was given: parameters with their sources, mounts, floor and control."""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from markupsafe import Markup, escape
+from pydantic import BaseModel
+
+from ehamj.layout import MOUNTS
+from ehamj.parameters import Parameters
+from ehamj.report.parts import Results, Table
+from ehamj.report.words import BAR, exact, plain
+from ehamj.scenario import Scenario
+
+
+def inputs(results: Results) -> Iterator[Table]:
+    """Parameters, mounts, ground and control; once where results share them."""
+    yield from _shared(results, lambda scenario: [_quantities("Machine", scenario.machine)])
+    yield from _shared(results, lambda scenario: [_mounts(scenario)])
+    yield from _shared(results, _actuators)
+    yield from _shared(results, lambda scenario: [_quantities("Supply", scenario.supply)])
+    yield from _shared(results, _run)
+    yield from _shared(results, lambda scenario: [_settings("Ground", scenario.ground)])
+    yield from _shared(results, lambda scenario: [_settings("Control", scenario.control)])
+
+
+def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
+    found: dict[str, tuple[list[str], list[Table]]] = {}
+    for label, result in results.items():
+        tables = tables_of(result.scenario)
+        found.setdefault(repr(tables), ([], tables))[0].append(label)
+    for labels, tables in found.values():
+        for table in tables:
+            whose = f", {', '.join(labels)}" if len(found) > 1 else ""
+            yield Table(table.title + whose, table.head, table.rows, table.note, table.kind, table.badges)
+
+
+def _run(scenario: Scenario) -> list[Table]:
+    single = [
+        name
+        for name in type(scenario).model_fields
+        if name not in ("name", "description") and isinstance(getattr(scenario, name), int | float | str)
+    ]
+    return [_settings("Run", scenario, single)]
+
+
+def _actuators(scenario: Scenario) -> list[Table]:
+    return [_quantities(f"Actuator {name}", actuator) for name, actuator in scenario.actuators.items()]
+
+
+def _quantities(title: str, parameters: Parameters) -> Table:
+    """Each value with symbol, unit and source; settings without unit have no source."""
+    known = parameters.quantities()
+    rows, badges = [], []
+    for name, about in type(parameters).model_fields.items():
+        if name == "sources":
+            continue
+        unit, symbol, _ = known.get(name, ("", "", ""))
+        value, text = getattr(parameters, name), (about.description or "").removesuffix(f" [{unit}]")
+        shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
+        if unit == "Pa" and isinstance(value, float) and 1e4 <= value < 1e8:
+            shown += f" ({exact(BAR * value)} bar)"
+        badges.append(parameters.sources.get(name, ""))
+        rows.append([_named(name, text), _symbol(symbol), shown, badges[-1]])
+    return Table(title, ("quantity", "symbol", "value", "source"), rows, kind="words", badges=badges)
+
+
+def _named(key: str, text: str) -> str:
+    """What something is, and its key in a scenario."""
+    return Markup("{} <code>{}</code>").format(text, key)
+
+
+def _symbol(symbol: str) -> str:
+    """A symbol with its subscripts: A_p."""
+    return Markup(re.sub(r"_([^\W_]+)", r"<sub>\1</sub>", str(escape(symbol))))
+
+
+def _mounts(scenario: Scenario) -> Table:
+    actuators: dict[str, str] = {mount.name: mount.actuator for mount in scenario.mount}
+    rows = [
+        [name, exact(x), exact(y), actuators[name]]
+        for name, (x, y) in zip(MOUNTS, scenario.plant.positions, strict=True)
+    ]
+    return Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")
+
+
+def _settings(title: str, settings: BaseModel, only: Sequence[str] = ()) -> Table:
+    rows = [list(row) for row in _flat(settings, "", only)]
+    return Table(title, ("setting", "value"), rows, kind="words")
+
+
+def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterator[tuple[str, str]]:
+    """Description with key, and value of each setting, those of inner tables with their path."""
+    for name, about in type(settings).model_fields.items():
+        if only and name not in only:
+            continue
+        value, key = getattr(settings, name), f"{prefix}{name}"
+        inner = value if isinstance(value, tuple) and value and isinstance(value[0], BaseModel) else ()
+        if isinstance(value, BaseModel):
+            yield from _flat(value, f"{key}.")
+        elif inner:
+            for k, part in enumerate(inner):
+                yield from _flat(part, f"{key}.{k}.")
+        else:
+            yield _named(key, about.description or ""), plain(value)
