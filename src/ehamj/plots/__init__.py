@@ -1,0 +1,31 @@
+"""Figures from plain arrays; they know no simulation.
+
+Every figure is a `matplotlib.figure.Figure` of a phone's proportions, so that its text stays readable across a narrow
+screen and two of them fit beside each other on paper. Matplotlib is imported when the first figure is drawn, and
+pyplot never. Colours are those of Okabe and Ito, which most colour-blind people tell apart.
+"""
+
+from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion
+from ehamj.plots.files import inline, svg
+from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
+from ehamj.plots.machine import Foot, machine_plan, machine_side
+from ehamj.plots.style import (
+    BLUE,
+    FLOOR_COLOR,
+    GREEN,
+    INK,
+    LIMIT_COLOR,
+    MOUNT_STYLES,
+    ORANGE,
+    PURPLE,
+    SKY,
+    STYLE,
+    VERMILLION,
+    shown,
+)
+
+__all__ = [
+    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE", "QUIETEST",
+    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Trace", "attenuation", "criterion",
+    "envelope", "history", "inline", "machine_plan", "machine_side", "shown", "svg", "thinned",
+]  # fmt: skip

@@ -1,0 +1,135 @@
+"""Figures over third-octave bands: attenuation, and velocity against the curves of a criterion."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ehamj.plots.style import FAINT, FLOOR_COLOR, GREY, MARKERS, Array, arrange, new_figure, shown, styled
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BAND_TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+
+QUIETEST: Final = 0.01
+"""Lowest velocity on a criterion plot [µm/s]."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """A line over frequency bands: centres [Hz] and values, NaN where nothing is known, (bands,) each."""
+
+    label: str
+    frequency: Array
+    values: Array
+    color: str
+
+
+def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
+    """Attenuation [dB] over third-octave bands; up is quieter than the floor."""
+    from matplotlib.lines import Line2D
+
+    with styled():
+        figure = new_figure(title)
+        axes = figure.add_subplot()
+        _band_axis(axes, curves)
+        values = np.concatenate([curve.values[np.isfinite(curve.values)] for curve in curves] or [np.zeros(0)])
+        bottom = min(-10.0, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
+        top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
+        axes.set_ylim(bottom, top)
+        axes.axhspan(bottom, 0.0, color="#FBEDEA", zorder=0)
+        axes.axhline(0.0, color=GREY, linewidth=1.2)
+        axes.set_ylabel("attenuation [dB], up = quieter")
+        entries = _band_lines(axes, curves)
+        entries["as the floor (0 dB)"] = Line2D([], [], color=GREY, linewidth=1.2)
+        arrange(figure, [(axes, 150.0)], entries)
+    return figure
+
+
+def criterion(
+    title: str, curves: Sequence[Levels], classes: Mapping[str, tuple[Array, Array]], known_to: float | None = None
+) -> "Figure":
+    """Third-octave RMS velocity [µm/s] over bands, with the curves of vibration classes.
+
+    Args:
+        title: of the figure.
+        curves: levels [µm/s].
+        classes: name → band centres [Hz] and limits [µm/s] of each class, drawn where they are in sight.
+        known_to: frequency above which the ground is not known [Hz].
+    """
+    from matplotlib.patches import Patch
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    with styled():
+        figure = new_figure(title)
+        axes = figure.add_subplot()
+        _band_axis(axes, curves)
+        axes.set_yscale("log")
+        parts = [curve.values[np.isfinite(curve.values) & (curve.values > 0)] for curve in curves]
+        values = np.concatenate(parts or [np.zeros(0)])
+        bottom = min(0.3, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
+        top = max(100.0, 1.5 * float(values.max(initial=1.0)))
+        axes.set_ylim(bottom, top)
+        axes.yaxis.set_major_locator(LogLocator(10))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.set_ylabel("RMS velocity per band [µm/s]")
+        for name, (frequency, limit) in classes.items():
+            level = float(limit[-1])
+            if not bottom * 1.1 < level < top:
+                continue
+            axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
+            axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=FAINT, linewidth=0.8, linestyle=":")
+            place = (axes.get_xlim()[1], level)
+            axes.annotate(name, place, (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
+        entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
+        if known_to is not None and known_to < axes.get_xlim()[1]:
+            axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
+            entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
+        arrange(figure, [(axes, 190.0)], entries, right=76.0)
+    return figure
+
+
+def _positive(values: Array) -> Array:
+    """Values that a logarithmic axis can show."""
+    return np.where(values > 0, values, np.nan)
+
+
+def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
+    """A logarithmic axis of frequency that spans all bands, known or not."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    axes.set_xscale("log")
+    frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
+    axes.set_xlim(float(frequency.min()) / 1.12, float(frequency.max()) * 1.12)
+    axes.xaxis.set_major_locator(FixedLocator(list(BAND_TICKS)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_xlabel("third-octave band [Hz]")
+
+
+def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":
+    """Draw the curves, earlier ones thinner and on top, so that those which coincide all show. Returns the legend."""
+    entries: dict[str, Artist] = {}
+    for place, curve in enumerate(curve for curve in curves if curve.color != FLOOR_COLOR):
+        (entries[shown(curve.label)],) = axes.plot(
+            curve.frequency,
+            curve.values,
+            color=curve.color,
+            linewidth=1.4 + 0.9 * place,
+            marker=MARKERS.get(curve.color, "o"),
+            markersize=3.4 + 1.6 * place,
+            zorder=3.0 - 0.1 * place,
+        )
+    floors: dict[str, Artist] = {}
+    for curve in curves:
+        if curve.color == FLOOR_COLOR:
+            (floors[shown(curve.label)],) = axes.plot(
+                curve.frequency, curve.values, color=curve.color, linewidth=4.5, zorder=2.2, solid_capstyle="round"
+            )
+    return floors | entries

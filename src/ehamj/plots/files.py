@@ -1,0 +1,30 @@
+"""Figures as SVG, in files of their own and as parts of a page."""
+
+import io
+import re
+from typing import TYPE_CHECKING
+
+from ehamj.plots.style import FONTS, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def svg(figure: "Figure", name: str) -> str:
+    """The figure as an SVG file: text as text, the same bytes every time, its ids beginning with ``name``."""
+    title = figure.get_suptitle()
+    with styled(), io.StringIO() as file:
+        figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Title": title})
+        text = file.getvalue()
+    text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r"<!DOCTYPE.*?>\s*", "", text, flags=re.DOTALL)
+    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
+    text = re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path.group()), text)
+    return text.replace("'DejaVu Sans', sans-serif", FONTS)
+
+
+def inline(text: str) -> str:
+    """An SVG file as a part of an HTML page: without the prologue, scaled by the page."""
+    text = re.sub(r"<\?xml.*?\?>\s*", "", text, count=1, flags=re.DOTALL)
+    return re.sub(r' xmlns:xlink="[^"]*"', "", text, count=1)

@@ -1,0 +1,163 @@
+"""Figures over time, thinned so that no peak is lost."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ehamj.plots.style import LIMIT_COLOR, Array, arrange, new_figure, shown, styled
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STRETCHES: Final = 500
+"""Stretches of time that a long record is drawn in."""
+
+FAR_LIMIT: Final = 20.0
+"""Limits further away than this many times the data's peak are named and not drawn."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A line over time: times [s], (n,), and values, (n,), or (n, lines) of which the envelope is drawn."""
+
+    label: str
+    time: Array
+    values: Array
+    color: str
+    width: float = 1.1
+    dash: str = "-"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Values that a quantity cannot or may not pass."""
+
+    label: str
+    values: tuple[float, ...]
+
+
+def envelope(time: Array, values: Array, most: int = STRETCHES) -> tuple[Array, Array, Array]:
+    """Lowest and highest value in each of at most ``most`` stretches of a record; no peak is lost.
+
+    Args:
+        time: (n,) [s].
+        values: (n,), or (n, lines), of which the lowest and highest line count; NaN is left out.
+        most: number of stretches.
+
+    Returns:
+        Middle of each stretch [s], lowest and highest value, (stretches,) each.
+    """
+    columns = np.asarray(values, float).reshape(len(time), -1)
+    low, high = np.fmin.reduce(columns, axis=1), np.fmax.reduce(columns, axis=1)
+    if len(time) <= most:
+        return np.asarray(time, float), low, high
+    size = -(-len(time) // most)
+    starts = np.arange(0, len(time), size)
+    middle = time[np.minimum(starts + size // 2, len(time) - 1)]
+    return middle, np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
+
+
+def thinned(time: Array, values: Array, most: int = 3 * STRETCHES) -> tuple[Array, Array]:
+    """A line of at most about ``2·most`` points that keeps every peak: lowest and highest value of each stretch.
+
+    Args:
+        time: (n,) [s].
+        values: (n,).
+        most: points up to which nothing is changed.
+    """
+    if len(time) <= most:
+        return time, values
+    middle, low, high = envelope(time, values, most)
+    half = 0.25 * (middle[1] - middle[0])
+    return np.column_stack([middle - half, middle + half]).ravel(), np.column_stack([low, high]).ravel()
+
+
+def history(
+    title: str,
+    quantity: str,
+    whole: Sequence[Trace],
+    detail: Sequence[Trace],
+    limits: Sequence[Limit] = (),
+    window: tuple[float, float] | None = None,
+) -> "Figure":
+    """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
+
+    Args:
+        title: of the figure.
+        quantity: what the values are, with unit, such as ``command [V]``.
+        whole: what is drawn over the whole run.
+        detail: what is drawn in the window.
+        limits: drawn in the upper part, unless they are further off than `FAR_LIMIT` peaks: then they are only named.
+        window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
+            the upper one.
+    """
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    with styled():
+        figure = new_figure(title)
+        above, *below = figure.subplots(2 if window else 1, 1, squeeze=False)[:, 0]
+        entries: dict[str, Artist] = {}
+        if window:
+            for trace in whole:
+                entries.setdefault(shown(trace.label), _band_over_time(above, trace))
+            above.axvspan(*window, color="#FFF3C4", zorder=0)
+        for axes in below or (above,):
+            for trace in detail:
+                entries.setdefault(shown(trace.label), _line_over_time(axes, trace, window))
+            if window:
+                axes.set_xlim(*window)
+        entries |= _limits(above, [*whole, *([] if window else detail)], limits)
+        for axes in (above, *below):
+            axes.set_ylabel(quantity)
+            axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        if window:
+            above.set_xlabel("time [s], whole run")
+            below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
+            above.margins(x=0)
+        else:
+            above.set_xlabel("time [s]")
+        arrange(figure, [(axes, 92.0 if window else 140.0) for axes in (above, *below)], entries)
+    return figure
+
+
+def finite(values: Array) -> Array:
+    """Values that can be drawn: what is not finite, or of absurd size in a run that failed, is left out."""
+    return np.where(np.abs(values) < 1e30, values, np.nan)
+
+
+def _band_over_time(axes: "Axes", trace: Trace) -> "Artist":
+    time, low, high = envelope(trace.time, finite(trace.values))
+    return axes.fill_between(time, low, high, facecolor=trace.color, edgecolor=trace.color, linewidth=0.6, alpha=0.85)
+
+
+def _line_over_time(axes: "Axes", trace: Trace, window: tuple[float, float] | None) -> "Artist":
+    inside = slice(None)
+    if window:
+        first, last = np.searchsorted(trace.time, window)
+        inside = slice(max(int(first) - 1, 0), int(last) + 1)
+    time, values = thinned(trace.time[inside], finite(trace.values[inside]))
+    (line,) = axes.plot(time, values, color=trace.color, linewidth=trace.width, linestyle=trace.dash)
+    return line
+
+
+def _limits(axes: "Axes", traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, "Artist"]:
+    """Draw limits that are near enough to matter, and name all."""
+    from matplotlib.lines import Line2D
+
+    values = [finite(trace.values) for trace in traces]
+    peak = max((float(np.nanmax(np.abs(part), initial=0.0)) for part in values if part.size), default=0.0)
+    entries: dict[str, Artist] = {}
+    for limit in limits:
+        near = [value for value in limit.values if abs(value) <= FAR_LIMIT * peak]
+        for value in near:
+            axes.axhline(value, color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (5, 2)))
+        if near:
+            entries[limit.label] = Line2D([], [], color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (4, 2)))
+        else:
+            entries[f"{limit.label}: far outside"] = Line2D([], [], linestyle="none")
+    return entries
