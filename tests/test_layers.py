@@ -10,9 +10,10 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 
 RANKS = (
-    ("errors", "layout", "compiled", "signals", "kinematics", "criteria", "plots"),
+    ("errors", "layout", "compiled", "signals", "kinematics", "plots"),
     ("parameters", "hydraulics"),
-    ("ground", "commands", "channels"),
+    ("criteria",),
+    ("ground", "commands", "channels", "points"),
     ("controllers", "model"),
     ("scenario", "native", "chambers"),
     ("isolation", "operating_point"),

@@ -36,6 +36,7 @@ LABELS = {
     "axis": ["x", "y", "z"],
     "dof": ["x", "y", "z", "rx", "ry", "rz"],
     "chamber": [1, 2],
+    "point": ["spindle-nose"],
 }
 # Typed from the published interface: dimensions after time, and SI units with the spool in mA and the command in V.
 VARIABLES = {
@@ -50,6 +51,9 @@ VARIABLES = {
     "cg_displacement": (("axis",), "m"),
     "cg_velocity": (("axis",), "m/s"),
     "cg_acceleration": (("axis",), "m/s^2"),
+    "point_displacement": (("point", "axis"), "m"),
+    "point_velocity": (("point", "axis"), "m/s"),
+    "point_acceleration": (("point", "axis"), "m/s^2"),
     "stroke": (("mount",), "m"),
     "stroke_velocity": (("mount",), "m/s"),
     "spool": (("mount",), "mA"),

@@ -3,7 +3,7 @@
 import contextlib
 import json
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,9 @@ COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
     "chamber": (list(CHAMBERS), {"long_name": "chamber; oil in chamber 1 lifts the plate"}),
 }
 
+LABELLED = {"point": "point of the machine", "relative": "relative motion, as named in the scenario"}
+"""Dimensions whose labels the scenario gives; a result has them where it names any."""
+
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
     "ground_velocity": (("mount", "axis"), "m/s", "velocity of the ground below each mount"),
@@ -40,6 +43,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "cg_displacement": (("axis",), "m", "displacement of the machine's centre of gravity"),
     "cg_velocity": (("axis",), "m/s", "velocity of the machine's centre of gravity"),
     "cg_acceleration": (("axis",), "m/s^2", "acceleration of the machine's centre of gravity"),
+    "point_displacement": (("point", "axis"), "m", "displacement of a point of the machine"),
+    "point_velocity": (("point", "axis"), "m/s", "velocity of a point of the machine"),
+    "point_acceleration": (("point", "axis"), "m/s^2", "acceleration of a point of the machine"),
+    "relative_displacement": (("relative", "axis"), "m", "displacement of one place relative to another"),
+    "relative_velocity": (("relative", "axis"), "m/s", "velocity of one place relative to another"),
     "stroke": (("mount",), "m", "plate relative to the ground below it"),
     "stroke_velocity": (("mount",), "m/s", "plate relative to the ground below it"),
     "spool": (("mount",), "mA", "spool position"),
@@ -132,13 +140,23 @@ def written_whole(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def make_dataset(time: np.ndarray, values: dict[str, np.ndarray], attributes: dict[str, Any]) -> xr.Dataset:
-    """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`."""
+def make_dataset(
+    time: np.ndarray,
+    values: dict[str, np.ndarray],
+    attributes: dict[str, Any],
+    labels: Mapping[str, Sequence[str]] | None = None,
+) -> xr.Dataset:
+    """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`.
+
+    ``labels`` names what lies along the dimensions of `LABELLED`, which differ from scenario to scenario.
+    """
     data = {}
     for name, array in values.items():
         dimensions, units, long_name = VARIABLES[name]
         data[name] = (("time", *dimensions), array, {"units": units, "long_name": long_name})
     coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s", "long_name": "time"})}
-    for name, (labels, attrs) in COORDINATES.items():
-        coordinates[name] = (name, labels, attrs)
+    for name, (values_along, attrs) in COORDINATES.items():
+        coordinates[name] = (name, values_along, attrs)
+    for name, along in (labels or {}).items():
+        coordinates[name] = (name, list(along), {"long_name": LABELLED[name]})
     return xr.Dataset(data, coordinates, attributes)

@@ -19,6 +19,8 @@ from pydantic import Field, ValidationError, model_validator
 from ehamj.commands import OpenLoop, Passive
 from ehamj.controllers import Controller
 from ehamj.controllers.feedforward import FeedforwardSettings
+from ehamj.criteria.response_spectrum import HIGHEST_SHARE
+from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
 from ehamj.ground import Motion, Start
 from ehamj.ground.broadband import BroadbandGround
@@ -26,7 +28,19 @@ from ehamj.ground.combined import Combined
 from ehamj.ground.records import RecordGround
 from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
 from ehamj.layout import MOUNTS
-from ehamj.parameters import ACTUATOR_PRESETS, DEFAULT_MOUNTS, OILS, Actuator, Machine, Mount, Plant, Settings, Supply
+from ehamj.parameters import (
+    ACTUATOR_PRESETS,
+    DEFAULT_MOUNTS,
+    OILS,
+    Actuator,
+    Machine,
+    Mount,
+    Plant,
+    Settings,
+    Supply,
+    Vector3,
+)
+from ehamj.points import Relative, check_points, check_relatives, default_points
 from ehamj.signals import Signal
 
 SingleGround = Annotated[
@@ -136,7 +150,28 @@ class Scenario(Settings):
     supply: Supply = Supply()
     ground: Ground = RestGround()
     control: Control = Passive()
+    points: dict[str, Vector3] = Field(
+        {},
+        description="points of the machine that are reported, by name: from the mount plane's centre [m]; where the "
+        "table is left out, the drawing's spindle nose (assumed)",
+    )
+    relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
+    criteria: CriteriaSettings = CriteriaSettings()
     output: Output = Output()
+
+    @model_validator(mode="after")
+    def _observed(self) -> Self:
+        if "points" not in self.model_fields_set:
+            object.__setattr__(self, "points", default_points(self.machine))
+        check_points(self.points, self.machine)
+        check_relatives(self.relative, self.points)
+        spectrum = self.criteria.response_spectrum
+        if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:
+            raise ValueError(
+                f"criteria.response_spectrum.last = {spectrum.last:g} Hz must be at most record_rate/10 = "
+                f"{HIGHEST_SHARE * self.record_rate:g} Hz"
+            )
+        return self
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

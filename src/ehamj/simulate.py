@@ -96,7 +96,9 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: C
     times = _recorded_times(prepared, rows)
     stable = scenario.timestep == "auto" or _follows(scenario.plant, prepared.model.opt.timestep)
     complete = stopped.status == DONE and stable
-    dataset = make_dataset(times, values, {"title": scenario.name, "complete": int(complete)})
+    labels = {"point": list(scenario.points), "relative": [relative.name for relative in scenario.relative]}
+    labels = {name: along for name, along in labels.items() if along}
+    dataset = make_dataset(times, values, {"title": scenario.name, "complete": int(complete)}, labels)
     summary = summarise(
         scenario=scenario,
         dataset=dataset,
@@ -299,8 +301,10 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
     ground = prepared.motion.sample(times)
     dofs = list(DOF_OF_JOINT)
     displacement, velocity, acceleration = (rows[:, slice(*part)][:, dofs] for part in (at.qpos, at.qvel, at.qacc))
-    points = [*((*position, 0.0) for position in plant.positions), plant.machine.cg]
-    *feet, cg = points_motion(displacement, velocity, acceleration, points)
+    places = [*((*position, 0.0) for position in plant.positions), plant.machine.cg]
+    places += prepared.scenario.points.values()
+    moved = points_motion(displacement, velocity, acceleration, places)
+    feet, cg, points = moved[:N_MOUNTS], moved[N_MOUNTS], moved[N_MOUNTS + 1 :]
     foot = [np.stack(part, axis=1) for part in zip(*feet, strict=True)]
     states = rows[:, slice(*at.act)]
     own = N_MOUNTS * N_STATES
@@ -338,6 +342,7 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
         "chamber_flow": rows[:, slice(*at.flow)].reshape(-1, N_MOUNTS, 2),
         "supply_pressure": supply,
     }
+    found |= _observed(prepared.scenario, found, points)
     if plant.bookkeeping:
         ledger = states[:, -len(LEDGER_STATES) :]
         border = dict(zip(LEDGER_STATES[2 * N_MOUNTS :], ledger[:, 2 * N_MOUNTS :].T, strict=True))
@@ -347,6 +352,30 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
             "oil_energy": chambers.energy(act[:, :, 2:], stroke).sum(axis=(1, 2)),
         }
     return found
+
+
+def _observed(
+    scenario: Scenario, found: dict[str, Array], points: list[tuple[Array, Array, Array]]
+) -> dict[str, Array]:
+    """Motion of the points that the scenario names, and of places relative to each other."""
+    motions = ("displacement", "velocity", "acceleration")
+    observed = {}
+    if points:
+        stacked = (np.stack(part, axis=1) for part in zip(*points, strict=True))
+        observed = {f"point_{motion}": part for motion, part in zip(motions, stacked, strict=True)}
+
+    def motion_at(place: str, motion: str) -> Array:
+        if place in scenario.points:
+            return observed[f"point_{motion}"][:, list(scenario.points).index(place)]
+        what, _, mount = place.partition(" ")
+        values = found[f"{what}_{motion}"]
+        return values[:, MOUNTS.index(mount)] if mount else values
+
+    if scenario.relative:
+        for motion in motions[:2]:
+            parts = [motion_at(r.origin, motion) - motion_at(r.to, motion) for r in scenario.relative]
+            observed[f"relative_{motion}"] = np.stack(parts, axis=1)
+    return observed
 
 
 def _why_unstable(dataset: xr.Dataset, timestep: float) -> str:

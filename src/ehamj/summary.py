@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from ehamj.isolation import isolation
+from ehamj.isolation.relative import relative_motions
+from ehamj.isolation.spectra import response_spectra
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.scenario import Scenario
 
@@ -32,11 +34,14 @@ def summarise(
     simulated = float(dataset.time[-1]) if dataset.time.size else 0.0
     states = max(steps + complete, 1)  # counted: one before each step and, at the end of a complete run, the last one
     saturation = _saturation(tally, states)
+    isolated = isolation(dataset, scenario.plant, scenario.record_rate, usable_to, scenario.criteria)
+    undecided = isolated.pop("undecided")
     return {
         "name": scenario.name,
         "complete": complete,
-        **isolation(dataset, scenario.plant, scenario.record_rate, usable_to),
-        "warnings": list(notes) + _warnings(saturation),
+        **isolated,
+        **_observed(dataset, scenario, usable_to),
+        "warnings": [*notes, *undecided, *_warnings(saturation)],
         "peak": peak,
         "rms": rms,
         "saturation": saturation,
@@ -53,6 +58,17 @@ def summarise(
         "versions": {"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         "seed": scenario.seed,
     }
+
+
+def _observed(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:
+    """What the scenario asks for beside: relative motions and response spectra."""
+    observed: dict[str, Any] = {}
+    if scenario.relative:
+        observed["relative"] = relative_motions(dataset, scenario.relative, scenario.record_rate, usable_to)
+    if scenario.criteria.response_spectrum is not None:
+        settings = scenario.criteria.response_spectrum
+        observed["response_spectrum"] = response_spectra(dataset, scenario.record_rate, usable_to, settings)
+    return observed
 
 
 def levels(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:

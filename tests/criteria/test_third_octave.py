@@ -152,6 +152,30 @@ def test_levels_scale_with_the_signal(factor: float) -> None:
     np.testing.assert_allclose(band_rms(factor * signal, RATE, ALL), factor * band_rms(signal, RATE, ALL), rtol=1e-9)
 
 
+# --- displacement and acceleration --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", [-1, 1])
+@pytest.mark.parametrize("place", ["centre", "just inside the upper edge"])
+@pytest.mark.parametrize("band", ALL[3::5], ids=lambda band: band.name)
+def test_a_line_has_the_displacement_and_acceleration_of_its_own_frequency(band: Band, place: str, order: int) -> None:
+    frequency = band.centre if place == "centre" else 0.98 * band.edges[1]
+    found = band_rms(sine(frequency, 60.0), RATE, ALL, order)[ALL.index(band)]
+    # 0.1 dB, as for velocity: what Hann spreads over an edge.
+    assert decibel(found / (2 * np.pi * frequency) ** order) == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize("order", [-1, 1])
+def test_noise_of_known_density_has_the_integrals_of_its_weighted_density(order: int) -> None:
+    noise = np.random.default_rng(12).standard_normal((round(60 * RATE), 60))
+    found, own = ((band_rms(noise, RATE, ALL, k) ** 2).mean(axis=1) for k in (order, 0))
+    low, high = np.array([band.edges for band in ALL]).T
+    weighted = (1 / low - 1 / high) / (2 * np.pi) ** 2 if order < 0 else (2 * np.pi) ** 2 * (high**3 - low**3) / 3
+    # Over the level of the noise itself, so that only where in the band its power happens to lie is left to chance.
+    deviation = 10 * np.log10(found / own / (weighted / (high - low)))
+    assert np.abs(deviation).max() < 0.1
+
+
 # --- what cannot be said ------------------------------------------------------------------------------------------
 
 

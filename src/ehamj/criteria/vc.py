@@ -1,17 +1,22 @@
 """Generic vibration criteria: workshop, office, …, VC-A to VC-G (third-octave RMS velocity; IEST-RP-CC012).
 
-Each curve is flat from 8 to 80 Hz and of constant acceleration from 4 to 8 Hz (twice the flat value at 4 Hz). By newer
-practice VC-C and stricter are flat from 1 to 80 Hz. VC-F and VC-G follow Amick et al. 2005.
+Each curve is flat from 8 to 80 Hz and of constant acceleration from 4 to 8 Hz (twice the flat value at 4 Hz): the
+classic practice. By newer practice VC-C and stricter are flat from 1 to 80 Hz. VC-F and VC-G follow Amick et al. 2005.
+All three axes have the same limits.
 """
 
-from dataclasses import dataclass
+from functools import cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.criteria.third_octave import Band, bands
+from ehamj.criteria import curves
+from ehamj.criteria.curves import Limit, Norm, Verdict
+from ehamj.criteria.third_octave import Band
 
 Array = NDArray[np.float64]
+LowFrequency = Literal["classic", "flat"]
 
 CLASSES: dict[str, float] = {
     "workshop": 800e-6,
@@ -39,28 +44,26 @@ def limit(name: str, band: Band, flat_from_1_hz: bool = False) -> float | None:
         band: third-octave band.
         flat_from_1_hz: the newer practice for VC-C and stricter.
     """
-    nominal = float(band.name)
+    nominal = band.nominal
     if nominal > 80.0:
         return None
     if flat_from_1_hz and name in FLAT_FROM_1_HZ:
         return CLASSES[name] if nominal >= 1.0 else None
     if nominal >= 8.0:
         return CLASSES[name]
-    return CLASSES[name] * 8.0 / nominal if nominal >= 4.0 else None
+    return curves.rounded(CLASSES[name] * 8.0 / nominal) if nominal >= 4.0 else None
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """The strictest class met (None: not even the coarsest), and the band that forbids the next one.
+@cache
+def norm(low_frequency: LowFrequency = "classic") -> Norm:
+    """The criterion by one of the two practices at low frequency."""
 
-    ``margin_db`` is the distance to the limit of the class met in the deciding band.
-    """
+    def rule(name: str, axis: str, band: Band) -> Limit | None:
+        value = limit(name, band, low_frequency == "flat")
+        return None if value is None else Limit(value)
 
-    met: str | None
-    deciding_band: str | None
-    margin_db: float | None
-    undecided: tuple[str, ...]
-    """Bands of the criterion in which the level is not known."""
+    below = "constant acceleration from 4 to 8 Hz" if low_frequency == "classic" else "VC-C and stricter from 1 Hz"
+    return Norm(f"VC curves, {below}", tuple(CLASSES), rule)
 
 
 def judge(levels: Array, measured: tuple[Band, ...], flat_from_1_hz: bool = False) -> Verdict:
@@ -71,18 +74,4 @@ def judge(levels: Array, measured: tuple[Band, ...], flat_from_1_hz: bool = Fals
         measured: the bands.
         flat_from_1_hz: see `limit`.
     """
-    known = {band: float(level) for band, level in zip(measured, levels, strict=True) if np.isfinite(level)}
-    met, deciding, margin = None, None, None
-    for name in CLASSES:
-        limits = {band: limit(name, band, flat_from_1_hz) for band in known}
-        shares = {band: known[band] / allowed for band, allowed in limits.items() if allowed is not None}
-        if not shares:
-            break
-        worst = max(shares, key=lambda band: shares[band])
-        deciding = worst.name
-        if shares[worst] > 1.0:
-            break
-        met = name
-        margin = float(-20 * np.log10(shares[worst])) if shares[worst] > 0 else None
-    needed = bands(1.0 if flat_from_1_hz else 4.0, 80.0)
-    return Verdict(met, deciding, margin, tuple(band.name for band in needed if band not in known))
+    return curves.judge(norm("flat" if flat_from_1_hz else "classic"), "z", {"velocity": levels}, measured)

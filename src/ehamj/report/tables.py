@@ -1,7 +1,8 @@
 """Tables of measured numbers: bands, peaks, limits, oil and computation."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 from ehamj.layout import MOUNTS
@@ -83,7 +84,7 @@ def levels(results: Results) -> Table:
         for part in _parts(results, str(name)):
             factor, unit = _unit(str(data[name].attrs.get("units", "")), part)
             values = [
-                scaled(_worst(result.summary.get(kind, {}).get(name), part), factor)
+                scaled(_worst(result.summary.get(kind, {}).get(name), part.split()), factor)
                 for result in results.values()
                 for kind in ("peak", "rms")
             ]
@@ -95,18 +96,18 @@ def levels(results: Results) -> Table:
 
 
 def _parts(results: Results, name: str) -> list[str]:
-    """Names of a channel's parts without the mounts: its axes, degrees of freedom or chambers; '' where it has none."""
+    """Names of a channel's parts without the mounts: its axes, points and axes, …; '' where it has none."""
     data = next(iter(results.values())).dataset[name]
-    inner = [dimension for dimension in data.dims if dimension not in ("time", "mount")]
-    return [str(label) for label in data[inner[0]].values] if inner else [""]
+    inner = [data[dimension].values for dimension in data.dims if dimension not in ("time", "mount")]
+    return [" ".join(map(str, labels)) for labels in product(*inner)]
 
 
-def _worst(table: Any, part: str) -> float | None:
+def _worst(table: Any, part: Sequence[str]) -> float | None:
     """A part's value; where there is one per mount, the largest."""
     if not isinstance(table, Mapping):
         return table if isinstance(table, float | int) else None
-    if part in table:
-        return table[part]
+    if part and part[0] in table:
+        return _worst(table[part[0]], part[1:])
     values = [_worst(inner, part) for inner in table.values()]
     return max((value for value in values if value is not None), default=None)
 

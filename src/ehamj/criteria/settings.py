@@ -1,0 +1,53 @@
+"""What a user writes about criteria: the table [criteria] of a scenario."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from ehamj.criteria import iso2631, nist, vc
+from ehamj.criteria.curves import Norm
+from ehamj.parameters import Settings
+
+NormName = Literal["vc", "nist-a", "iso-2631-2"]
+
+
+class ResponseSpectrumSettings(Settings):
+    """Response spectra of floor, machine and points; they cost computing time."""
+
+    damping: float = Field(0.05, gt=0, lt=1, description="damping ratio of the oscillators [-]")
+    first: float = Field(1.0, gt=0, description="lowest natural frequency [Hz]")
+    last: float = Field(100.0, gt=0, description="highest natural frequency, at most record_rate/10 [Hz]")
+    per_octave: Literal[3, 6, 12, 24] = Field(3, description="natural frequencies per octave")
+
+    @model_validator(mode="after")
+    def _order(self) -> Self:
+        if self.last < self.first:
+            raise ValueError(f"last = {self.last:g} Hz must be at least first = {self.first:g} Hz")
+        return self
+
+
+class CriteriaSettings(Settings):
+    """Criteria by which floor and machine are judged."""
+
+    norms: tuple[NormName, ...] = Field(
+        ("vc", "nist-a", "iso-2631-2"), description="norms that are judged; the first gives the verdict", min_length=1
+    )
+    low_frequency: vc.LowFrequency = Field(
+        "classic",
+        description="VC curves at low frequency: constant acceleration from 4 to 8 Hz, or VC-C and stricter flat from "
+        "1 Hz",
+    )
+    response_spectrum: ResponseSpectrumSettings | None = Field(
+        None, description="response spectra (none where the table is left out)"
+    )
+
+    @model_validator(mode="after")
+    def _once(self) -> Self:
+        if len(set(self.norms)) < len(self.norms):
+            raise ValueError(f"norms = {list(self.norms)} must name each norm once")
+        return self
+
+    def chosen(self) -> dict[str, Norm]:
+        """The norms by name, the one of the verdict first."""
+        known = {"vc": vc.norm(self.low_frequency), "nist-a": nist.NORM, "iso-2631-2": iso2631.NORM}
+        return {name: known[name] for name in self.norms}
