@@ -12,7 +12,9 @@ from ehamj.layout import MOUNTS
 from ehamj.parameters import (
     ACTUATOR_PRESETS,
     DEFAULT_MOUNTS,
+    ELASTIC_MOUNT,
     FIRST_GENERATION,
+    PNEUMATIC_MOUNT,
     RECOMMENDED,
     Actuator,
     Machine,
@@ -122,7 +124,12 @@ def test_recommended_differs_from_the_first_generation_as_the_paper_says() -> No
 
 
 def test_presets_are_named() -> None:
-    assert ACTUATOR_PRESETS == {"first-generation": FIRST_GENERATION, "recommended": RECOMMENDED}
+    assert ACTUATOR_PRESETS == {
+        "first-generation": FIRST_GENERATION,
+        "recommended": RECOMMENDED,
+        "elastic-mount": ELASTIC_MOUNT,
+        "pneumatic-mount": PNEUMATIC_MOUNT,
+    }
 
 
 @given(st.dictionaries(st.sampled_from(POSITIVE), positive))

@@ -87,7 +87,7 @@ Control = Annotated[Passive | OpenLoop | FeedforwardSettings | Law, Field(discri
 class Isolator(Actuator):
     """An actuator as a table [actuators.NAME]: a preset and what differs from it."""
 
-    preset: Literal["first-generation", "recommended"] = Field(
+    preset: Literal["first-generation", "recommended", "elastic-mount", "pneumatic-mount"] = Field(
         "first-generation", description="where values that are not given come from"
     )
 

@@ -1,0 +1,269 @@
+"""Charts of studies: lines in panels, maps of two parameters, root loci, directions."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ehamj.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INCH,
+    INK,
+    LIMIT_COLOR,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    WIDTH,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+COLORS: Final = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, GREY, INK)
+DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
+HEIGHT: Final = 280.0
+"""Height of a chart [pt]."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line, or points where ``marker`` is given; ``color`` and ``dash`` are places in `COLORS` and `DASHES`."""
+
+    label: str
+    x: ArrayLike
+    y: ArrayLike
+    color: int = 0
+    dash: int = 0
+    marker: str = ""
+    width: float = 1.6
+
+
+def _new(title: str, panels: int = 1, height: float = HEIGHT) -> "tuple[Figure, list[Axes]]":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH / INCH, height / INCH), layout="constrained")
+    figure.suptitle(title, x=0.015, ha="left")
+    axes = figure.subplots(panels, 1, squeeze=False, sharex=panels > 1)[:, 0]
+    return figure, list(axes)
+
+
+def _plain(axis: Any) -> None:
+    """Numbers of a logarithmic axis as people write them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    decades = np.log10(high / low)
+    steps = (1.0,) if decades > 4 else (1.0, 2.0, 5.0) if decades > 0.7 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    axis.set_major_locator(LogLocator(10, subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
+    for line in lines:
+        color = COLORS[line.color % len(COLORS)]
+        look: dict[str, Any] = {"color": color, "label": line.label or "_"}
+        if line.marker:
+            look |= {"marker": line.marker, "linestyle": "none", "markerfacecolor": "white", "markersize": 5.5}
+            look |= {"markeredgewidth": 1.4, "zorder": 4}
+        else:
+            look |= {"linestyle": DASHES[line.dash % len(DASHES)], "linewidth": line.width}
+        axes.plot(np.asarray(line.x, float), np.asarray(line.y, float), **look)
+
+
+def _legend(axes: "Sequence[Axes]", extra: Sequence[Any] = ()) -> None:
+    """One legend for all axes, above the first."""
+    entries: dict[str, Any] = {artist.get_label(): artist for artist in extra}
+    for one in axes:
+        handles, names = one.get_legend_handles_labels()
+        entries |= {name: handle for handle, name in zip(handles, names, strict=True) if name not in entries}
+    if not entries:
+        return
+    columns = max(1, min(len(entries), int(62 / (max(map(len, entries)) + 7))))
+    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.02), "borderaxespad": 0.0}
+    axes[0].legend(list(entries.values()), list(entries), ncols=columns, **place)
+
+
+def lines_chart(
+    title: str,
+    x: str,
+    panels: Mapping[str, Sequence[Line]],
+    logarithmic: str = "",
+    marks: Mapping[str, float] | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> "Figure":
+    """Lines over a common axis, one panel per quantity.
+
+    Args:
+        title: of the figure.
+        x: what the axis is, with unit.
+        panels: quantity with unit → its lines.
+        logarithmic: "x", "y" or "xy".
+        marks: name → place on the axis, drawn as a vertical line through all panels.
+        limits: quantity → lowest and highest value shown.
+    """
+    with styled():
+        figure, axes = _new(title, len(panels), HEIGHT * (1.0 if len(panels) == 1 else 0.65 * len(panels)))
+        for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
+            _draw(one, lines)
+            one.set_ylabel(quantity)
+            if "y" in logarithmic:
+                one.set_yscale("log")
+            if limits and quantity in limits:
+                one.set_ylim(*limits[quantity])
+            if "y" in logarithmic:
+                _plain(one.yaxis)
+            for place in (marks or {}).values():
+                one.axvline(place, color=GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
+        last = axes[-1]
+        last.set_xlabel(x)
+        if "x" in logarithmic:
+            last.set_xscale("log")
+            _plain(last.xaxis)
+        last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
+        for name, place in (marks or {}).items():
+            side = "left" if _share(last, place) < 0.6 else "right"
+            axes[0].annotate(name, (place, 1.0), (3 if side == "left" else -3, -2), ha=side, va="top", fontsize=8.8,
+                             color=GREY, xycoords=("data", "axes fraction"), textcoords="offset points")  # fmt: skip
+        _legend(axes)
+    return figure
+
+
+def _share(axes: "Axes", place: float) -> float:
+    low, high = axes.get_xlim()
+    if axes.get_xscale() == "log":
+        return float(np.log(place / low) / np.log(high / low))
+    return (place - low) / (high - low)
+
+
+def map_chart(
+    title: str,
+    x: tuple[str, ArrayLike],
+    y: tuple[str, ArrayLike],
+    values: tuple[str, ArrayLike],
+    boundary: tuple[str, ArrayLike] | None = None,
+    points: Sequence[Line] = (),
+    levels: Sequence[float] | None = None,
+    logarithmic: str = "",
+) -> "Figure":
+    """A quantity over two parameters as filled contours, with the boundary of stability.
+
+    Args:
+        title: of the figure.
+        x: name with unit, and values (n,).
+        y: name with unit, and values (m,).
+        values: name with unit, and values (m, n); NaN where there are none.
+        boundary: name, and a function (m, n) that is positive where designs are unstable: hatched.
+        points: designs marked.
+        levels: of the contours; round ones without.
+        logarithmic: "x", "y" or "xy".
+    """
+    from matplotlib import colormaps
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+    from matplotlib.ticker import MaxNLocator
+
+    across, up = np.asarray(x[1], float), np.asarray(y[1], float)
+    field = np.ma.masked_invalid(np.asarray(values[1], float))
+    with styled():
+        figure, (axes,) = _new(title, height=1.15 * HEIGHT)
+        axes.grid(False)
+        if levels is None:
+            levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(float(field.min()), float(field.max()))
+        steps = np.asarray(levels, float)
+        colors = colormaps["viridis"](np.linspace(0.12, 0.98, len(steps) - 1))
+        axes.contourf(across, up, field, levels=steps, colors=colors, extend="neither", zorder=0.5)
+        drawn = axes.contour(across, up, field, levels=steps, colors="white", linewidths=0.6, zorder=0.6)
+        axes.clabel(drawn, fontsize=8, fmt=lambda value: f"{value:g}".replace("-", "−"), colors=INK)
+        handles: list[Any] = []
+        if boundary is not None:
+            reach = np.asarray(boundary[1], float)
+            if reach.max() > 0.0:
+                axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=["#F3D9D5"], zorder=0.7)
+                axes.contour(across, up, reach, levels=[0.0], colors=[LIMIT_COLOR], linewidths=2.0, zorder=0.8)
+                handles.append(Patch(facecolor="#F3D9D5", edgecolor=LIMIT_COLOR, label=boundary[0]))
+        _draw(axes, points)
+        axes.set_xlabel(x[0])
+        axes.set_ylabel(y[0])
+        for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+            if name in logarithmic:
+                (axes.set_xscale if name == "x" else axes.set_yscale)("log")
+                _plain(axis)
+        axes.set_xlim(across.min(), across.max())
+        axes.set_ylim(up.min(), up.max())
+        handles.insert(0, Line2D([], [], color=colors[len(colors) // 2], linewidth=6.0, label=values[0]))
+        _legend([axes], handles)
+    return figure
+
+
+def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> "Figure":
+    """Root locus: poles [1/s] over a factor on the loop's gain, from cold to warm colours; the right half is unstable.
+
+    Args:
+        title: of the figure.
+        factors: (n,).
+        poles: complex, (n, poles), NaN where there is none.
+        span: largest imaginary part shown, over 2π [Hz].
+    """
+    factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
+    with styled():
+        figure, (axes,) = _new(title, height=1.15 * HEIGHT)
+        shown = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
+        place = np.broadcast_to(factor[:, None], roots.shape)[shown]
+        drawn = axes.scatter(roots.real[shown], roots.imag[shown], c=place, s=5.0, cmap="viridis", linewidths=0.0)
+        ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
+        for row, marker, label in ends:
+            at = roots[row][shown[row]]
+            color = INK if marker == "x" else VERMILLION
+            axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
+        left, right = axes.get_xlim()
+        right = max(right, 0.08 * (right - left))
+        axes.axvspan(0.0, right, color="#F3D9D5", zorder=0)
+        axes.axvline(0.0, color=LIMIT_COLOR, linewidth=1.4)
+        axes.set_xlim(left, right)
+        axes.set_ylim(0.0, 1.02 * span)
+        axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
+        axes.set_ylabel("imaginary part/2π [Hz]")
+        figure.colorbar(drawn, ax=axes, label="factor on the loop's gain [-]", pad=0.02)
+        _legend([axes])
+    return figure
+
+
+def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence[Line]) -> "Figure":
+    """Quantities over the direction of travel, seen from above: +x (front) is up, +y (left) is left.
+
+    Args:
+        title: of the figure.
+        radius: what the distance from the middle is, with unit.
+        degrees: directions [deg], (n,), of every line's ``y``.
+        lines: their ``x`` is not used.
+    """
+    angle = np.radians(np.asarray(degrees, float))
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(WIDTH / INCH, 1.25 * HEIGHT / INCH), layout="constrained")
+        figure.suptitle(title, x=0.015, ha="left")
+        axes: Any = figure.add_subplot(projection="polar")
+        axes.set_theta_zero_location("N")
+        axes.set_theta_direction(1)
+        axes.set_thetagrids(range(0, 360, 45), ["front", "45°", "left", "135°", "rear", "225°", "right", "315°"])
+        for line in lines:
+            closed = np.append(np.asarray(line.y, float), np.asarray(line.y, float)[:1])
+            axes.plot(np.append(angle, angle[0] + 2 * np.pi), closed, color=COLORS[line.color], label=line.label,
+                      linestyle=DASHES[line.dash % len(DASHES)], linewidth=line.width)  # fmt: skip
+        axes.set_rlabel_position(22.5)
+        axes.set_title(" ", fontsize=9)  # room between the legend and the name of the front
+        axes.tick_params(labelsize=8.5)
+        axes.set_xlabel(radius)
+        _legend([axes])
+    return figure

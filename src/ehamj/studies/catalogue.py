@@ -1,0 +1,47 @@
+"""The studies that `ehamj study` runs, by name."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from ehamj.errors import InputError
+from ehamj.scenario import Scenario
+from ehamj.studies.failed import FailedStudy, failed_actuator
+from ehamj.studies.outcome import Outcome, Progress
+from ehamj.studies.soft_mounts import SoftMountStudy, soft_mounts
+from ehamj.studies.waves import WaveStudy, waves
+
+
+@dataclass(frozen=True)
+class Study:
+    """A question about a machine, and how it is answered with the study's default settings."""
+
+    question: str
+    run: Callable[[Scenario, Progress], Outcome]
+
+
+STUDIES: Final[dict[str, Study]] = {
+    "failed-actuator": Study(
+        "one actuator failed (stuck valve, leak, no oil): modes, forces, what isolation is left",
+        lambda scenario, progress: failed_actuator(FailedStudy(scenario), progress),
+    ),
+    "soft-mounts": Study(
+        "elastic and pneumatic mounts as the baseline, and when the machine tips over on them",
+        lambda scenario, progress: soft_mounts(SoftMountStudy(scenario), progress),
+    ),
+    "waves": Study(
+        "which travelling wave in the floor rocks the machine most",
+        lambda scenario, progress: waves(WaveStudy(scenario), progress),
+    ),
+}
+
+
+def study(name: str) -> Study:
+    """A study by its name.
+
+    Raises:
+        InputError: if there is none.
+    """
+    if name not in STUDIES:
+        raise InputError(f"study {name!r}: must be one of {', '.join(STUDIES)}")
+    return STUDIES[name]
