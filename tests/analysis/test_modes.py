@@ -9,10 +9,13 @@ from oracles import linear
 from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.analysis.eigen import mac
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.analysis.modes import Mode, energy_shares, modes, motion_name
+from ehamj.analysis.modes import Mode, energy_shares, modes, motion_name, track
+from ehamj.analysis.shapes import centre_of_rotation, in_phase
 from ehamj.controllers import Controller
-from ehamj.layout import MOUNTS
+from ehamj.layout import DOFS, MOUNTS
+from ehamj.parameters import DEFAULT_MOUNTS, Machine
 from ehamj.scenario import parse_scenario
 
 STROKES = tuple(f"stroke {mount}" for mount in MOUNTS)
@@ -54,13 +57,16 @@ def test_a_mode_of_the_default_machine(name: str, frequency: float, damping: flo
 
 
 def test_the_default_machine_has_four_valves(default: tuple[Mode, ...]) -> None:
-    valves = [mode for mode in default if mode.name == "valve"]
+    valves = [mode for mode in default if mode.name.startswith("valve")]
     assert [round(mode.frequency, 1) for mode in valves] == [250.0] * 4
     np.testing.assert_allclose([mode.damping_ratio for mode in valves], 0.65, rtol=1e-6)
+    assert [mode.name for mode in valves] == [f"valve {mount}" for mount in MOUNTS]
 
 
 def test_the_default_machine_has_no_further_mode(default: tuple[Mode, ...]) -> None:
-    assert sorted(mode.name for mode in default) == sorted([name for name, _, _ in DEFAULT] + ["valve"] * 4)
+    assert sorted(mode.name for mode in default) == sorted(
+        [name for name, _, _ in DEFAULT] + [f"valve {mount}" for mount in MOUNTS]
+    )
 
 
 def test_modes_come_by_frequency(default: tuple[Mode, ...]) -> None:
@@ -103,7 +109,7 @@ def test_shapes_are_the_oracles_eigenvectors() -> None:
     a = linear.state_space(linear.LinearMachine(cg=(0.15, -0.1, 0.9), inertia=(2500.0, 3600.0, 4100.0)))[0]
     values, vectors = np.linalg.eig(a)
     for mode in modes(model_of(machine)):
-        if mode.name == "valve":
+        if mode.name.startswith("valve"):
             continue  # four equal eigenvalues: any combination of them is a mode
         pole = 2 * np.pi * mode.frequency * complex(-mode.damping_ratio, np.sqrt(1 - mode.damping_ratio**2))
         shape = vectors[:6, np.argmin(np.abs(values - pole))]
@@ -135,6 +141,158 @@ def test_shares_of_energy_are_those_of_mass_and_inertia_at_the_centre_of_gravity
     found = energy_shares(model_of(), shape)
     for dof, share in found.items():
         assert share == pytest.approx(energy.get(dof, 0.0) / sum(energy.values()), abs=1e-12), dof
+
+
+def test_a_mode_gives_the_motion_of_any_point() -> None:
+    mode = named(modes(model_of(), points={"spindle": (0.2, -0.1, 1.4)}), "rocking about y")
+    x, _, z, _, ry, _ = mode.shape
+    np.testing.assert_allclose(mode.points["spindle"], [x + 1.4 * ry, 0, z - 0.2 * ry], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(mode.points["cg"][0], x + 0.75 * ry, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(mode.points["rear-left"][2], z + 0.9 * ry, rtol=0, atol=1e-12)
+
+
+# --- what a shape means -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("motion", "point", "direction", "pitch"),
+    [
+        # x + z ry = 0 at z = 2.
+        ([1.0, 0, 0, 0, -0.5, 0], [0, 0, 2.0], [0, 1, 0], 0.0),
+        # y − z rx = 0 at z = −0.25; 3 m along the axis per rad.
+        ([12.0, -1.0, 0, 4.0, 0, 0], [0, 0, -0.25], [1, 0, 0], 3.0),
+        # x − y rz = 0, y + x rz = 0.
+        ([0.2, 0.1, 0, 0, 0, 2.0], [-0.05, 0.1, 0], [0, 0, 1], 0.0),
+    ],
+)
+def test_a_motion_turns_about_an_axis(
+    motion: list[float], point: list[float], direction: list[float], pitch: float
+) -> None:
+    axis = centre_of_rotation(np.array(motion))
+    assert axis is not None
+    np.testing.assert_allclose(axis.point, point, atol=1e-14)
+    np.testing.assert_allclose(axis.direction, direction, atol=1e-14)
+    assert axis.pitch == pytest.approx(pitch, abs=1e-14)
+
+
+@pytest.mark.parametrize("motion", [[1.0, 0, 0, 0, 0, 0], [0, 0, 1.0, 1e-9, 0, 0]])
+def test_a_translation_turns_about_nothing(motion: list[float]) -> None:
+    assert centre_of_rotation(np.array(motion)) is None
+
+
+def test_a_shape_in_step_is_real_whatever_its_phase() -> None:
+    shape = np.array([0.3, 0, 0, 0, -1.0, 0.1])
+    part, angle = in_phase(Machine(), 2.0 * shape * np.exp(0.7j))
+    np.testing.assert_allclose(np.abs(part), 2.0 * np.abs(shape), atol=1e-14)
+    assert angle == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_circulating_shape_is_half_out_of_step() -> None:
+    # The CG at the mount plane's centre: x and y a quarter period apart, of equal energy.
+    _, angle = in_phase(Machine(cg=(0.0, 0.0, 0.0)), np.array([1.0, 1.0j, 0, 0, 0, 0]))
+    assert angle == pytest.approx(45.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {},
+        {"machine": {"cg": [0.15, -0.1, 0.9]}},
+        {"actuators": {"isolator": {"foot_stiffness": 1e10, "foot_damping": 1e4}}},
+    ],
+    ids=["default", "uneven", "flexible feet"],
+)
+def test_damping_ratios_are_the_sum_of_what_is_lost(table: dict[str, Any]) -> None:
+    # dE/dt = −(lost power), E ~ exp(2 Re λ t): an identity of the exact linear machine.
+    for mode in modes(linear_model(parse_scenario(table))):
+        if mode.energies is None:
+            continue
+        # 1e-5: the differentiated model's tilt at rest, which the energies do not know.
+        assert sum(mode.energies.damping.values()) == pytest.approx(mode.damping_ratio, rel=1e-5), mode.name
+        assert sum(mode.energies.damping_by.values()) == pytest.approx(mode.damping_ratio, rel=1e-5), mode.name
+        for shares in (mode.energies.kinetic, mode.energies.strain, mode.energies.strain_by):
+            assert sum(shares.values()) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_stiff_mount_holds_the_strain() -> None:
+    table = {
+        "mount": [m.model_dump() | {"actuator": m.name} for m in DEFAULT_MOUNTS],
+        "actuators": {m: {"lateral_stiffness": 8e8 if m == "front-left" else 1e6} for m in MOUNTS},
+    }
+    yaw = next(mode for mode in modes(linear_model(parse_scenario(table))) if "yaw" in mode.name)
+    assert yaw.energies is not None
+    assert yaw.energies.strain["front-left"] > 0.9
+
+
+# --- repeated and following modes ---------------------------------------------------------------------------------
+
+SQUARE: dict[str, Any] = {
+    "machine": {"inertia": [3000.0, 3000.0, 4000.0]},
+    "mount": [m.model_dump() | {"position": [0.8 * np.sign(p) for p in m.position]} for m in DEFAULT_MOUNTS],
+}
+
+
+def test_modes_of_a_square_machine_each_stay_in_their_plane() -> None:
+    found = modes(linear_model(parse_scenario(SQUARE)))
+    for what in ("sway-rocking", "rocking"):
+        about_x, about_y = (named(found, f"{what} about {axis}") for axis in "xy")
+        assert about_x.frequency == pytest.approx(about_y.frequency, rel=1e-8)
+        for mode, others in ((about_x, ("x", "ry")), (about_y, ("y", "rx"))):
+            assert max(abs(mode.shape[DOFS.index(dof)]) for dof in others) <= 1e-6
+
+
+def test_left_and_right_vectors_of_repeated_modes_pair() -> None:
+    found = modes(linear_model(parse_scenario(SQUARE)))
+    left, right = (np.array([getattr(mode, side) for mode in found]) for side in ("left", "vector"))
+    # Columns of very different units: 1e-6 of rounding.
+    np.testing.assert_allclose(left.conj() @ right.T, np.eye(len(found)), atol=1e-6)
+
+
+def test_valves_in_a_symmetric_loop_swing_in_patterns() -> None:
+    names = {mode.name for mode in modes(model_of(), stroke_feedback(-5e6))}
+    assert {"valves in heave", "valves about x", "valves about y", "valves in warp"} <= names
+
+
+def test_modes_are_followed_through_a_crossing() -> None:
+    # Yaw, rising with the footprint, passes both sways.
+    steps = []
+    for scale in np.linspace(0.7, 1.1, 9):
+        mounts = [m.model_dump() | {"position": [scale * p for p in m.position]} for m in DEFAULT_MOUNTS]
+        steps.append(modes(linear_model(parse_scenario({"mount": mounts}))))
+    followed = track(steps)
+    assert followed.shape == (9, len(steps[0]))
+    for column, mode in enumerate(steps[0]):
+        assert [step[place].name for step, place in zip(steps, followed[:, column], strict=True)] == [mode.name] * 9
+    places = followed[:, [mode.name for mode in steps[0]].index("yaw")]
+    assert (places[0], places[-1]) == (0, 2)
+
+
+def test_a_mode_that_appears_gets_a_track_of_its_own() -> None:
+    passive = modes(model_of())
+    more = modes(model_of(), stroke_feedback(-5e6))
+    followed = track([passive, [mode for mode in passive if mode.name != "heave"], passive])
+    column = [mode.name for mode in passive].index("heave")
+    assert followed[:, column].tolist() == [column, -1, column]
+    assert track([more]).shape == (1, len(more))
+    assert track([]).size == 0
+
+
+def test_mac_knows_a_shape_in_any_scale_and_phase() -> None:
+    random = np.random.default_rng(0)
+    shapes = random.normal(size=(6, 3)) + 1j * random.normal(size=(6, 3))
+    likeness = mac(shapes, shapes * np.array([2.0, -1j, np.exp(0.3j)]), random.uniform(0.1, 10, 6))
+    np.testing.assert_allclose(np.diag(likeness), 1.0, rtol=1e-12)
+    assert (likeness - np.eye(3)).max() < 1.0
+    np.testing.assert_allclose(mac(np.eye(3), np.eye(3)), np.eye(3))
+
+
+def test_bypassed_chambers_leave_the_membranes() -> None:
+    found = modes(model_of(), bypassed=True)
+    assert len(found) == 6
+    # 4 K_L over machine and plates; the differentiated model's rounding.
+    heave = named(found, "heave")
+    assert heave.frequency == pytest.approx(np.sqrt(4 * 6.8e8 / 4056.0) / (2 * np.pi), rel=1e-8)
+    assert heave.damping_ratio == pytest.approx(4 * 3900.0 / (2 * np.sqrt(4 * 6.8e8 * 4056.0)), rel=1e-6)
 
 
 # --- closed forms -------------------------------------------------------------------------------------------------
@@ -178,12 +336,12 @@ def test_without_oil_and_damping_sway_and_rocking_solve_a_quadratic(height: floa
     expected = np.sqrt(np.sort(squares)) / (2 * np.pi)
     about_y = sorted(mode.frequency for mode in found if "about y" in mode.name)
     np.testing.assert_allclose(about_y, expected, rtol=1e-6)
-    assert all(abs(mode.damping_ratio) < 1e-6 for mode in found if mode.name != "valve")
+    assert all(abs(mode.damping_ratio) < 1e-6 for mode in found if not mode.name.startswith("valve"))
 
 
 def test_a_machine_held_very_stiffly_sideways_heaves_and_rocks_only() -> None:
     stiff = modes(model_of(lateral_stiffness=1e14, lateral_damping=0.0))
-    slow = {mode.name[-7:]: mode for mode in stiff if mode.frequency < 2000.0 and mode.name != "valve"}
+    slow = {mode.name[-7:]: mode for mode in stiff if mode.frequency < 2000.0 and mode.machine_moves}
     assert set(slow) == {"heave", "about x", "about y"}
     # About the mount plane then: J + m h² + Σ m_p r², a lever of the single actuator's cubic.
     for about, inertia, arm in (("x", 2000.0, 0.6), ("y", 3000.0, 0.9)):
@@ -267,7 +425,7 @@ def test_modes_of_a_closed_loop_are_those_of_another_discretisation(
 def test_the_loop_moves_the_modes() -> None:
     # So that the comparison above is of more than the passive machine: three of four valves, warp having no stroke.
     closed = modes(model_of(), stroke_feedback(-5e6))
-    assert sum(mode.frequency < 0.8 * 250.0 for mode in closed if mode.name == "valve") == 3
+    assert sum(mode.frequency < 0.8 * 250.0 for mode in closed if mode.name.startswith("valve")) == 3
 
 
 def test_a_controller_that_commands_nothing_leaves_the_modes_as_they_are() -> None:

@@ -1,0 +1,208 @@
+"""The command that gives the machine's modes."""
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.table import Column, Table
+
+from ehamj.cli.frame import JsonOption, ScenarioArgument, SetOption, app, log, out, print_json
+from ehamj.errors import InputError
+from ehamj.layout import AXES, DOFS, MOUNTS
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from ehamj.analysis.modes import Mode
+    from ehamj.analysis.shapes import Axis
+
+VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
+"""What modes are given of, by the key in the JSON object."""
+
+NOTABLE = 0.005
+"""Share, or slope, below which a table leaves a part out."""
+MOST = 7
+"""Parameters named per mode."""
+
+
+def _mode_column() -> Column:
+    return Column("mode", no_wrap=True)
+
+
+@app.command()
+def modes(
+    scenario: ScenarioArgument = "recorded",
+    overrides: SetOption = None,
+    points: Annotated[
+        list[str] | None,
+        typer.Option("--point", metavar="NAME=X,Y,Z", help="A point of the machine whose motion is given too [m]."),
+    ] = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="What each parameter does to each mode: d ln f/d ln p, dζ/d ln p.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
+
+    Passive it is twice: with its valves held (membranes and oil), and with its chambers bypassed (membranes only).
+    Frequencies are |λ|/2π, damping ratios −Re λ/|λ|; shapes are the motion of the mount plane's centre, its largest
+    part one. A feedforward does not move modes, so its closed loop adds only the controller's own.
+    """
+    from ehamj.analysis.linear import linear_model
+    from ehamj.analysis.modes import modes as find
+    from ehamj.analysis.sensitivity import sensitivities
+    from ehamj.scenario import load_scenario
+
+    loaded = load_scenario(scenario, overrides or ())
+    places = _points(points or [])
+    model, controller = linear_model(loaded), loaded.controller()
+    settings: dict[str, dict[str, Any]] = {"modes": {}, "bypassed": {"bypassed": True}}
+    if controller is not None:
+        settings["closed_loop"] = {"controller": controller}
+    found = {key: find(model, points=places, **setting) for key, setting in settings.items()}
+    slopes = {}
+    if sensitivity:
+        with log.status("changing every parameter"):
+            slopes = {key: sensitivities(loaded, **setting) for key, setting in settings.items()}
+    if as_json:
+        content: dict[str, Any] = {key: [mode.to_dict() for mode in modes] for key, modes in found.items()}
+        if sensitivity:
+            content["sensitivity"] = {key: _plain(slope) for key, slope in slopes.items()}
+        print_json(content)
+        return
+    for key, modes in found.items():
+        title = f"{loaded.name}: {VARIANTS[key]}"
+        out.print(_mode_table(modes, title))
+        if key != "bypassed":
+            out.print(_energy_table(modes, f"{title}; where the energy is, and what damps it"))
+        if places:
+            out.print(_point_table(modes, places, title))
+        if key in slopes:
+            out.print(_slope_table(modes, slopes[key], f"{title}; change in per cent with one per cent of a parameter"))
+
+
+def _points(given: Sequence[str]) -> dict[str, tuple[float, float, float]]:
+    found: dict[str, tuple[float, float, float]] = {}
+    for text in given:
+        name, equals, place = text.partition("=")
+        try:
+            x, y, z = (float(part) for part in place.split(","))
+        except ValueError:
+            x = y = z = math.nan
+        if not (name and equals and all(map(math.isfinite, (x, y, z)))):
+            raise InputError(f"--point {text!r}: must be a name and three numbers in m, such as spindle=0.2,0,1.4")
+        if name in ("cg", *MOUNTS):
+            raise InputError(f"--point {text!r}: {name} is given anyway; choose another name")
+        found[name] = (x, y, z)
+    return found
+
+
+def _parts(motion: Sequence[complex], names: Sequence[str], least: float = 0.01) -> str:
+    """A complex motion in words: the parts above a share of the largest, and their phases where not in step."""
+    largest = max(map(abs, motion))
+    words = []
+    for name, part in zip(names, motion, strict=True):
+        if abs(part) > least * largest and largest > 0.0:
+            angle = math.degrees(cmath.phase(part))
+            words.append(f"{name} {abs(part):.2g}" + (f"∠{angle:.0f}°" if abs(angle) > 1 else ""))
+    return ", ".join(words)
+
+
+def _mode_table(modes: "Sequence[Mode]", title: str) -> Table:
+    """Modes with their shapes in words."""
+    table = Table(
+        _mode_column(), "f [Hz]", "ζ [-]", "shape (m, rad; largest 1)", "turns about", "out of step", title=title
+    )
+    for mode in modes:
+        row = [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}"]
+        if mode.machine_moves:
+            row += [_parts(mode.shape.tolist(), DOFS), _axis(mode.centre), f"{mode.out_of_phase:.1f}°"]
+        table.add_row(*row)
+    return table
+
+
+def _axis(axis: "Axis | None") -> str:
+    if axis is None:
+        return "translates"
+    main = max(range(3), key=lambda k: abs(axis.direction[k]))
+    words = ", ".join(f"{AXES[k]} {round(axis.point[k], 2) + 0.0:.2f}" for k in range(3) if k != main)
+    return f"{AXES[main]} axis at {words} m" if abs(axis.direction[main]) > 0.99 else f"a slanted axis at {words} m"
+
+
+def _energy_table(modes: "Sequence[Mode]", title: str) -> Table:
+    """Shares of energy; of the damping ratio, what is left beside membranes and leakage is the valves' doing."""
+    table = Table(
+        _mode_column(), "kinetic, at the CG", "strain", "… by actuator", "ζ from", "… by actuator", title=title
+    )
+    for mode in modes:
+        if mode.energies is None:
+            continue
+        e = mode.energies
+        by = e.damping_by | {"valves": mode.damping_ratio - sum(e.damping_by.values())}
+        row = [_shares(part, "%", 100.0) for part in (e.kinetic, e.strain_by, e.strain)]
+        table.add_row(mode.name, *row, _shares(by, "", 1.0), _shares(e.damping, "", 1.0))
+    return table
+
+
+def _shares(parts: Mapping[str, float], unit: str, factor: float) -> str:
+    """Parts above `NOTABLE` of all, largest first; one value where all are alike."""
+    total = sum(map(abs, parts.values()))
+    values = list(parts.values())
+    if len(values) == len(MOUNTS) and max(values) - min(values) <= NOTABLE * total:
+        return f"{factor * values[0]:.2g}{unit} each"
+    order = sorted((name for name in parts if abs(parts[name]) > NOTABLE * total), key=lambda name: -abs(parts[name]))
+    return "; ".join(f"{name} {_short(factor * parts[name])}{unit}" for name in order)
+
+
+def _short(value: float) -> str:
+    return f"{value:.0f}" if abs(value) >= 9.5 else f"{value:.2g}"
+
+
+def _point_table(modes: "Sequence[Mode]", points: Mapping[str, Any], title: str) -> Table:
+    table = Table(
+        _mode_column(), *(f"{name} [m]" for name in points), title=f"{title}; motion of points, as the shape is scaled"
+    )
+    for mode in modes:
+        if mode.machine_moves:
+            table.add_row(mode.name, *(_parts(mode.points[name].tolist(), AXES) for name in points))
+    return table
+
+
+def _slope_table(modes: "Sequence[Mode]", slopes: "xr.Dataset", title: str) -> Table:
+    """The parameters that move a mode most, of frequency and of damping ratio; of modes alike the first."""
+    table = Table(_mode_column(), "frequency", "damping ratio", title=title)
+    kinds = [mode.name.split()[0] for mode in modes]
+    for k, mode in enumerate(modes):
+        if mode.machine_moves or kinds.index(kinds[k]) == k:
+            relative = (slopes["frequency"].values[:, k], slopes["damping"].values[:, k] / mode.damping_ratio)
+            table.add_row(mode.name, *(_steepest(slopes["parameter"].values.tolist(), slope) for slope in relative))
+    return table
+
+
+def _steepest(keys: Sequence[str], slopes: "NDArray[np.float64]") -> str:
+    """Up to `MOST` parameters by how much they change; those of the only kind of actuator without its name."""
+    names = {key.split(".")[1] for key in keys if key.startswith("actuators.")}
+    order = sorted(range(len(keys)), key=lambda k: -abs(slopes[k]))[:MOST]
+    short = {key: key.split(".", 2)[2] if key.startswith("actuators.") and len(names) == 1 else key for key in keys}
+    return "; ".join(f"{short[keys[k]]} {slopes[k]:+.2f}" for k in order if abs(slopes[k]) > NOTABLE)
+
+
+def _plain(slopes: "xr.Dataset") -> dict[str, Any]:
+    """d ln f/d ln p and dζ/d ln p by parameter, one number per mode in the modes' order; null where there is none."""
+    return {
+        str(key): {
+            "value": float(slopes["value"].sel(parameter=key)),
+            "unit": slopes["unit"].sel(parameter=key).item(),
+            "frequency": [_finite(value) for value in slopes["frequency"].sel(parameter=key).values],
+            "damping": [_finite(value) for value in slopes["damping"].sel(parameter=key).values],
+        }
+        for key in slopes["parameter"].values
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,73 @@
+"""`ehamj modes`: what it prints for people and for programs."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ehamj.cli import main
+
+Cli = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Cli:
+    """The command in this process: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["ehamj", "modes", *arguments])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        assert isinstance(stop.value.code, int)
+        return stop.value.code, *capsys.readouterr()
+
+    return call
+
+
+def test_tables_say_the_modes_and_what_moves(cli: Cli) -> None:
+    code, said, _ = cli("benchmark", "--point", "spindle=0.2,0,1.4")
+    assert code == 0
+    for word in ("heave", "rocking about y", "valve front-left", "translates", "leakage", "spindle", "25% each"):
+        assert word in said
+    assert "valves held" in said
+    assert "membranes only" in said
+
+
+def test_json_holds_every_variant(cli: Cli) -> None:
+    code, said, _ = cli("passing-wave", "--json", "--point", "spindle=0.2,0,1.4", "--sensitivity")
+    assert code == 0
+    table: dict[str, Any] = json.loads(said)
+    assert set(table) == {"modes", "bypassed", "closed_loop", "sensitivity"}
+    heave = next(mode for mode in table["modes"] if mode["name"] == "heave")
+    assert heave["frequency_hz"] == pytest.approx(528.0, rel=1e-3)
+    assert heave["points"]["spindle"]["z"] == pytest.approx([1.0, 0.0], abs=1e-9)
+    assert heave["centre_of_rotation"] is None
+    assert sum(heave["energy"]["damping_ratio_per_actuator"].values()) == pytest.approx(heave["damping_ratio"])
+    slopes = table["sensitivity"]["modes"]["machine.inertia.2"]
+    assert (slopes["value"], slopes["unit"]) == (4000.0, "kg m²")
+    yaw = [mode["name"] for mode in table["modes"]].index("yaw")
+    assert slopes["frequency"][yaw] == pytest.approx(-0.5, abs=1e-5)
+    assert len(table["sensitivity"]["closed_loop"]["machine.mass"]["damping"]) == len(table["closed_loop"])
+
+
+def test_a_passive_scenario_has_no_closed_loop(cli: Cli) -> None:
+    assert set(json.loads(cli("benchmark", "--json")[1])) == {"modes", "bypassed"}
+
+
+def test_the_steepest_parameters_are_named(cli: Cli) -> None:
+    said = cli("benchmark", "--sensitivity")[1]
+    for parameter in ("lateral_stiffness", "valve_frequency", "footprint.x"):
+        assert parameter in said
+    assert "+1.00" in said
+
+
+@pytest.mark.parametrize("point", ["spindle", "spindle=1,2", "=1,2,3", "spindle=1,2,nan", "cg=0,0,1"])
+def test_a_point_that_is_none_is_refused(cli: Cli, point: str) -> None:
+    code, said, error = cli("benchmark", "--point", point)
+    assert (code, said) == (2, "")
+    assert repr(point) in error
