@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from ehamj.cli import main
+from ehamj.cli.frame import out
 
 Cli = Callable[..., tuple[int, str, str]]
 
@@ -17,7 +18,7 @@ Cli = Callable[..., tuple[int, str, str]]
 def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Cli:
     """The command in this process: exit code, standard output, standard error."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("NO_COLOR", "1")
+    monkeypatch.setattr(out, "_width", 200)  # words stay whole
 
     def call(*arguments: str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["ehamj", "modes", *arguments])

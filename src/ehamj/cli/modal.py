@@ -39,7 +39,7 @@ def modes(
     overrides: SetOption = None,
     points: Annotated[
         list[str] | None,
-        typer.Option("--point", metavar="NAME=X,Y,Z", help="A point of the machine whose motion is given too [m]."),
+        typer.Option("--point", metavar="NAME=X,Y,Z", help="A point beside the scenario's whose motion is given [m]."),
     ] = None,
     sensitivity: Annotated[
         bool, typer.Option("--sensitivity", help="What each parameter does to each mode: d ln f/d ln p, dζ/d ln p.")
@@ -58,7 +58,7 @@ def modes(
     from ehamj.scenario import load_scenario
 
     loaded = load_scenario(scenario, overrides or ())
-    places = _points(points or [])
+    places = {**loaded.points, **_points(points or [])}
     model, controller = linear_model(loaded), loaded.controller()
     settings: dict[str, dict[str, Any]] = {"modes": {}, "bypassed": {"bypassed": True}}
     if controller is not None:
