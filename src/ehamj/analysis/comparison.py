@@ -132,7 +132,7 @@ class Comparison:
         """Per variant and output, the largest deviation of measured from linear where coherent.
 
         ``of_linear``: of the linear response (`deviations`); ``of_floor``: of the floor's motion, rotations taken as
-        motion at the mounts' mean distance. None where nothing is coherent.
+        motion at the mounts' mean distance. None where nothing is coherent, or moves at all.
         """
         found: dict[str, dict[str, dict[str, float | None]]] = {}
         for variant in self.variants:
@@ -144,10 +144,10 @@ class Comparison:
                 "of_linear": deviations(measured, linear, one.outputs, one.inputs, self.length),
                 "of_floor": np.abs(measured - linear) * as_lengths(one.outputs, one.inputs, self.length),
             }
-            coherent = one.estimate.multiple > COHERENT
+            judged = (one.estimate.multiple > COHERENT) & np.isfinite(errors["of_linear"]).all(axis=2)
             found[variant.name] = {
                 name: {
-                    what: float(error[coherent[:, k], k].max()) if coherent[:, k].any() else None
+                    what: float(error[judged[:, k], k].max()) if judged[:, k].any() else None
                     for what, error in errors.items()
                 }
                 for k, name in enumerate(one.outputs)

@@ -214,13 +214,15 @@ def deviations(
     """|measured − linear| over |linear|, (f, output, input).
 
     An element that is zero by symmetry (below `ZERO` of its row at every frequency, rotations taken as motion at
-    ``length`` [m]) is judged against its row's largest, and one that nearly vanishes against `SMALL` of it.
+    ``length`` [m]) is judged against its row's largest, and one that nearly vanishes against `SMALL` of it. A row of
+    zeros, below `ZERO` of the floor's motion, has nothing to judge against: NaN.
     """
     factor = as_lengths(outputs, inputs, length)
     size = np.abs(linear) * factor
     row = size.max(axis=2, keepdims=True)
     zero = (size < ZERO * row).all(axis=0)
     scale = np.where(zero, np.broadcast_to(row, size.shape), np.maximum(size, SMALL * row))
+    scale[:, (size < ZERO).all(axis=(0, 2))] = np.nan
     return np.asarray(np.abs(measured - linear) * factor / scale)
 
 
