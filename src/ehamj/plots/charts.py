@@ -62,9 +62,18 @@ def _plain(axis: Any) -> None:
 
     low, high = axis.get_view_interval()
     decades = np.log10(high / low)
-    steps = (1.0,) if decades > 4 else (1.0, 2.0, 5.0) if decades > 0.7 else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    wide = high >= 1e5 or low < 1e-3  # numbers with exponents need room
+    steps = (
+        (1.0,)
+        if decades > (1.3 if wide else 4.0)
+        else (1.0, 2.0, 5.0)
+        if decades > 0.7
+        else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    )
     axis.set_major_locator(LogLocator(10, subs=steps))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+    axis.set_major_formatter(
+        FuncFormatter(lambda value, _: f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("-", "−"))
+    )
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -174,6 +183,8 @@ def map_chart(
 
     across, up = np.asarray(x[1], float), np.asarray(y[1], float)
     field = np.ma.masked_invalid(np.asarray(values[1], float))
+    if boundary is not None:
+        field = np.ma.masked_where(np.asarray(boundary[1], float) > 0.0, field)
     with styled():
         figure, (axes,) = _new(title, height=1.15 * HEIGHT)
         axes.grid(False)

@@ -7,8 +7,13 @@ from typing import Final
 from ehamj.errors import InputError
 from ehamj.scenario import Scenario
 from ehamj.studies.failed import FailedStudy, failed_actuator
+from ehamj.studies.gains import GainStudy, loop_gains
+from ehamj.studies.lateral import LateralStudy, lateral_stiffness
 from ehamj.studies.outcome import Outcome, Progress
+from ehamj.studies.rocking import RockingStudy, rocking
 from ehamj.studies.soft_mounts import SoftMountStudy, soft_mounts
+from ehamj.studies.unequal import UnequalStudy, unequal_loads
+from ehamj.studies.valve_oil import ValveOilStudy, valve_and_oil
 from ehamj.studies.waves import WaveStudy, waves
 
 
@@ -21,6 +26,26 @@ class Study:
 
 
 STUDIES: Final[dict[str, Study]] = {
+    "rocking": Study(
+        "sway and rocking over CG height and footprint: 2,601 designs, and where soft mounts let them tip",
+        lambda scenario, progress: rocking(RockingStudy(scenario), progress),
+    ),
+    "lateral": Study(
+        "what the lateral stiffness of the mounts does to sway, rocking and yaw",
+        lambda scenario, progress: lateral_stiffness(LateralStudy(scenario), progress),
+    ),
+    "unequal-loads": Study(
+        "a centre of gravity beside the middle: loads of the mounts, heave that rocks",
+        lambda scenario, progress: unequal_loads(UnequalStudy(scenario), progress),
+    ),
+    "valve-and-oil": Study(
+        "what valve and oil do to the modes, and to the fastest loop",
+        lambda scenario, progress: valve_and_oil(ValveOilStudy(scenario), progress),
+    ),
+    "gains": Study(
+        "root locus of the whole machine over the gain of its law, and its limit",
+        lambda scenario, progress: loop_gains(GainStudy(scenario), progress),
+    ),
     "failed-actuator": Study(
         "one actuator failed (stuck valve, leak, no oil): modes, forces, what isolation is left",
         lambda scenario, progress: failed_actuator(FailedStudy(scenario), progress),

@@ -12,10 +12,7 @@ from ehamj.studies.outcome import labelled
 
 def modes_table(models: Mapping[str, LinearModel]) -> xr.Dataset:
     """Modes of motion by system and number, lowest first: ``name``, ``frequency`` [Hz], ``damping`` [-]."""
-    found = {
-        name: [mode for mode in modes(model) if mode.name not in ("valve", "controller", "pressure")]
-        for name, model in models.items()
-    }
+    found = {name: [mode for mode in modes(model) if mode.machine_moves] for name, model in models.items()}
     most = max(map(len, found.values()))
     frequency, damping = np.full((2, len(found), most), np.nan)
     names = np.full((len(found), most), "", dtype=object)

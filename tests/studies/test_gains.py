@@ -1,0 +1,88 @@
+"""Gains: the limit of stability against a nonlinear run, and the loop against its continuous form."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import ehamj
+from ehamj.analysis.controlled import law_response
+from ehamj.analysis.linear import linear_model
+from ehamj.controllers import Controller
+from ehamj.errors import InputError
+from ehamj.scenario import Scenario, parse_scenario
+from ehamj.studies import gains, valve_oil
+
+MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
+LAW = gains.inertial_position(MACHINE.plant, 40.0)
+
+
+def test_the_law_is_an_integrator_of_velocity() -> None:
+    """At 10 Hz: −2πf_c A_p/(K_Q K_v)/(jω), hold and one sample of delay; the leak at 0.05 Hz turns it by 0.3°."""
+    (response,) = law_response(LAW, [10.0])
+    actuator, s = MACHINE.plant.actuators[0], 2j * np.pi * 10.0
+    wanted = -2 * np.pi * 40.0 * actuator.piston_area / (actuator.flow_gain * actuator.valve_gain) / s
+    wanted *= np.exp(-1.5e-4 * s)
+    assert abs(response[0, 0] / wanted - 1.0) < 6e-3
+    assert np.abs(response - np.diag(np.diag(response))).max() == 0.0
+
+
+def test_the_limit_is_where_the_spectral_radius_is_one() -> None:
+    model = linear_model(MACHINE)
+    limit = gains.highest_factor(model, LAW)
+    assert (
+        gains.radius(model, gains.scaled(LAW, 0.998 * limit))
+        < 1.0
+        < gains.radius(model, gains.scaled(LAW, 1.002 * limit))
+    )
+
+
+def end_over_beginning(law: Controller, dof: str = "rx") -> float:
+    """Stroke late over stroke early in a nonlinear run after a jolt, of a law with a fine converter."""
+    jolt = {"kind": "shock", "dof": dof, "velocity": 1e-7, "pulse_time": 1e-3, "return_time": 1e-2, "begin": 1e-3}
+    scenario: Scenario = parse_scenario(MACHINE.model_dump() | {"ground": jolt, "duration": 0.9, "record_rate": 2000.0})
+    fine = dataclasses.replace(law, bits=None)
+    stroke = ehamj.simulate(scenario, controller=fine).dataset["stroke"].values[:, 0]
+    stroke = np.abs(stroke - stroke[0])
+    return float(stroke[-200:].max() / stroke[400:600].max())
+
+
+def test_a_nonlinear_run_grows_above_the_limit_and_decays_below() -> None:
+    """1 % off: the margin is that of the simulated loop, hold and delay included."""
+    limit = gains.highest_factor(linear_model(MACHINE), LAW)
+    assert end_over_beginning(gains.scaled(LAW, 0.99 * limit)) < 0.9
+    assert end_over_beginning(gains.scaled(LAW, 1.01 * limit)) > 1.1
+
+
+def test_no_gain_gives_the_passive_poles() -> None:
+    model = linear_model(MACHINE)
+    (poles,) = gains.root_locus(model, LAW, np.array([0.0]))
+    for value in np.linalg.eigvals(model.A):
+        assert np.nanmin(np.abs(poles - value)) < 1e-6 * max(1.0, abs(value))
+
+
+def test_feedforward_is_no_feedback() -> None:
+    assert gains.feeds_back(LAW)
+    assert not gains.feeds_back(parse_scenario({"name": "f", "control": {"kind": "feedforward"}}).controller())
+    assert not gains.feeds_back(None)
+
+
+def test_an_unstable_law_is_refused() -> None:
+    with pytest.raises(InputError, match="unstable even"):
+        gains.highest_factor(linear_model(MACHINE), gains.scaled(LAW, -1e4))
+
+
+def test_oil_stiffens_heave() -> None:
+    """Undamped ω² = 4(K_L + K_h)/M; leakage and damping of 10 % move |λ| by less than 1 %."""
+    study = valve_oil.ValveOilStudy(MACHINE, factors=(0.5, 1.0, 2.0))
+    heave = valve_oil.modes_over_factors(study)["frequency"].sel(parameter="bulk_modulus", mode="heave")
+    actuator, mass = MACHINE.plant.actuators[0], MACHINE.plant.total_mass
+    stiffness = actuator.membrane_stiffness + np.array(study.factors) * actuator.hydraulic_stiffness
+    assert heave.values == pytest.approx(np.sqrt(4 * stiffness / mass) / (2 * np.pi), rel=0.01)
+
+
+def test_a_slower_valve_makes_a_slower_loop() -> None:
+    study = valve_oil.ValveOilStudy(MACHINE, loops=(0.5, 1.0), looped=("valve_frequency",))
+    crossover = valve_oil.fastest_loops(study)["crossover"].sel(parameter="valve_frequency").values
+    assert crossover[0] < 0.8 * crossover[1]
+    assert crossover[1] == pytest.approx(40.0 * gains.highest_factor(linear_model(MACHINE), LAW), rel=5e-3)
