@@ -442,3 +442,57 @@ def test_help_of_run_teaches(cli: Cli) -> None:
     said = cli("run", "--help").out
     for part in ("--out", "--overwrite", "--set", "--no-replay", "summary.json", "result.nc", "machine.mass=4500"):
         assert part in said
+
+
+# --- floor to machine ----------------------------------------------------------------------------------------------
+
+RESPOND = ("transmissibility", "workshop", "--set", "plates=tied", "--lines", "4", "--from", "5", "--to", "50")
+
+
+def test_transmissibility_writes_page_tables_and_figures(cli: Cli) -> None:
+    said = cli(*RESPOND, "--dofs", "z,rx", "--out", "floor", "--json")
+    assert said.code == 0
+    content = one_json(said.out)
+    names = {"transmissibility.html", "transmissibility.nc", "transmissibility.csv", "attenuation.csv", "scenario.toml"}
+    assert {path.name for path in Path("floor").iterdir()} == names | {"figures"}
+    assert {path.stem for path in Path("floor/figures").iterdir()} == {
+        f"transmissibility-{name}" for name in ("z", "rx", "matrix")
+    }
+    attenuation = content["attenuation_db"]
+    assert isinstance(attenuation, dict)
+    assert list(attenuation) == ["passive", "feedforward"]
+    assert attenuation["feedforward"]["measured"]["z"]["50"] > 45.0
+    deviation = content["largest_deviation"]
+    assert isinstance(deviation, dict)
+    assert deviation["passive"]["cg_displacement z"]["of_linear"] < 0.02
+    assert deviation["feedforward"]["cg_displacement z"]["of_floor"] < 0.02
+    again = cli(*RESPOND, "--dofs", "z", "--out", "floor")
+    assert "exists already" in message(again)
+    printed = cli(*RESPOND, "--dofs", "z", "--out", "floor", "--overwrite")
+    assert printed.code == 0
+    assert float(re.findall(r"passive: measured within ([\d.]+) % of linear", printed.out)[0]) < 2.0
+    assert re.search(r"^ ?z +feedforward +measured( +[\d.–]+)+", printed.out, re.MULTILINE)
+
+
+def test_transmissibility_of_a_stored_run_is_its_own(cli: Cli) -> None:
+    quiet = ("--set", "compare=[]", "--set", "duration=3", "--set", "plates=tied")
+    assert cli("run", "workshop", *quiet, "--no-replay", "--no-report", "--out", "run").code == 0
+    said = cli("transmissibility", "run", "--dofs", "z", "--out", "floor", "--json")
+    assert said.code == 0
+    content = one_json(said.out)
+    assert content["method"] == {"passive": [], "feedforward": ["Welch, 29 averages of 0.169 s or more, H1"]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (("workshop", "--dofs", "z,w"), "dofs.1 = 'w': must be"),
+        (("workshop", "--realisations", "1"), "realisations = 1: must be greater than or equal to 2"),
+        (("workshop", "--confidence", "1.5"), "confidence = 1.5: must be less than 1"),
+        (("workshop", "--from", "50", "--to", "5"), "must be below"),
+        (("nowhere",), "no such file"),
+    ],
+)
+def test_transmissibility_refuses_and_writes_nothing(cli: Cli, arguments: tuple[str, ...], expected: str) -> None:
+    assert expected in message(cli("transmissibility", *arguments, "--out", "floor"))
+    assert tree() == {}

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ehamj import plots
-from ehamj.plots import Foot, Levels, Limit, Trace
+from ehamj.plots import Foot, Levels, Limit, Response, Trace
 
 BANDS = 10.0 ** np.arange(0.0, 2.55, 0.1)
 TIME = np.arange(60_001) / 1000.0
@@ -272,3 +272,43 @@ def test_drawing_leaves_the_settings_of_others_alone() -> None:
     before = dict(matplotlib.rcParams)
     plots.svg(plots.machine_side(SIZE, CG, FEET), "side")
     assert dict(matplotlib.rcParams) == before
+
+
+# --- responses -----------------------------------------------------------------------------------------------------
+
+
+def responses() -> list[Response]:
+    f = np.geomspace(1.0, 300.0, 50)
+    ones = np.ones(50)
+    return [
+        Response("passive, linear", f, 1.0 / (1.0 + 0.01j * f), plots.VERMILLION),
+        Response("passive, measured", f, 0.5 / (1.0 + 0.01j * f), plots.VERMILLION, 0.1 * ones, 0.9 * ones, 0.7 * ones),
+    ]
+
+
+def test_a_response_shows_magnitude_phase_band_and_coherence() -> None:
+    linear, measured = responses()
+    figure = plots.response("Floor to machine", responses(), "m/m")
+    above, middle, below = figure.axes
+    assert [axes.get_ylabel() for axes in figure.axes] == ["magnitude [dB re 1 m/m]", "phase [°]", "coherence [-]"]
+    assert {axes.get_xlabel() for axes in figure.axes} == {"frequency [Hz]"}
+    np.testing.assert_allclose(above.lines[0].get_ydata(), 20 * np.log10(np.abs(linear.response)))
+    np.testing.assert_allclose(middle.lines[1].get_ydata(), np.degrees(np.angle(measured.response)))
+    band = above.collections[0].get_paths()[0].vertices
+    assert band[:, 1].max() == pytest.approx(20 * np.log10(np.abs(measured.response).max() + 0.1))
+    assert [line.get_ydata()[0] for line in below.lines] == [0.9, 0.7]
+    (legend,) = figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names[:2] == ["passive, linear", "passive, measured"]
+    assert "95 % confidence" in names
+    assert len(plots.response("Linear", responses()[:1], "m/m").axes) == 2
+
+
+def test_a_matrix_of_responses_leaves_zeros_empty() -> None:
+    curves = {("x", "x"): responses(), ("z", "z"): responses()}
+    figure = plots.response_matrix("All", ("x", "z"), ("x", "z"), curves, "m/m")
+    drawn = [len(axes.lines) for axes in figure.axes]
+    assert drawn == [2, 0, 0, 2]
+    assert [axes.texts[0].get_text() for axes in figure.axes if axes.texts] == ["0", "0"]
+    assert len(figure.legends) == 1
+    assert "[dB re 1 m/m]" in figure.get_supylabel()

@@ -129,20 +129,18 @@ def _measure(
             channel_row(name, scenario.plant)
         except UnknownChannelError as error:
             raise InputError(f"output: {error}") from error
-    if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
-        raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     random = [np.random.default_rng([scenario.seed, k]) for k in range(realisations)]
     phases = [generator.uniform(0, 2 * np.pi, frequency.size) for generator in random]
-    rate = 1000.0 * np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0)
-    runs = simulate_many(_excited(scenario, excitation(phase), rate) for phase in phases)
+    duration = SETTLING + PERIOD
+    runs = simulate_many(excited(scenario, excitation(phase), frequency, duration) for phase in phases)
     x, y = [], []
     for run, phase in zip(runs, phases, strict=True):
-        part = run.dataset.sel(time=slice(SETTLING - 1e-9, SETTLING + PERIOD - 0.5 / rate))
+        part = run.dataset.sel(time=slice(SETTLING - 1e-9, duration - 0.5 / run.scenario.record_rate))
         index = np.round(frequency * PERIOD).astype(int)
-        answer = [_lines(channel(part, name), index) for name in outputs]
+        answer = [line_amplitudes(channel(part, name), index) for name in outputs]
         # A sine of phase φ has the spectral line −j·A·exp(jφ) at the beginning of its period.
-        given = _lines(channel(part, source), index) if isinstance(source, str) else -1j * source * np.exp(1j * phase)
-        x.append(given)
+        phasor = -1j * np.exp(1j * phase)
+        x.append(line_amplitudes(channel(part, source), index) if isinstance(source, str) else source * phasor)
         y.append(np.array(answer).T)
     inputs, answers = np.array(x)[:, :, None], np.array(y)
     cross = (inputs.conj() * answers).sum(axis=0)
@@ -152,12 +150,20 @@ def _measure(
     return Measured(frequency, tuple(outputs), cross / own, coherence)
 
 
-def _excited(scenario: Scenario, change: Mapping[str, Any], rate: float) -> Scenario:
+def excited(scenario: Scenario, change: Mapping[str, Any], frequency: Array, duration: float) -> Scenario:
+    """The scenario with tables of ``change`` replaced, for ``duration`` [s], recorded fast enough for ``frequency``.
+
+    Raises:
+        InputError: if a line is no multiple of 1/`PERIOD`.
+    """
+    if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
+        raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
+    rate = 1000.0 * float(np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0))
     table = scenario.model_dump() | dict(change)
-    table |= {"duration": SETTLING + PERIOD, "record_rate": rate, "compare": ()}
+    table |= {"duration": duration, "record_rate": rate, "compare": ()}
     return parse_scenario(table)
 
 
-def _lines(signal: Array, index: NDArray[np.int64]) -> ComplexArray:
+def line_amplitudes(signal: Array, index: NDArray[np.int64]) -> ComplexArray:
     """Complex amplitude of each line of a periodic signal, about its mean."""
     return 2.0 / signal.size * np.fft.rfft(signal - signal.mean())[index]

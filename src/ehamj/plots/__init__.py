@@ -9,6 +9,7 @@ from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion
 from ehamj.plots.files import inline, svg
 from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
 from ehamj.plots.machine import Foot, machine_plan, machine_side
+from ehamj.plots.responses import Response, response, response_matrix
 from ehamj.plots.style import (
     BLUE,
     FLOOR_COLOR,
@@ -26,6 +27,7 @@ from ehamj.plots.style import (
 
 __all__ = [
     "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE", "QUIETEST",
-    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Trace", "attenuation", "criterion",
-    "envelope", "history", "inline", "machine_plan", "machine_side", "shown", "svg", "thinned",
+    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Response", "Trace", "attenuation",
+    "criterion", "envelope", "history", "inline", "machine_plan", "machine_side", "response", "response_matrix",
+    "shown", "svg", "thinned",
 ]  # fmt: skip

@@ -27,6 +27,8 @@ class Picture:
     section: str
     figure: "Figure"
     caption: str = ""
+    wide: bool = False
+    """Whether it needs the whole width of the page; on a phone it scrolls."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,183 @@
+"""Frequency responses: magnitude, phase and coherence over frequency, and the matrix of all magnitudes."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.plots.bands import BAND_TICKS
+from ehamj.plots.style import BELOW, GREY, INCH, LEFT, MARKERS, Array, arrange, new_figure, shown, styled
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MANY: Final = 120
+"""Measured lines above which a response is drawn as a line instead of markers."""
+DEEPEST: Final = -100.0
+"""Magnitude below which nothing is drawn [dB]."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """One curve: complex response over frequency [Hz]; what was measured has coherences and a confidence radius."""
+
+    label: str
+    frequency: Array
+    response: NDArray[np.complex128]
+    color: str
+    radius: Array | None = None
+    multiple: Array | None = None
+    ordinary: Array | None = None
+
+    @property
+    def measured(self) -> bool:
+        """Whether it was measured."""
+        return self.multiple is not None
+
+
+def response(title: str, curves: Sequence[Response], unit: str, confidence: float = 0.95) -> "Figure":
+    """Magnitude [dB], phase [deg] and, of what was measured, coherence.
+
+    Args:
+        title: of the figure.
+        curves: linear ones are lines; measured ones markers with a band of confidence.
+        unit: of the response: the magnitude is over 1 ``unit``.
+        confidence: probability of the band, for the legend.
+    """
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    with styled():
+        figure = new_figure(title)
+        coherent = any(curve.measured for curve in curves)
+        above, middle, *below = figure.subplots(3 if coherent else 2, 1, squeeze=False)[:, 0]
+        entries: dict[str, Artist] = {}
+        for place, curve in enumerate(curves):
+            entries[shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
+            _line(middle, curve, np.degrees(np.angle(curve.response)), 3.0 - 0.1 * place)
+        _decibels(above, curves)
+        above.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+        above.set_ylabel(f"magnitude [dB re 1 {unit}]")
+        middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
+        if below:
+            for curve in curves:
+                if curve.multiple is not None and curve.ordinary is not None:
+                    below[0].plot(curve.frequency, curve.multiple, color=curve.color, linewidth=1.5)
+                    below[0].plot(curve.frequency, curve.ordinary, color=curve.color, linewidth=0.9, linestyle=":")
+            below[0].set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
+            entries["multiple coherence"] = Line2D([], [], color=GREY, linewidth=1.5)
+            entries["ordinary coherence"] = Line2D([], [], color=GREY, linewidth=0.9, linestyle=":")
+            entries[f"{100 * confidence:g} % confidence"] = Patch(color=GREY, alpha=0.35)
+        panels = [(above, 120.0), (middle, 70.0), *((axes, 56.0) for axes in below)]
+        for axes, _ in panels:
+            _frequency_axis(axes, curves)
+            axes.set_xlabel("frequency [Hz]")
+        arrange(figure, panels, entries)
+    return figure
+
+
+def response_matrix(
+    title: str, rows: Sequence[str], columns: Sequence[str], curves: Mapping[tuple[str, str], Sequence[Response]],
+    unit: str,
+) -> "Figure":  # fmt: skip
+    """Magnitudes [dB] of a matrix of responses, all panels with the same axes.
+
+    Args:
+        title: of the figure.
+        rows: names of the outputs.
+        columns: names of the inputs.
+        curves: by row and column; elements that are missing are zero and stay empty.
+        unit: of the magnitudes, for the axes' label.
+    """
+    everything = [curve for part in curves.values() for curve in part]
+    with styled():
+        figure = new_figure(title)
+        grid = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
+        entries: dict[str, Artist] = {}
+        for i, row in enumerate(rows):
+            for j, column in enumerate(columns):
+                axes = grid[i, j]
+                for place, curve in enumerate(curves.get((row, column), ())):
+                    entries.setdefault(shown(curve.label), _magnitude(axes, curve, 3.0 - 0.1 * place, small=True))
+                if (row, column) not in curves:
+                    axes.text(0.5, 0.5, "0", transform=axes.transAxes, ha="center", va="center", color=GREY)
+                if i == 0:
+                    axes.set_title(f"floor {column}", fontsize=8.8)
+                axes.tick_params(labelsize=7.5, length=2)
+        for i, row in enumerate(rows):
+            grid[i, 0].set_ylabel(row, fontsize=8.8)
+        first = grid[0, 0]
+        _frequency_axis(first, everything, few=True)
+        _decibels(first, everything)
+        figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
+        figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
+        size = 78.0
+        width, height = LEFT + 12.0 + size * len(columns), 60.0 + BELOW + size * len(rows)
+        figure.set_size_inches(width / INCH, height / INCH)
+        figure.suptitle(title, x=6.0 / width, y=1.0 - 6.0 / height, ha="left", va="top")
+        figure.subplots_adjust(left=LEFT / width, right=1 - 12.0 / width, bottom=BELOW / height, top=1 - 62.0 / height,
+                               wspace=0.08, hspace=0.08)  # fmt: skip
+        figure.legend(
+            list(entries.values()), list(entries), loc="upper left", ncols=4, borderaxespad=0.0,
+            bbox_to_anchor=(LEFT / width, 1.0 - 24.0 / height),
+        )  # fmt: skip
+    return figure
+
+
+def _magnitude(axes: "Axes", curve: Response, order: float, small: bool = False) -> "Artist":
+    size = np.abs(curve.response)
+    if curve.radius is not None:
+        low, high = _in_decibels(np.maximum(size - curve.radius, 1e-12)), _in_decibels(size + curve.radius)
+        axes.fill_between(curve.frequency, low, high, color=curve.color, alpha=0.25, linewidth=0.0, zorder=order - 1)
+    return _line(axes, curve, _in_decibels(size), order, small)
+
+
+def _line(axes: "Axes", curve: Response, values: Array, order: float, small: bool = False) -> "Artist":
+    """Linear curves as lines; measured ones as markers, or as a broken line where they are dense."""
+    style: dict[str, Any] = {"color": curve.color, "zorder": order}
+    if not curve.measured:
+        style |= {"linewidth": 1.0 if small else 1.5}
+    elif curve.frequency.size > MANY:
+        style |= {"linewidth": 0.9, "linestyle": (0, (4, 1.5))}
+    else:
+        marker = MARKERS.get(curve.color, "o")
+        style |= {"linestyle": "none", "marker": marker, "markersize": 2.0 if small else 4.0, "fillstyle": "none"}
+    (line,) = axes.plot(curve.frequency, values, **style)
+    artist: Artist = line
+    return artist
+
+
+def _in_decibels(size: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.where(size > 0, 20 * np.log10(size), np.nan))
+
+
+def _decibels(axes: "Axes", curves: Sequence[Response]) -> None:
+    """Limits at multiples of 10 dB around everything that is known."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    parts = [_in_decibels(np.abs(curve.response)) for curve in curves]
+    values = np.concatenate([part[np.isfinite(part)] for part in parts] or [np.zeros(0)])
+    bottom = max(DEEPEST, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
+    top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
+    axes.set_ylim(bottom, top)
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 4, 5, 10]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+
+
+def _frequency_axis(axes: "Axes", curves: Sequence[Response], few: bool = False) -> None:
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    axes.set_xscale("log")
+    ends = [(curve.frequency.min(), curve.frequency.max()) for curve in curves if curve.frequency.size]
+    low, high = (min(low for low, _ in ends), max(high for _, high in ends)) if ends else (1.0, 300.0)
+    axes.set_xlim(low / 1.03, high * 1.03)
+    ticks = [tick for tick in BAND_TICKS if not few or math.log10(tick) % 1 == 0]
+    axes.xaxis.set_major_locator(FixedLocator(ticks))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
