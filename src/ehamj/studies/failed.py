@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.controlled import floor_response, rigid_floor
 from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.controllers import Controller
 from ehamj.errors import InputError
@@ -20,6 +19,7 @@ from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
+from ehamj.studies.floors import floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, still, with_actuators
@@ -133,7 +133,7 @@ OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displ
 
 def residual(model: LinearModel, law: Controller | None, hertz: Array) -> ComplexArray:
     """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
-    return floor_response(model, law, hertz, OUTPUTS, rigid_floor(model.plant.positions, "z"))
+    return floor_response(model, law, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
 
 
 def simulated_residual(study: FailedStudy, scenario: Scenario, law: Controller | None) -> ComplexArray:

@@ -15,7 +15,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ehamj.analysis.controlled import floor_response, rigid_floor
 from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.controllers import Controller
 from ehamj.errors import InputError
@@ -25,6 +24,7 @@ from ehamj.parameters import Actuator, Plant
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
+from ehamj.studies.floors import floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, positions, preset, resized, still, with_every_actuator
@@ -263,7 +263,7 @@ def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.D
 
 
 def _floor(model: LinearModel, axis: str) -> NDArray[np.complex128]:
-    return rigid_floor(model.plant.positions, axis)
+    return rigid_floor(model.plant, axis)
 
 
 def _answers(study: SoftMountStudy, tipping: xr.Dataset) -> tuple[str, ...]:

@@ -12,14 +12,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.controlled import floor_response, rigid_floor
 from ehamj.analysis.linear import LinearModel, linear_model
+from ehamj.analysis.transmissibility import ground_response
 from ehamj.controllers import Controller
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
+from ehamj.studies.floors import floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed, positions, still
 
@@ -79,17 +80,12 @@ def rocking(study: WaveStudy, model: LinearModel, law: Controller | None) -> Arr
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
     f, places = np.array(study.frequencies), positions(study.scenario)
     k = AXES.index(study.axis)
-    single = []
-    for mount in range(len(places)):  # the response to each mount's ground alone; waves are sums of them
-        motion = np.zeros((f.size, len(places), len(AXES)), complex)
-        motion[:, mount, k] = 1.0
-        single.append(floor_response(model, law, f, TURNS, motion))
-    transfer = np.stack(single, axis=1)  # (frequency, mount, output)
+    transfer = ground_response(model, f, TURNS, law)[:, :, k :: len(AXES)]  # (frequency, output, mount)
     found = np.empty((len(study.directions), len(study.speeds), f.size))
     for i, direction in enumerate(study.directions):
         for j, speed in enumerate(study.speeds):
             motion = wave_motion(places, f, speed, direction, study.axis)[:, :, k]
-            turns = np.einsum("fm,fmo->of", motion, transfer)
+            turns = np.einsum("fm,fom->of", motion, transfer)
             found[i, j] = largest_turn(*turns)
     return found
 
@@ -198,8 +194,7 @@ def coupling_table(model: LinearModel, hertz: Array) -> xr.Dataset:
     """Largest gain at ``hertz`` from each motion of a rigid floor to each of the machine's mount plane, 6 by 6."""
     outputs = tuple(f"machine_displacement {dof}" for dof in DOFS)
     gains = [
-        np.abs(floor_response(model, None, hertz, outputs, rigid_floor(model.plant.positions, dof))).max(axis=0)
-        for dof in DOFS
+        np.abs(floor_response(model, None, hertz, outputs, rigid_floor(model.plant, dof))).max(axis=0) for dof in DOFS
     ]
     return xr.Dataset(
         {"gain": labelled(("floor", "machine"), np.array(gains), "m/m, rad/m, m/rad, rad/rad", "largest gain")},
