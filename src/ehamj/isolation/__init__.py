@@ -5,10 +5,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj.criteria.curves import Norm, Quantity
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.isolation.attenuation import attenuation_at_cg, attenuation_at_places
-from ehamj.isolation.levels import BANDS, floor_and_machine, measure, named, settled
+from ehamj.isolation.levels import BANDS, Measured, floor_and_machine, measure, named, settled
 from ehamj.isolation.verdicts import judged, undecided, worst_class
+from ehamj.layout import AXES
 from ehamj.parameters import Plant
 
 __all__ = ["floor_and_machine", "isolation", "settled", "worst_class"]
@@ -35,7 +37,8 @@ def isolation(
     Returns:
         ``attenuation_db``: per axis and for rx, ry, band → dB (positive: quieter than the floor), None: undecided.
         ``attenuation_at_db``: the same for x, y, z at the feet (worst of foot over its own ground) and each point.
-        ``third_octave_velocity``: RMS velocity [m/s] per place, axis and band.
+        ``third_octave_velocity``: RMS velocity [m/s] per place, axis and band; ``third_octave_displacement`` [m] and
+        ``third_octave_acceleration`` [m/s²] where a norm limits them.
         ``criterion``: by the first norm, class met per axis of floor and machine, and the verdict in words.
         ``criteria``: by each norm, the same for every place.
         ``undecided``: in words, bands that a longer run or a higher recording rate would decide.
@@ -52,12 +55,29 @@ def isolation(
     return {
         "attenuation_db": attenuation_at_cg(measured, plant),
         "attenuation_at_db": attenuation_at_places(measured),
-        "third_octave_velocity": {
-            place: {axis: named(levels[:, k], known) for k, axis in enumerate("xyz")}
-            for place, levels in measured.places["velocity"].items()
-        },
+        **{f"third_octave_{quantity}": _tables(measured, quantity) for quantity in _wanted(list(norms.values()))},
         "criterion": {**{who: first["places"][who] for who in ("floor", "machine")}, "verdict": first["verdict"]},
         "criteria": verdicts,
         "undecided": undecided(norms, end - begin, rate, usable_to),
         "analysis": {"from_s": begin, "to_s": end, "usable_to_hz": usable_to if np.isfinite(usable_to) else None},
+    }
+
+
+def _wanted(norms: list[Norm]) -> list[Quantity]:
+    """Velocity, and what else the norms limit."""
+    limited = {
+        limit.quantity
+        for norm in norms
+        for name in norm.classes
+        for axis in AXES
+        for band in BANDS
+        if (limit := norm.limit(name, axis, band)) is not None
+    }
+    return [quantity for quantity in ("velocity", "displacement", "acceleration") if quantity in {"velocity", *limited}]
+
+
+def _tables(measured: Measured, quantity: Quantity) -> dict[str, dict[str, dict[str, float | None]]]:
+    return {
+        place: {axis: named(levels[:, k], measured.bands) for k, axis in enumerate(AXES)}
+        for place, levels in measured.places[quantity].items()
     }

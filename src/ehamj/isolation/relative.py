@@ -21,7 +21,8 @@ def relative_motions(
 
     Returns:
         ``from``, ``to``; ``peak`` and ``rms`` [m] per axis and ``total`` (of the distance moved), over the whole run
-        about its first value; ``third_octave_displacement`` per axis, band → RMS [m], from where levels are taken.
+        about its first value; ``third_octave_displacement`` per axis and ``total`` (of all axes together), band → RMS
+        [m], from where levels are taken.
     """
     if not relatives:
         return {}
@@ -38,7 +39,10 @@ def relative_motions(
             "from": relative.origin,
             "to": relative.to,
             **_peak_and_rms(moved[:, k]),
-            "third_octave_displacement": {axis: named(levels[:, k, a], known) for a, axis in enumerate(AXES)},
+            "third_octave_displacement": {
+                **{axis: named(levels[:, k, a], known) for a, axis in enumerate(AXES)},
+                "total": named(np.sqrt((levels[:, k] ** 2).sum(axis=1)), known),
+            },
         }
         for k, relative in enumerate(relatives)
     }

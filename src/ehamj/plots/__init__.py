@@ -5,10 +5,10 @@ screen and two of them fit beside each other on paper. Matplotlib is imported wh
 pyplot never. Colours are those of Okabe and Ito, which most colour-blind people tell apart.
 """
 
-from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion
+from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion, levels
 from ehamj.plots.files import inline, svg
 from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
-from ehamj.plots.machine import Foot, machine_plan, machine_side
+from ehamj.plots.machine import Foot, Mark, machine_plan, machine_side
 from ehamj.plots.responses import Response, response, response_matrix
 from ehamj.plots.style import (
     BLUE,
@@ -27,7 +27,7 @@ from ehamj.plots.style import (
 
 __all__ = [
     "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE", "QUIETEST",
-    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Response", "Trace", "attenuation",
-    "criterion", "envelope", "history", "inline", "machine_plan", "machine_side", "response", "response_matrix",
-    "shown", "svg", "thinned",
+    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Mark", "Response", "Trace", "attenuation",
+    "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side", "response",
+    "response_matrix", "shown", "svg", "thinned",
 ]  # fmt: skip

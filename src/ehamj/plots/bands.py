@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 BAND_TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
+LABEL_HEIGHT: Final = 8.0
+"""Least distance between the names of two curves [pt]."""
+
 QUIETEST: Final = 0.01
 """Lowest velocity on a criterion plot [µm/s]."""
 
@@ -28,6 +31,7 @@ class Levels:
     frequency: Array
     values: Array
     color: str
+    dash: str = "-"
 
 
 def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
@@ -52,47 +56,88 @@ def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
 
 
 def criterion(
-    title: str, curves: Sequence[Levels], classes: Mapping[str, tuple[Array, Array]], known_to: float | None = None
+    title: str,
+    curves: Sequence[Levels],
+    classes: Mapping[str, tuple[Array, Array]],
+    known_to: float | None = None,
+    quantity: str = "RMS velocity per band [µm/s]",
 ) -> "Figure":
-    """Third-octave RMS velocity [µm/s] over bands, with the curves of vibration classes.
+    """Third-octave RMS velocity [µm/s] over bands, with the curves of a criterion's classes.
 
     Args:
         title: of the figure.
         curves: levels [µm/s].
-        classes: name → band centres [Hz] and limits [µm/s] of each class, drawn where they are in sight.
+        classes: name → band centres [Hz] and limits [µm/s] of each class, coarsest first, drawn where they are in
+            sight; the strictest always is.
         known_to: frequency above which the ground is not known [Hz].
+        quantity: what the vertical axis shows.
     """
     from matplotlib.patches import Patch
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     with styled():
         figure = new_figure(title)
         axes = figure.add_subplot()
         _band_axis(axes, curves)
-        axes.set_yscale("log")
-        parts = [curve.values[np.isfinite(curve.values) & (curve.values > 0)] for curve in curves]
-        values = np.concatenate(parts or [np.zeros(0)])
-        bottom = min(0.3, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
-        top = max(100.0, 1.5 * float(values.max(initial=1.0)))
-        axes.set_ylim(bottom, top)
-        axes.yaxis.set_major_locator(LogLocator(10))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.set_ylabel("RMS velocity per band [µm/s]")
+        values = np.concatenate([_seen(curve.values) for curve in curves] or [np.zeros(0)])
+        strictest = list(classes.values())[-1][1] if classes else np.ones(1)
+        bottom = min(0.3, float(strictest.min()) / 1.5, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
+        top = max(100.0, 1.5 * float(values.max(initial=1.0)), 1.5 * float(strictest.max()))
+        _level_axis(axes, bottom, top, quantity)
+        height, named_at = 190.0, math.inf
         for name, (frequency, limit) in classes.items():
             level = float(limit[-1])
             if not bottom * 1.1 < level < top:
                 continue
             axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
             axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=FAINT, linewidth=0.8, linestyle=":")
-            place = (axes.get_xlim()[1], level)
+            if math.log(named_at / level) * height / math.log(top / bottom) < LABEL_HEIGHT:
+                continue  # its name would lie on that of the class above
+            place, named_at = (axes.get_xlim()[1], level), level
             axes.annotate(name, place, (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
         entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
         if known_to is not None and known_to < axes.get_xlim()[1]:
             axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
             entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
-        arrange(figure, [(axes, 190.0)], entries, right=76.0)
+        arrange(figure, [(axes, height)], entries, right=76.0)
     return figure
+
+
+def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "third-octave band [Hz]") -> "Figure":
+    """Levels over frequency, both logarithmic.
+
+    Args:
+        title: of the figure.
+        curves: levels, at least one of them positive somewhere.
+        quantity: what the vertical axis shows, with its unit.
+        across: what the horizontal axis shows.
+    """
+    with styled():
+        figure = new_figure(title)
+        axes = figure.add_subplot()
+        _band_axis(axes, curves, across)
+        values = np.concatenate([_seen(curve.values) for curve in curves])
+        top = 1.5 * float(values.max())
+        _level_axis(axes, max(float(values.min()) / 1.5, 1e-6 * top), top, quantity)
+        entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
+        arrange(figure, [(axes, 170.0)], entries)
+    return figure
+
+
+def _level_axis(axes: "Axes", bottom: float, top: float, quantity: str) -> None:
+    """A logarithmic axis of levels, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_yscale("log")
+    axes.set_ylim(bottom, top)
+    axes.yaxis.set_major_locator(LogLocator(10))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_ylabel(quantity)
+
+
+def _seen(values: Array) -> Array:
+    """The values that a logarithmic axis can show, without the others."""
+    return values[np.isfinite(values) & (values > 0)]
 
 
 def _positive(values: Array) -> Array:
@@ -100,7 +145,7 @@ def _positive(values: Array) -> Array:
     return np.where(values > 0, values, np.nan)
 
 
-def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
+def _band_axis(axes: "Axes", curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> None:
     """A logarithmic axis of frequency that spans all bands, known or not."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
@@ -110,14 +155,22 @@ def _band_axis(axes: "Axes", curves: Sequence[Levels]) -> None:
     axes.xaxis.set_major_locator(FixedLocator(list(BAND_TICKS)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_xlabel("third-octave band [Hz]")
+    axes.set_xlabel(across)
 
 
 def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":
-    """Draw the curves, earlier ones thinner and on top, so that those which coincide all show. Returns the legend."""
+    """Draw the curves, earlier ones thinner and on top, so that those which coincide all show; dashed ones without
+    markers, above all. Returns the legend."""
     entries: dict[str, Artist] = {}
-    for place, curve in enumerate(curve for curve in curves if curve.color != FLOOR_COLOR):
-        (entries[shown(curve.label)],) = axes.plot(
+    for curve in curves:
+        if curve.dash != "-":
+            (entries[shown(curve.label)],) = axes.plot(
+                curve.frequency, curve.values, color=curve.color, linewidth=1.1, linestyle=curve.dash, zorder=3.5
+            )
+    plain = [curve for curve in curves if curve.dash == "-" and curve.color != FLOOR_COLOR]
+    machines: dict[str, Artist] = {}
+    for place, curve in enumerate(plain):
+        (machines[shown(curve.label)],) = axes.plot(
             curve.frequency,
             curve.values,
             color=curve.color,
@@ -132,4 +185,4 @@ def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":
             (floors[shown(curve.label)],) = axes.plot(
                 curve.frequency, curve.values, color=curve.color, linewidth=4.5, zorder=2.2, solid_capstyle="round"
             )
-    return floors | entries
+    return floors | machines | entries

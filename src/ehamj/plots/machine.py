@@ -42,7 +42,21 @@ class Foot:
     kind: str
 
 
-def machine_plan(size: Vector, cg: Vector, feet: Sequence[Foot], waves: Sequence[tuple[str, float]] = ()) -> "Figure":
+@dataclass(frozen=True)
+class Mark:
+    """A point of the machine that is reported: its name and place [m]."""
+
+    name: str
+    place: Vector
+
+
+def machine_plan(
+    size: Vector,
+    cg: Vector,
+    feet: Sequence[Foot],
+    waves: Sequence[tuple[str, float]] = (),
+    points: Sequence[Mark] = (),
+) -> "Figure":
     """The machine from above, to scale, origin at the mount plane's centre [m].
 
     Args:
@@ -50,6 +64,7 @@ def machine_plan(size: Vector, cg: Vector, feet: Sequence[Foot], waves: Sequence
         cg: centre of gravity [m].
         feet: the four mounts.
         waves: label and direction of travel, from +x towards +y [deg], of each wave in the floor.
+        points: points of the machine that are reported.
     """
     from matplotlib.patches import Rectangle
 
@@ -74,12 +89,13 @@ def machine_plan(size: Vector, cg: Vector, feet: Sequence[Foot], waves: Sequence
         _waves(axes, waves[:3], room)
         _tripod(axes, "y", 2.2 * foot_size)
         entries: dict[str, Artist] = dict([_cg(axes, cg, 1, 0.4 * foot_size)])
+        entries |= _points(axes, points, 1)
         axes.set_ylabel("y [m]")
         arrange(figure, [(axes, scale * high)], {**_foot_entries(feet), **entries})
     return figure
 
 
-def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot]) -> "Figure":
+def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequence[Mark] = ()) -> "Figure":
     """The machine from its right side, at the scale of `machine_plan` [m]; mounts are drawn of some height."""
     from matplotlib.patches import Rectangle
 
@@ -103,6 +119,7 @@ def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot]) -> "Figure":
             _dimension(axes, (0.0, cg[2]), -length / 2 - foot_size, "y")
         _tripod(axes, "z", 2.2 * foot_size)
         entries: dict[str, Artist] = dict([_cg(axes, cg, 2, 0.4 * foot_size)])
+        entries |= _points(axes, points, 2)
         axes.set_ylabel("z [m]")
         arrange(figure, [(axes, scale * (high - low))], {**_foot_entries(feet), **entries})
     return figure
@@ -152,6 +169,25 @@ def _cg(axes: "Axes", cg: Vector, up: int, radius: float) -> tuple[str, "Artist"
     mark.set_markerfacecoloralt("white")
     place_text = ", ".join(f"{part:.3g}" for part in cg).replace("-", "−")
     return f"centre of gravity ({place_text}) m", mark
+
+
+def _points(axes: "Axes", points: Sequence[Mark], up: int) -> "dict[str, Artist]":
+    """A numbered cross at each point; ``up`` is the axis that points up. Returns the legend."""
+    from matplotlib.lines import Line2D
+
+    entries: dict[str, Artist] = {}
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    for number, point in enumerate(points, start=1):
+        at = (point.place[0], point.place[up])
+        if not (left < at[0] < right and bottom < at[1] < top):
+            continue  # an arm or a workpiece outside of the drawing
+        axes.plot(*at, marker="x", markersize=7, markeredgewidth=1.8, color=PURPLE, zorder=5)
+        sign = str(number) if len(points) > 1 else ""
+        axes.annotate(sign, at, (5, 5), textcoords="offset points", color=PURPLE, fontsize=8.8, zorder=5)
+        text = ", ".join(f"{part:.3g}" for part in point.place).replace("-", "−")
+        mark = Line2D([], [], linestyle="none", marker="x", markersize=7, markeredgewidth=1.8, color=PURPLE)
+        entries[shown(f"{sign} {point.name} ({text}) m".strip())] = mark
+    return entries
 
 
 def _tripod(axes: "Axes", up: str, length: float) -> None:

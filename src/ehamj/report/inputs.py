@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Parameters
+from ehamj.points import default_points
 from ehamj.report.parts import Results, Table
 from ehamj.report.words import BAR, exact, plain
 from ehamj.scenario import Scenario
@@ -23,6 +24,7 @@ def inputs(results: Results) -> Iterator[Table]:
     yield from _shared(results, _run)
     yield from _shared(results, lambda scenario: [_settings("Ground", scenario.ground)])
     yield from _shared(results, lambda scenario: [_settings("Control", scenario.control)])
+    yield from _shared(results, _observed)
 
 
 def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
@@ -83,6 +85,25 @@ def _mounts(scenario: Scenario) -> Table:
         for name, (x, y) in zip(MOUNTS, scenario.plant.positions, strict=True)
     ]
     return Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")
+
+
+def _observed(scenario: Scenario) -> list[Table]:
+    """Points (those of the drawing are assumed), relative motions and criteria."""
+    tables = [_settings("Criteria", scenario.criteria)]
+    if scenario.points:
+        drawn = default_points(scenario.machine)
+        sources = ["assumed" if drawn.get(name) == place else "given" for name, place in scenario.points.items()]
+        rows = [
+            [name, *map(exact, place), source]
+            for (name, place), source in zip(scenario.points.items(), sources, strict=True)
+        ]
+        tables.append(
+            Table("Points", ("point", "x [m]", "y [m]", "z [m]", "source"), rows, kind="words", badges=sources)
+        )
+    if scenario.relative:
+        rows = [[relative.name, relative.origin, relative.to] for relative in scenario.relative]
+        tables.append(Table("Relative motions", ("name", "from", "to"), rows, kind="words"))
+    return tables
 
 
 def _settings(title: str, settings: BaseModel, only: Sequence[str] = ()) -> Table:

@@ -5,14 +5,16 @@ from pathlib import Path
 from typing import Final
 
 from ehamj.report.document import render, write_page
-from ehamj.report.figures import attenuation, criterion, machine
+from ehamj.report.figures import attenuation, machine
 from ehamj.report.histories import histories
 from ehamj.report.inputs import inputs
+from ehamj.report.norms import attenuation_at_places, classes_at_places, criterion
+from ehamj.report.observed import relative_figures, relative_table, spectra
 from ehamj.report.parts import Picture, Results, colors_of
 from ehamj.report.tables import bands_table, facts, levels, oil, saturation, timing
-from ehamj.report.verdict import classes, failure, headline, notes, verdict, warnings
+from ehamj.report.verdict import HEADLINE_BANDS, classes, failure, headline, notes, verdict, warnings
 
-FAMILIES: Final = ("machine-", "attenuation-", "criterion-", "history-")
+FAMILIES: Final = ("machine-", "attenuation-", "criterion-", "spectrum-", "relative-", "history-")
 """How the names of a report's figures begin; those that an earlier report left behind are removed."""
 
 
@@ -39,6 +41,8 @@ def draw(results: Results) -> list[Picture]:
         *machine(next(iter(results.values())).scenario),
         *attenuation(results, colors),
         *criterion(results, colors),
+        *spectra(results, colors),
+        *relative_figures(results, colors),
         *histories(results, colors),
     ]
 
@@ -56,6 +60,9 @@ def page(results: Results, pictures: Sequence[Picture], drawings: Mapping[str, s
         verdict=verdict(first),
         headline=headline(results),
         classes=classes(results),
+        places=[table for table in (attenuation_at_places(results, HEADLINE_BANDS),) if table],
+        judged=[table for table in (classes_at_places(results),) if table],
+        relative=[table for table in (relative_table(results),) if table],
         facts=facts(first),
         warnings=warnings(results, processing=False),
         processing=warnings(results, processing=True),

@@ -7,7 +7,9 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj import plots
+from ehamj.criteria.curves import Norm
 from ehamj.report.histories import characteristic_part
+from ehamj.report.observed import spectra_note
 from ehamj.report.parts import Results, Table, floor_moves, known
 from ehamj.report.words import AXIS_NAMES, CRITERION_AXES, DASH, MICRO, decibel
 from ehamj.result import Result
@@ -56,17 +58,20 @@ def classes(results: Results) -> Table:
         if not any(floor == known for _, known in columns):
             columns.append(("floor" if not columns else f"floor of {label}", floor))
         columns.append((label, criterion.get("machine", {})))
-    rows = [[AXIS_NAMES[axis], *(_class(column.get(axis, {})) for _, column in columns)] for axis in CRITERION_AXES]
-    note = "Margin: below the limit of the class in the band that decides, the nearest to the next stricter class."
-    return Table("Vibration class", ["", *(name for name, _ in columns)], rows, note, kind="words")
+    norm = next(iter(next(iter(results.values())).scenario.criteria.chosen().values()))
+    rows = [
+        [AXIS_NAMES[axis], *(_class(column.get(axis, {}), norm) for _, column in columns)] for axis in CRITERION_AXES
+    ]
+    note = "Margin: below the limit of the class met, in the band that decides, where it is least."
+    return Table(f"Class met: {norm.title}", ["", *(name for name, _ in columns)], rows, note, kind="words")
 
 
-def _class(verdict: Mapping[str, Any]) -> str:
+def _class(verdict: Mapping[str, Any], norm: Norm) -> str:
     band, margin = verdict.get("deciding_band_hz"), verdict.get("margin_db")
     if band is None:
         return "not judged"
     if verdict.get("class") is None:
-        return f"worse than workshop ({band} Hz)"
+        return f"worse than {norm.classes[0]} ({band} Hz)"
     if margin is None or margin > 100.0:
         return f"{verdict['class']} (at rest)"
     return f"{verdict['class']} ({decibel(margin)} dB, {band} Hz)"
@@ -104,17 +109,18 @@ def notes(results: Results) -> dict[str, list[str]]:
     velocities = [result.summary.get("third_octave_velocity", {}) for result in results.values()]
     quiet = []
     for axis in CRITERION_AXES:
-        levels = known(part.get(axis, {}) for table in velocities for part in table.values())
+        levels = known(table.get(who, {}).get(axis, {}) for table in velocities for who in ("floor", "machine"))
         if not any(level * MICRO > plots.QUIETEST for level in levels):
             quiet.append(AXIS_NAMES[axis])
     if quiet:
         criterion.append(f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}.")
+    beside = {"spectra": spectra_note(results)}
     if first.dataset.time.size < 2:
-        return {"attenuation": attenuation, "criterion": criterion, "histories": ["Nothing was recorded."]}
+        return {**beside, "attenuation": attenuation, "criterion": criterion, "histories": ["Nothing was recorded."]}
     histories = [f"What belongs to single mounts is that of {label}."] if len(results) > 1 else []
     window = characteristic_part(first)
     if window:
         histories.append(f"The lower part of each figure shows {window[0]:.4g} to {window[1]:.4g} s.")
     if not np.any(first.dataset.valve_command.values):
         histories.append("There is no command: the valves stay centred.")
-    return {"attenuation": attenuation, "criterion": criterion, "histories": [" ".join(histories)]}
+    return {**beside, "attenuation": attenuation, "criterion": criterion, "histories": [" ".join(histories)]}
