@@ -214,7 +214,8 @@ def test_bands_above_what_the_ground_is_known_to_say_nothing() -> None:
         report["third_octave_velocity"]["machine"]["y"],
     ):
         assert list(decided(found))[-1] == "31.5"  # whose upper edge is 35.5 Hz; that of 40 Hz is 44.7 Hz
-    assert report["criterion"]["machine"]["z"]["undecided_bands_hz"] == ["40", "50", "63", "80"]
+    machine = report["criterion"]["machine"]["z"]
+    assert (machine["undecided_bands_hz"], machine["decided"]) == (["40", "50", "63", "80"], False)
     assert report["analysis"]["usable_to_hz"] == 40.0
 
 
@@ -225,6 +226,14 @@ def test_a_short_run_leaves_low_bands_undecided() -> None:
     # 1.8 s: four lines are 2.2 Hz, which 10 Hz has and 8 Hz (1.8 Hz wide) has not.
     assert next(iter(decided(report["attenuation_db"]["z"]))) == "10"
     assert report["criterion"]["floor"]["z"]["undecided_bands_hz"] == ["4", "5", "6.3", "8"]
+
+
+def test_a_level_too_high_in_a_band_that_is_known_is_decided() -> None:
+    motion = Motion()
+    motion.ground[:, :, Z], motion.cg[:, Z] = lines(16.0, 1e-3)[:, None], lines(16.0, 1e-5)
+    found = motion.judged(usable_to=40.0)["criterion"]
+    assert [found[who]["z"]["decided"] for who in ("floor", "machine")] == [True, False]
+    assert motion.judged()["criterion"]["machine"]["z"]["decided"]
 
 
 def test_a_run_too_short_for_any_band_is_not_called_bad() -> None:
@@ -472,6 +481,12 @@ def test_response_spectra_above_what_the_ground_is_known_say_nothing(knocked: Re
     known = [value is not None for value in found["velocity"]["machine"]["z"]]
     assert known == [f <= 10.0 for f in found["frequency_hz"]]
     json.dumps(found, allow_nan=False)
+
+
+@pytest.mark.parametrize("rows", [0, 1, 10])
+def test_a_run_that_hardly_began_has_no_response(knocked: Result, rows: int) -> None:
+    found = response_spectra(knocked.dataset.isel(time=slice(0, rows)), 1000.0, 40.0, ResponseSpectrumSettings())
+    assert {v for axes in found["velocity"].values() for levels in axes.values() for v in levels} == {None}
 
 
 def test_what_a_run_says_of_a_place_is_what_its_dataset_holds(run: Result) -> None:

@@ -79,10 +79,12 @@ def response_spectrum(
     if natural.size and natural.max() > HIGHEST_SHARE * rate * (1 + 1e-9):
         raise ValueError(f"natural = {natural.max():g} Hz must be at most {HIGHEST_SHARE * rate:g} Hz, rate/10")
     base = np.ascontiguousarray(np.asarray(acceleration, float).T)
-    velocity, absolute = np.empty((2, natural.size, base.shape[0]))
+    moving = base.any(axis=1)  # what rests needs no filtering
+    base = base[moving]
+    velocity, absolute = np.zeros((2, natural.size, moving.size))
     for row, frequency in enumerate(natural):
         to_displacement, to_acceleration = oscillator(float(frequency), damping, rate)
         moved = sosfilt(to_displacement[None], base, axis=1)[:, begin:]
-        velocity[row] = 2.0 * np.pi * frequency * np.abs(moved).max(axis=1)
-        absolute[row] = np.abs(sosfilt(to_acceleration[None], base, axis=1)[:, begin:]).max(axis=1)
+        velocity[row, moving] = 2.0 * np.pi * frequency * np.abs(moved).max(axis=1)
+        absolute[row, moving] = np.abs(sosfilt(to_acceleration[None], base, axis=1)[:, begin:]).max(axis=1)
     return ResponseSpectrum(natural, velocity, absolute)

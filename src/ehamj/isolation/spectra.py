@@ -30,7 +30,10 @@ def response_spectra(
     known = natural <= usable_to
     rows = dataset.time.size
     begin = int(np.ceil(settled(float(dataset.time[-1])) * rate - 1e-6)) if rows else 0
-    parts = {"floor": dataset["ground_acceleration"].values, "machine": dataset["cg_acceleration"].values[:, None]}
+    ground = dataset["ground_acceleration"].values
+    if np.array_equal(ground, np.broadcast_to(ground[:, :1], ground.shape)):
+        ground = ground[:, :1]  # a floor that moves as one
+    parts = {"floor": ground, "machine": dataset["cg_acceleration"].values[:, None]}
     if "point_acceleration" in dataset:
         parts |= {str(n): dataset["point_acceleration"].values[:, [k]] for k, n in enumerate(dataset["point"].values)}
     columns = np.column_stack([part.reshape(rows, part.shape[1] * len(AXES)) for part in parts.values()])

@@ -13,7 +13,10 @@ from ehamj.layout import AXES
 
 
 def judged(norm: Norm, measured: Measured) -> dict[str, Any]:
-    """Title of the norm, what it says of each place, and the verdict in words, as plain data."""
+    """Title of the norm, what it says of each place, and the verdict in words, as plain data.
+
+    A class is ``decided`` if every band of the norm is known, or if even the coarsest class is not met.
+    """
     places = {}
     for place in measured.places["velocity"]:
         verdicts = {}
@@ -35,6 +38,7 @@ def judged(norm: Norm, measured: Measured) -> dict[str, Any]:
 def _plain(verdict: Verdict, norm: Norm) -> dict[str, Any]:
     plain = {
         "class": verdict.met,
+        "decided": bool(verdict.deciding_band) and (verdict.met is None or not verdict.undecided),
         "deciding_band_hz": verdict.deciding_band,
         "margin_db": verdict.margin_db,
         "next_class": verdict.next_class,
