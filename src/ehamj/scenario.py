@@ -23,9 +23,11 @@ from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
 from ehamj.ground import Motion, Start
-from ehamj.ground.broadband import BroadbandGround
+from ehamj.ground.broadband import BroadbandGround, BurstGround
 from ehamj.ground.combined import Combined
+from ehamj.ground.floors import FloorGround
 from ehamj.ground.records import RecordGround
+from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
 from ehamj.layout import MOUNTS
 from ehamj.parameters import (
@@ -43,10 +45,19 @@ from ehamj.parameters import (
 from ehamj.points import Relative, check_points, check_relatives, default_points
 from ehamj.signals import Signal
 
-SingleGround = Annotated[
-    RestGround | SineGround | MultisineGround | SweepGround | ShockGround | BroadbandGround | RecordGround,
-    Field(discriminator="kind"),
-]
+OneGround = (
+    RestGround
+    | SineGround
+    | MultisineGround
+    | SweepGround
+    | ShockGround
+    | BroadbandGround
+    | BurstGround
+    | ShapedGround
+    | FloorGround
+    | RecordGround
+)
+SingleGround = Annotated[OneGround, Field(discriminator="kind")]
 
 
 class SumGround(Settings):
@@ -60,10 +71,7 @@ class SumGround(Settings):
         return Combined(tuple(part.motion(replace(start, part=(k,))) for k, part in enumerate(self.parts)))
 
 
-Ground = Annotated[
-    RestGround | SineGround | MultisineGround | SweepGround | ShockGround | BroadbandGround | RecordGround | SumGround,
-    Field(discriminator="kind"),
-]
+Ground = Annotated[OneGround | SumGround, Field(discriminator="kind")]
 
 
 class Law(Settings):
@@ -350,6 +358,7 @@ def _anchor_files(ground: Any, folder: Path) -> None:
         return
     for part in ground.get("parts", []) if isinstance(ground.get("parts"), list) else []:
         _anchor_files(part, folder)
+    _anchor_files(ground.get("target"), folder)
     for key in ("file", "inventory"):
         name = ground.get(key)
         if isinstance(name, str) and name and not name.startswith("example:"):

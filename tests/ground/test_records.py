@@ -20,6 +20,8 @@ from pydantic import ValidationError
 from scipy import signal
 
 from ehamj.ground import GroundSample, Motion, Start
+from ehamj.ground.components import Choices
+from ehamj.ground.csv_records import read_csv
 from ehamj.ground.processing import (
     Channel,
     Treatment,
@@ -31,7 +33,9 @@ from ehamj.ground.processing import (
     inverse_response,
     weighted_trend,
 )
-from ehamj.ground.records import EXAMPLE, UNITS, Column, RecordGround, parse_header, parse_unit, read_csv, read_seismic
+from ehamj.ground.records import RecordGround
+from ehamj.ground.seismic import EXAMPLE, read_seismic
+from ehamj.ground.tables import UNITS, Column, parse_header, parse_unit
 
 POSITIONS = np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]])
 BEGIN = UTCDateTime(2024, 5, 1)
@@ -384,7 +388,9 @@ def test_gaps_are_refused_or_filled_and_overlaps_refused(tmp_path: Path) -> None
         ValueError, match=r"'gap\.mseed' has 1 gap, 0\.1 s in total; set ground\.gaps = \"interpolate\""
     ):
         motion(tmp_path, 30.0, "gap.mseed", **si)
-    record = read_seismic(tmp_path / "gap.mseed", quantity="velocity", gaps="interpolate", remove_response=False)
+    record = read_seismic(
+        tmp_path / "gap.mseed", Choices(quantity="velocity", gaps="interpolate"), remove_response=False
+    )
     assert any("1 gap, 0.1 s in total, filled with straight lines" in note for note in record.notes)
     filled = record.channels[0].samples
     np.testing.assert_array_equal(np.delete(filled, range(2000, 2010)), np.delete(samples, range(2000, 2010)))
@@ -406,9 +412,9 @@ def test_truncated_miniseed_is_refused_wherever_it_breaks_off(tmp_path: Path) ->
             continue  # at the border of two records nothing in the file says that more should follow
         path.write_bytes(whole[:size])
         with pytest.raises(ValueError, match=r"ground\.file = 'a\.mseed' cannot be read"):
-            read_seismic(path, quantity="velocity", remove_response=False)
+            read_seismic(path, Choices(quantity="velocity"), remove_response=False)
     path.write_bytes(whole)
-    assert len(read_seismic(path, quantity="velocity", remove_response=False).channels) == 3
+    assert len(read_seismic(path, Choices(quantity="velocity"), remove_response=False).channels) == 3
 
 
 def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
@@ -419,7 +425,7 @@ def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
     content[3 * 512 + 200 : 3 * 512 + 210] = b"\x55" * 10  # amid the samples of the fourth block
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read, .* damaged: .*integrity check"):
-        read_seismic(path, quantity="velocity", remove_response=False)
+        read_seismic(path, Choices(quantity="velocity"), remove_response=False)
 
 
 # --- CSV ----------------------------------------------------------------------------------------------------------
@@ -484,7 +490,7 @@ def test_csv_gap_is_refused_or_filled(tmp_path: Path) -> None:
     file = csv(tmp_path, "time [s], z [m]", [t[keep], t[keep]])
     with pytest.raises(ValueError, match=r"has 1 gap, 0\.3 s in total; set ground\.gaps"):
         read_csv(tmp_path / file)
-    record = read_csv(tmp_path / file, gaps="interpolate")
+    record = read_csv(tmp_path / file, Choices(gaps="interpolate"))
     np.testing.assert_allclose(record.channels[0].samples, t, atol=1e-9)  # a line filled with a line; rounding
     assert any("1 gap, 0.3 s in total, filled" in note for note in record.notes)
 

@@ -1,5 +1,6 @@
-"""Random floors of a stated third-octave level."""
+"""Random floors: flat per third octave between two frequencies, for as long as the run or as a burst that passes."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -8,30 +9,21 @@ from pydantic import Field, model_validator
 
 from ehamj.criteria.third_octave import BAND_LOG_WIDTH, G
 from ehamj.criteria.vc import CLASSES
+from ehamj.ground.coherence import Coherence
+from ehamj.ground.lines import random_floor
 from ehamj.ground.motion import Motion, Start
-from ehamj.ground.waves import Wave, spread
-from ehamj.layout import AXES
+from ehamj.ground.spectra import Spectrum
+from ehamj.ground.waves import Wave
 from ehamj.parameters import Settings
-from ehamj.signals import Sampled, Signal
+from ehamj.signals import Sample, Signal
 
 Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
 
-OVERSAMPLING = 8.0
-"""Samples per period of the highest frequency; the spline between them is then exact to 1e-6."""
 
-MARGIN = 2.0
-"""Motion kept before and after the run [s], for the delays of waves."""
+class _Flat(Settings):
+    """A third-octave velocity that is flat between two frequencies and falls outside."""
 
-
-class BroadbandGround(Settings):
-    """A floor whose third-octave velocity is flat between two frequencies and falls outside.
-
-    It is a dense sum of sines of exact amplitude and random phase, as long as the run, so that its levels are met by
-    every seed. Axes are independent of each other.
-    """
-
-    kind: Literal["broadband"]
     level: float | str = Field(
         "VC-C", description="third-octave RMS velocity [m/s], or a class such as VC-C or workshop"
     )
@@ -41,7 +33,10 @@ class BroadbandGround(Settings):
     rise: float = Field(24.0, ge=0, description="rise below the flat part [dB/octave]")
     highest: Positive = Field(500.0, description="no motion above this frequency [Hz]")
     axes: tuple[Literal["x", "y", "z"], ...] = Field(("z",), description="axes that move", min_length=1)
-    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: a rigid slab")
+    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: everywhere at once")
+    coherence: Coherence | None = Field(
+        None, description="partial coherence between the mounts; without: they move alike but for the wave's delay"
+    )
     fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
 
     @model_validator(mode="after")
@@ -70,21 +65,72 @@ class BroadbandGround(Settings):
         density = self.velocity**2 / (BAND_LOG_WIDTH * f) * outside
         return np.where((frequency > 0) & (frequency <= self.highest), density, 0.0)
 
+    def _motion(self, start: Start, envelope: Signal | None = None) -> Motion:
+        spectra = dict.fromkeys(self.axes, Spectrum(self.spectrum, 0.0, self.highest))
+        return random_floor(start, spectra, self.wave, self.coherence, self.fade_in, envelope)
+
+
+class BroadbandGround(_Flat):
+    """A floor whose third-octave velocity is flat between two frequencies and falls outside.
+
+    It is a dense sum of sines of exact amplitude and random phase, which repeats after the run, so that its levels are
+    met by every seed. Axes are independent of each other.
+    """
+
+    kind: Literal["broadband"]
+
     def motion(self, start: Start) -> Motion:
         """Build the motion."""
-        signals: dict[str, Signal] = {axis: self._signal(start, axis) for axis in self.axes}
-        return spread(start, signals, self.wave, self.fade_in)
+        return self._motion(start)
 
-    def _signal(self, start: Start, axis: str) -> Signal:
-        delay = 0.0 if self.wave is None else float(np.abs(self.wave.delays(start.positions)).max())
-        margin = MARGIN + delay
-        length = start.duration + 2 * margin
-        n = int(np.ceil(OVERSAMPLING * self.highest * length))
-        rate = n / length
-        frequency: Array = np.arange(n // 2 + 1, dtype=np.float64) / length
-        random = np.random.default_rng([start.seed, AXES.index(axis), *start.part])
-        phase = random.uniform(0.0, 2.0 * np.pi, frequency.size)
-        amplitude = np.sqrt(2.0 * self.spectrum(frequency) / length)  # of the velocity's line at each frequency
-        lines = np.zeros(frequency.size, complex)
-        lines[1:] = amplitude[1:] * np.exp(1j * phase[1:]) / (2j * np.pi * frequency[1:])
-        return Sampled(rate, np.fft.irfft(lines * n / 2, n), -margin)
+
+class BurstGround(_Flat):
+    """A broadband vibration that swells and decays, once or again and again: something heavy passes.
+
+    The envelope is (s e^(1−s))³ of s = (t − begin)/swell_time: it rises to one at s = 1 and decays to 1 % at s = 3.9.
+    """
+
+    kind: Literal["burst"]
+    level: float | str = Field(200e-6, description="third-octave RMS velocity at the peak [m/s], or a class")
+    first: Positive = Field(5.0, description="lowest third-octave band of the flat part [Hz]")
+    last: Positive = Field(20.0, description="highest third-octave band of the flat part [Hz]")
+    fall: float = Field(24.0, ge=0, description="fall above the flat part [dB/octave]")
+    highest: Positive = Field(200.0, description="no motion above this frequency [Hz]")
+    fade_in: float = Field(0.0, ge=0, description="time over which the motion fades in from time 0 [s]")
+    begin: float = Field(1.0, ge=0, description="time at which the burst begins [s]")
+    swell_time: Positive = Field(1.0, description="time from the beginning to the peak [s]")
+    repeat: Positive | None = Field(None, description="time from one burst to the next [s]; without: there is one")
+
+    @model_validator(mode="after")
+    def _apart(self) -> Self:
+        if self.repeat is not None and self.repeat < LEAST_REPEAT * self.swell_time:
+            raise ValueError(
+                f"repeat = {self.repeat:g} s must be at least {LEAST_REPEAT:g} swell_time = "
+                f"{LEAST_REPEAT * self.swell_time:g} s, so that a burst has decayed when the next begins"
+            )
+        return self
+
+    def motion(self, start: Start) -> Motion:
+        """Build the motion."""
+        return self._motion(start, Swell(self.begin, self.swell_time, self.repeat))
+
+
+LEAST_REPEAT = 8.0
+"""Least time between bursts in swell times: the one before has then decayed to 4e-7."""
+
+
+@dataclass(frozen=True)
+class Swell:
+    """The envelope (s e^(1−s))³ of s = (t − begin)/swell_time, from 0 over 1 back to 0, repeated or not."""
+
+    begin: float
+    swell_time: float
+    repeat: float | None = None
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        since = np.maximum(time - self.begin, 0.0)
+        s = (since if self.repeat is None else since % self.repeat) / self.swell_time
+        decay = np.exp(3.0 * (1.0 - s))
+        slope = 3.0 * s**2 * (1.0 - s) * decay / self.swell_time
+        curvature = 3.0 * s * (2.0 - 6.0 * s + 3.0 * s * s) * decay / self.swell_time**2
+        return Sample(s**3 * decay, slope, curvature)

@@ -29,5 +29,8 @@ class Combined:
         return min(part.usable_to for part in self.parts)
 
     def sample(self, time: Array) -> GroundSample:
-        samples = [part.sample(time) for part in self.parts]
-        return GroundSample(*(np.sum(column, axis=0) for column in zip(*samples, strict=True)))
+        total = self.parts[0].sample(time)
+        for part in self.parts[1:]:
+            for whole, own in zip(total, part.sample(time), strict=True):
+                np.add(whole, own, out=whole)
+        return total

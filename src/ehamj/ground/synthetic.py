@@ -91,38 +91,57 @@ class SweepGround(_OneDof):
     last: Positive = Field(100.0, description="frequency at the end [Hz]")
     sweep_time: Positive = Field(20.0, description="duration of the sweep [s]")
     begin: float = Field(0.0, ge=0, description="time at which the sweep begins [s]")
+    fade_in: float = Field(0.0, ge=0, description="time over which the sweep fades in from its beginning [s]")
 
     def signal(self) -> Signal:
         """Displacement [m] or rotation [rad]."""
         return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.begin)
 
+    def motion(self, start: Start) -> Motion:
+        """Build the motion."""
+        return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in, self.begin)
+
 
 class ShockGround(_OneDof):
-    """A half-sine of velocity (a press, something dropped), after which the ground returns to its place."""
+    """A half-sine of velocity (a press, something dropped), after which the ground returns to its place; or many."""
 
     kind: Literal["shock"]
     velocity: float = Field(1e-3, description="peak velocity [m/s or rad/s]")
     pulse_time: Positive = Field(0.02, description="duration of the half-sine [s]")
     return_time: Positive = Field(0.5, description="time in which the ground comes back afterwards [s]")
-    begin: float = Field(1.0, ge=0, description="time of the shock [s]")
+    begin: float = Field(1.0, ge=0, description="time of the (first) shock [s]")
+    repeat: Positive | None = Field(None, description="time from one shock to the next [s]; without: there is one")
+
+    @model_validator(mode="after")
+    def _apart(self) -> Self:
+        least = self.pulse_time + self.return_time
+        if self.repeat is not None and self.repeat < least:
+            raise ValueError(
+                f"repeat = {self.repeat:g} s must be at least pulse_time + return_time = {least:g} s, so that the "
+                "ground is back in its place when the next shock comes"
+            )
+        return self
 
     def signal(self) -> Signal:
         """Displacement [m] or rotation [rad]."""
-        return HalfSine(self.velocity, self.pulse_time, self.return_time, self.begin)
+        return HalfSine(self.velocity, self.pulse_time, self.return_time, self.begin, self.repeat)
 
 
 @dataclass(frozen=True)
 class HalfSine:
-    """Displacement whose velocity is a half-sine pulse, followed by a smooth (quintic) way back."""
+    """Displacement whose velocity is a half-sine pulse, followed by a smooth (quintic) way back; repeated or not."""
 
     velocity: float
     pulse_time: float
     return_time: float
     begin: float
+    repeat: float | None = None
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         omega = np.pi / self.pulse_time
         since = time - self.begin
+        if self.repeat is not None:
+            since = np.where(since > 0.0, since % self.repeat, since)
         pulse = np.clip(since, 0.0, self.pulse_time)
         inside = (since > 0.0) & (since < self.pulse_time)
         rise = self.velocity / omega * (1.0 - np.cos(omega * pulse))

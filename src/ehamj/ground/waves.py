@@ -1,4 +1,4 @@
-"""Plane waves: every mount sees the same motion, each at its own time."""
+"""Floors that differ from mount to mount: plane waves, and a motion of its own for each mount."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,16 +30,14 @@ class Wave(Settings):
 
 
 @dataclass(frozen=True)
-class Travelling:
-    """Translations of the ground that reach each mount with a delay of its own.
+class PerMount:
+    """Translations of the ground, each mount with signals of its own.
 
-    ``signals`` maps x, y, z to the motion [m] at the mount plane's centre; ``delays`` (mount,) [s]. A motion that
-    fades in does so at all mounts together.
+    ``signals`` maps x, y, z to the motion [m] at each mount.
     """
 
-    signals: dict[str, Signal]
-    delays: Array
-    fade_in: float = 0.0
+    signals: dict[str, tuple[Signal, ...]]
+    mounts: int
     notes: tuple[str, ...] = ()
     usable_to: float = float("inf")
 
@@ -48,19 +46,14 @@ class Travelling:
         return not self.signals
 
     @cached_property
-    def _at_mounts(self) -> list[tuple[int, int, Signal]]:
-        found: list[tuple[int, int, Signal]] = []
-        for axis, signal in self.signals.items():
-            for mount, delay in enumerate(self.delays):
-                own: Signal = Delayed(signal, float(delay))
-                found.append((mount, AXES.index(axis), Faded(own, self.fade_in) if self.fade_in > 0 else own))
-        return found
+    def _placed(self) -> list[tuple[int, int, Signal]]:
+        return [(m, AXES.index(axis), own) for axis, signals in self.signals.items() for m, own in enumerate(signals)]
 
     def sample(self, time: Array) -> GroundSample:
-        motion = np.zeros((3, time.size, self.delays.size, len(AXES)))
-        for mount, axis, signal in self._at_mounts:
-            motion[:, :, mount, axis] = signal.sample(time)
-        return GroundSample(*motion)
+        motion = np.zeros((3, self.mounts, len(AXES), time.size))  # written a signal at a time: time last is faster
+        for mount, axis, signal in self._placed:
+            motion[:, mount, axis] = signal.sample(time)
+        return GroundSample(*motion.transpose(0, 3, 1, 2))
 
 
 @dataclass(frozen=True)
@@ -75,17 +68,44 @@ class Delayed:
 
 
 def spread(
-    start: Start, signals: Mapping[str, Signal], wave: Wave | None, fade_in: float, notes: tuple[str, ...] = ()
+    start: Start,
+    signals: Mapping[str, Signal | tuple[Signal, ...]],
+    wave: Wave | None,
+    fade_in: float,
+    begin: float | None = None,
+    notes: tuple[str, ...] = (),
+    usable_to: float = float("inf"),
 ) -> Motion:
-    """Motion of all mounts from signals per degree of freedom: a rigid slab, or a plane wave of translations.
+    """Motion of all mounts from signals per degree of freedom: a rigid slab, a plane wave, or motions per mount.
+
+    Args:
+        start: where the mounts are.
+        signals: one signal for all mounts, or one per mount, by degree of freedom.
+        wave: delays the signals from mount to mount; None: they come everywhere at once.
+        fade_in: time over which the motion fades in [s], from time 0 at all mounts together, or
+        begin: from the time at which a motion that begins then reaches each mount [s] (not before time 0).
+        notes: see `Motion`.
+        usable_to: see `Motion` [Hz].
 
     Raises:
         ValueError: if a wave is asked to carry rotations.
     """
-    if wave is None:
-        faded = {dof: Faded(signal, fade_in) if fade_in > 0 else signal for dof, signal in signals.items()}
-        return Slab(start.positions, faded, notes)
+    one = {dof: signal for dof, signal in signals.items() if not isinstance(signal, tuple)}
+    if wave is None and len(one) == len(signals):
+        faded = {dof: _faded(signal, fade_in, begin or 0.0) for dof, signal in one.items()}
+        return Slab(start.positions, faded, notes, usable_to)
     turning = [dof for dof in signals if dof not in AXES]
     if turning:
         raise ValueError(f"ground.dof = {turning[0]!r}: a wave carries x, y or z; leave ground.wave out for a slab")
-    return Travelling(dict(signals), wave.delays(start.positions), fade_in, notes)
+    delays = np.zeros(len(start.positions)) if wave is None else wave.delays(start.positions)
+    placed: dict[str, tuple[Signal, ...]] = {}
+    for axis, signal in signals.items():
+        own = signal if isinstance(signal, tuple) else (signal,) * delays.size
+        late = ((Delayed(part, float(delay)) if delay else part) for part, delay in zip(own, delays, strict=True))
+        begins = np.zeros(delays.size) if begin is None else np.maximum(0.0, begin + delays)
+        placed[axis] = tuple(_faded(part, fade_in, float(at)) for part, at in zip(late, begins, strict=True))
+    return PerMount(placed, delays.size, notes, usable_to)
+
+
+def _faded(signal: Signal, fade_in: float, begin: float) -> Signal:
+    return Faded(signal, fade_in, begin) if fade_in > 0 else signal

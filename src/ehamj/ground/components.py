@@ -1,0 +1,159 @@
+"""What every reader of records shares: axes, quantities and units, times, gaps, and remarks on what was found."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ehamj.ground.processing import Axis, Channel, Quantity
+from ehamj.ground.tables import UNITS
+from ehamj.signals import Array
+
+STANDARD_AXES: dict[str, Axis] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
+JITTER = 1e-3
+"""How far a time may lie from a uniform grid, in steps."""
+
+AxisChoice = dict[str, Axis] | None
+QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
+GapChoice = Literal["error", "interpolate"]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the user says about a record."""
+
+    axes: AxisChoice = None
+    quantity: QuantityChoice = "auto"
+    gaps: GapChoice = "error"
+    unit: str | None = None
+    """Unit of samples that the file gives none for, one of `UNITS`."""
+
+
+SILENT = Choices()
+"""The user says nothing."""
+
+
+def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dict[str, Axis]:
+    """Axis of each component that is used.
+
+    ``components`` maps each component's full name to all names it answers to; ``axes`` maps names to axes, None for the
+    standard ones. Raises ValueError for a component without axis, a name without component, and an axis taken twice.
+    """
+    known = STANDARD_AXES if axes is None else axes
+    chosen: dict[str, Axis] = {}
+    for component, names in components.items():
+        axis = next((known[name] for name in names if name in known), None)
+        if axis is not None:
+            chosen[component] = axis
+        elif axes is None:
+            raise ValueError(
+                f"ground.axes does not say which axis {component!r} is; name it, for instance "
+                f'axes = {{ {names[-1] or component!r} = "x" }}; else {", ".join(STANDARD_AXES)} are known'
+            )
+    all_names = {name for names in components.values() for name in names}
+    for name in axes or {}:
+        if name not in all_names:
+            raise ValueError(
+                f"ground.axes names {name!r}, which the record does not hold; it holds {', '.join(components)}"
+            )
+    twice = [axis for axis, count in Counter(chosen.values()).items() if count > 1]
+    if twice:
+        both = ", ".join(component for component, axis in chosen.items() if axis == twice[0])
+        raise ValueError(
+            f"ground.axes: {both} are all {twice[0]}; each axis takes one component; choose with ground.axes"
+        )
+    if not chosen:
+        raise ValueError(f"ground.axes = {axes} leaves no component; the record holds {', '.join(components)}")
+    return chosen
+
+
+def agreed_quantity(wanted: QuantityChoice, found: Quantity | None, name: str, remedy: str) -> Quantity:
+    """What a channel holds: what the file says (``found``), or what the user says where the file is silent."""
+    if found is None and wanted == "auto":
+        raise ValueError(
+            f"ground.quantity = 'auto', but the file does not say what {name} holds; set displacement, velocity or "
+            f"acceleration (samples are then SI), or {remedy}"
+        )
+    if found is not None and wanted not in ("auto", found):
+        raise ValueError(
+            f"ground.quantity = {wanted!r}, but the file says that {name} is {found}; use 'auto' or {found!r}"
+        )
+    return found or wanted  # type: ignore[return-value]
+
+
+def agreed_unit(
+    choices: Choices, found: tuple[Quantity, float] | None, name: str, remedy: str
+) -> tuple[Quantity, float]:
+    """What a channel holds, and its unit's SI value: as the file says (``found``), or as the user says.
+
+    Raises ValueError where neither says it, or the two disagree.
+    """
+    if choices.unit is not None and found is not None:
+        raise ValueError(
+            f"ground.unit = {choices.unit!r}, but the file states the unit of {name} itself; leave ground.unit out"
+        )
+    if choices.unit is not None:
+        found = UNITS[choices.unit]
+    holds = agreed_quantity(choices.quantity, found and found[0], name, remedy)
+    return holds, found[1] if found else 1.0
+
+
+def clock(time: Array, name: str, gaps: GapChoice) -> tuple[float, Array, list[str]]:
+    """Rate [Hz] of samples at ``time`` [s], their places on the uniform grid, and remarks on gaps.
+
+    Raises ValueError where times do not rise, lie off the grid, or leave gaps that may not be filled.
+    """
+    forward = np.diff(time)
+    rising = (forward > 0) & np.isfinite(forward)
+    if time.size < 2 or not rising.all():
+        row = int(np.argmin(rising)) + 2 if time.size > 1 else 1
+        raise ValueError(f"ground.file = {name!r}: time must rise from row to row; it does not at sample {row}")
+    index = np.concatenate([[0.0], np.cumsum(np.maximum(1.0, np.round(forward / np.median(forward))))])
+    step = (time[-1] - time[0]) / index[-1]
+    worst = int(np.argmax(np.abs(time - time[0] - index * step)))
+    jitter = abs(time[worst] - time[0] - index[worst] * step) / step
+    if jitter > JITTER:
+        raise ValueError(
+            f"ground.file = {name!r}: sampling is not uniform: sample {worst + 1} is {jitter:.2g} steps "
+            f"off its place, {JITTER:g} are allowed; resample it, or state its rate instead of the times"
+        )
+    missing = int(index[-1]) + 1 - time.size
+    if not missing:
+        return 1.0 / step, index, []
+    holes = int(np.sum(np.diff(index) > 1))
+    return 1.0 / step, index, [filled(name, holes, missing * step, time.size * step, gaps)]
+
+
+def on_grid(index: Array, samples: Array) -> Array:
+    """Samples (n,) at places ``index`` of a uniform grid, with straight lines over what is missing."""
+    return np.interp(np.arange(int(index[-1]) + 1), index, samples)
+
+
+def filled(name: str, holes: int, missing: float, recorded: float, gaps: GapChoice) -> str:
+    """The remark on ``missing`` seconds in so many holes; raises ValueError where they may not be filled."""
+    whole = f"{holes} gap{'s' if holes > 1 else ''}, {missing:.4g} s in total"
+    if missing > recorded:
+        raise ValueError(f"ground.file = {name!r} has {whole}, more than it holds ({recorded:.4g} s); cut it")
+    if gaps == "error":
+        raise ValueError(
+            f'ground.file = {name!r} has {whole}; set ground.gaps = "interpolate" to fill with straight lines'
+        )
+    return f"record {name} has {whole}, filled with straight lines"
+
+
+def summary(label: str, channels: Sequence[Channel]) -> str:
+    parts = (f"{c.axis} from {c.name} ({c.quantity}, {c.end - c.time:g} s at {c.rate:g} Hz)" for c in channels)
+    return f"record {label}: " + "; ".join(parts)
+
+
+def differences(channels: Sequence[Channel]) -> list[str]:
+    """Remarks where channels differ in rate or span."""
+    notes = []
+    if len({channel.rate for channel in channels}) > 1:
+        notes.append("sampling rates differ: " + ", ".join(f"{c.axis} {c.rate:g} Hz" for c in channels))
+    late, early = (max(values) - min(values) for values in ([c.time for c in channels], [c.end for c in channels]))
+    if max(late, early) * min(channel.rate for channel in channels) > 1.5:
+        notes.append(f"channels begin up to {late:g} s and end up to {early:g} s apart; the common part is used")
+    return notes

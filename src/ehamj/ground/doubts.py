@@ -1,0 +1,72 @@
+"""Doubts about a record: what looks clipped, counted, in the wrong unit, or sampled too slowly, said in plain words."""
+
+import numpy as np
+
+from ehamj.criteria.third_octave import bands
+from ehamj.ground.processing import USABLE, Channel, clipped_samples
+from ehamj.signals import Array
+
+LOUDEST = 10e-3
+"""RMS velocity above which no floor is believed [m/s]: workshops have 0.8 mm/s per third octave (IEST-RP-CC012), and
+DIN 4150-3 lets foundations of industrial buildings see peaks of 20 mm/s for a moment."""
+
+QUIETEST = 0.5e-9
+"""RMS velocity below which no floor is believed [m/s]: Peterson's low noise model has 0.6 nm/s from 1 to 10 Hz alone."""
+
+TOP_BAND = 80.0
+"""Highest band of the generic vibration criteria [Hz]."""
+
+GRAVITY = 9.80665
+NEAR_ONE = 0.05
+"""How near the mean of an acceleration must lie to gravity, relative, to be taken for it."""
+
+
+def doubts(channel: Channel, velocity: Array) -> list[str]:
+    """What speaks against a channel.
+
+    Args:
+        channel: as recorded.
+        velocity: what it became, unscaled [m/s], shape (n,).
+    """
+    found = []
+    clipped = clipped_samples(channel.samples)
+    if clipped:
+        found.append(f"{channel.name} looks clipped: {clipped} samples stand at its extreme value")
+    return found + _unit_doubts(channel, float(np.sqrt(np.mean(velocity**2))))
+
+
+def _unit_doubts(channel: Channel, speed: float) -> list[str]:
+    found = []
+    mean = abs(float(np.mean(channel.samples)))
+    if channel.quantity == "acceleration" and channel.response is None:
+        if abs(mean - 1.0) < NEAR_ONE:
+            found.append(f"{channel.name} has a mean of {mean:.3g} m/s², as gravity in g: is its unit g?")
+        elif abs(mean / GRAVITY - 1.0) < NEAR_ONE:
+            found.append(f"{channel.name} has a mean of {mean:.3g} m/s²: it senses gravity, which is taken off")
+    if speed > LOUDEST:
+        found.append(
+            f"{channel.name} moves with {speed:.3g} m/s RMS, which no floor does (above {LOUDEST:g} m/s): "
+            f"are its samples really {channel.quantity} in the unit stated? {_guess(channel)}".rstrip()
+        )
+    elif speed < QUIETEST:
+        found.append(
+            f"{channel.name} moves with {speed:.3g} m/s RMS, quieter than any site on earth (Peterson's low noise "
+            f"model): are its samples really {channel.quantity} in the unit stated?"
+        )
+    return found
+
+
+def _guess(channel: Channel) -> str:
+    whole = channel.response is None and np.array_equal(channel.samples, np.rint(channel.samples))
+    return "All are whole numbers: they look like counts of a converter." if whole else ""
+
+
+def too_slow(name: str, rate: float) -> str | None:
+    """What to say of a record sampled at ``rate`` [Hz] that is too slow for the highest band of the criteria."""
+    needed = bands(TOP_BAND, TOP_BAND)[0].edges[1] / (USABLE / 2)
+    if rate >= needed:
+        return None
+    return (
+        f"record {name} is sampled at {rate:g} Hz, too slowly for the vibration criteria: "
+        f"their {TOP_BAND:g} Hz band needs {np.ceil(needed):g} Hz"
+    )

@@ -1,0 +1,91 @@
+"""Records in MATLAB files, up to version 7.2 through SciPy and from 7.3 (HDF5) through h5py."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, on_grid, summary
+from ehamj.ground.processing import Channel, Record
+from ehamj.signals import Array
+
+CLOCKS = ("time", "t")
+RATES = ("rate_hz", "fs", "Fs")
+
+
+def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
+    """The numeric vectors of a MATLAB file.
+
+    A vector ``time`` or ``t`` [s], or a number ``rate_hz``, ``fs`` or ``Fs`` [Hz], gives the times; every other vector
+    as long as the longest is a component of its own name, and the columns of a matrix are called ``name(1)``,
+    ``name(2)``, … Quantity and unit are the user's to say. Raises ValueError where the file cannot be read, or where
+    clock or components are missing.
+    """
+    arrays = _arrays(path)
+    where = f"ground.file = {path.name!r}"
+    times = [name for name in CLOCKS if name in arrays and arrays[name].size > 1]
+    rates = [name for name in RATES if name in arrays and arrays[name].size == 1]
+    if len(times) + len(rates) != 1:
+        there = ", ".join(times + rates) or "none"
+        raise ValueError(
+            f"{where}: give a vector {' or '.join(CLOCKS)} [s] or a number {', '.join(RATES)} [Hz]; there is {there}"
+        )
+    columns: dict[str, Array] = {}
+    for name, array in arrays.items():
+        if name not in (*CLOCKS, *RATES) and array.size > 1 and array.ndim == 2:
+            columns |= _columns(name, array)
+    length = max((column.size for column in columns.values()), default=0)
+    columns = {name: column for name, column in columns.items() if column.size == length}
+    if not columns:
+        raise ValueError(f"{where} holds no vector of numbers that could be a component")
+    notes: list[str] = []
+    if times:
+        time = arrays[times[0]].ravel()
+        if time.size != length:
+            raise ValueError(f"{where}: {times[0]} has {time.size} values and the components have {length}")
+        rate, index, notes = clock(time, path.name, choices.gaps)
+    else:
+        rate, index = float(arrays[rates[0]].ravel()[0]), np.arange(float(length))
+        if not 0 < rate < np.inf:
+            raise ValueError(f"{where}: {rates[0]} = {rate:g} must be a positive number, in Hz")
+    channels = []
+    for name, axis in choose_axes({name: (name,) for name in columns}, choices.axes).items():
+        holds, size = agreed_unit(choices, None, f"variable {name!r}", "set ground.unit")
+        channels.append(Channel(axis, name, rate, holds, on_grid(index, size * columns[name])))
+    return Record(path.name, tuple(channels), (summary(path.name, channels), *notes))
+
+
+def _columns(name: str, array: Array) -> dict[str, Array]:
+    if 1 in array.shape:
+        return {name: array.ravel()}
+    long = array if array.shape[0] >= array.shape[1] else array.T
+    return {f"{name}({n + 1})": long[:, n] for n in range(long.shape[1])}
+
+
+def _arrays(path: Path) -> dict[str, Array]:
+    """The file's real numeric variables, two-dimensional as MATLAB has them."""
+    from scipy.io import loadmat
+
+    if not path.is_file():
+        raise ValueError(f"ground.file = {path.name!r}: there is no such file in {path.parent}")
+    try:
+        content = loadmat(str(path))
+    except NotImplementedError:
+        content = _hdf5(path)
+    except Exception as error:  # SciPy raises what it likes at damaged files
+        raise ValueError(f"ground.file = {path.name!r} cannot be read as a MATLAB file: {error}") from error
+    return {
+        name: np.atleast_2d(np.asarray(value, float))
+        for name, value in content.items()
+        if not name.startswith("__") and isinstance(value, np.ndarray) and value.dtype.kind in "iuf"
+    }
+
+
+def _hdf5(path: Path) -> dict[str, np.ndarray]:
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            found = {name: np.asarray(part) for name, part in file.items() if isinstance(part, h5py.Dataset)}
+    except OSError as error:
+        raise ValueError(f"ground.file = {path.name!r} cannot be read as a MATLAB file: {error}") from error
+    return {name: array.T for name, array in found.items()}

@@ -1,0 +1,168 @@
+"""Records in seismic formats, through ObsPy, with the instrument's response."""
+
+import re
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ehamj.ground.components import SILENT, Choices, GapChoice, agreed_unit, choose_axes, differences, filled, summary
+from ehamj.ground.processing import Channel, Quantity, Record, Response
+from ehamj.signals import Array
+
+if TYPE_CHECKING:
+    from obspy import Inventory, Stream, Trace
+
+EXAMPLE = "example:BW.RJOB"
+
+
+def read_seismic(
+    source: Path | str,
+    choices: Choices = SILENT,
+    inventory: Path | None = None,
+    remove_response: bool = True,
+) -> Record:
+    """A record in any format ObsPy reads; ``source`` is a path, whose last part may hold wildcards, or ``EXAMPLE``.
+
+    Counts stay counts: each channel carries the response that the processing divides by. Raises ValueError for a file
+    that is missing, truncated or damaged, for gaps, overlaps, several stations, and a missing response.
+    """
+    label = str(source) if isinstance(source, str) else source.name
+    stream, responses = _open(source, inventory)
+    names: dict[str, tuple[str, ...]] = {
+        trace.id: (trace.id, trace.stats.channel, trace.stats.channel[-1:]) for trace in stream
+    }
+    chosen = choose_axes(names, choices.axes)
+    stations = sorted({name.rsplit(".", 2)[0] for name in chosen})
+    if len(stations) > 1:
+        raise ValueError(
+            f"ground.file = {label!r} holds several stations: {', '.join(stations)}; choose with ground.axes"
+        )
+    stream.traces = [trace for trace in stream if trace.id in chosen]
+    notes = _join(stream, label, choices.gaps)
+    beginning = max(trace.stats.starttime for trace in stream)
+    channels = []
+    for trace in stream:
+        found: Quantity | None = None
+        response: Response | None = None
+        if remove_response:
+            found, response = _response(trace, responses)
+        told = None if found is None else (found, 1.0)
+        holds, size = agreed_unit(choices, told, trace.id, "let ground.remove_response find out")
+        stats = trace.stats
+        samples, time = np.asarray(trace.data, float) * size, float(stats.starttime - beginning)
+        channels.append(Channel(chosen[trace.id], trace.id, stats.sampling_rate, holds, samples, time, response))
+        if not remove_response and stats.calib != 1:
+            notes.append(
+                f"{trace.id} states a calibration factor of {stats.calib:g}, which is not applied (ground.scale can)"
+            )
+    name = stations[0].strip(".") or label
+    record = Record(name, tuple(channels), (summary(label, channels), *differences(channels), *notes))
+    if record.duration <= 0:
+        raise ValueError(f"ground.file = {label!r}: its channels have no time in common")
+    return record
+
+
+def _open(source: Path | str, inventory: Path | None) -> tuple["Stream", "Inventory | None"]:
+    """The traces of all files and the responses."""
+    import obspy
+
+    if isinstance(source, str):
+        return obspy.read(), obspy.read_inventory() if inventory is None else _open_inventory(inventory)
+    paths = [source] if source.is_file() else sorted(source.parent.glob(source.name))
+    if not paths:
+        raise ValueError(f"ground.file = {source.name!r}: there is no such file in {source.parent}")
+    stream = obspy.Stream()
+    for path in paths:
+        stream += _open_file(path)
+    return stream, None if inventory is None else _open_inventory(inventory)
+
+
+def _open_file(path: Path) -> "Stream":
+    import obspy
+    from obspy.io.mseed import InternalMSEEDWarning
+    from obspy.io.mseed.util import get_record_information
+
+    try:
+        # ObsPy only warns of a record that breaks off or fails its checksum and leaves the rest out.
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", InternalMSEEDWarning)
+            stream = obspy.read(str(path))
+        if stream[0].stats._format == "MSEED":
+            # Some records that break off go without a warning, so see whether they fill the file.
+            offset, size = 0, path.stat().st_size
+            while size % 128 == 0 and offset < size:
+                information = get_record_information(str(path), offset)
+                offset += information["record_length"] * (
+                    1 if information["excess_bytes"] else information["number_of_records"]
+                )
+            if size % 128 or offset > size:
+                raise ValueError("its last record is truncated")
+    except Exception as error:  # each of ObsPy's readers raises what it likes
+        raise ValueError(
+            f"ground.file = {path.name!r} cannot be read, neither by ObsPy nor as *.csv; it may be truncated "
+            f"or damaged: {error}"
+        ) from error
+    for trace in stream:
+        if trace.data.dtype.kind not in "iuf":
+            raise ValueError(f"ground.file = {path.name!r}: channel {trace.id} holds text or the like, not samples")
+    return stream
+
+
+def _open_inventory(path: Path) -> "Inventory":
+    import obspy
+
+    if not path.is_file():
+        raise ValueError(f"ground.inventory = {path.name!r}: there is no such file in {path.parent}")
+    try:
+        return obspy.read_inventory(str(path))
+    except Exception as error:  # each of ObsPy's readers raises what it likes
+        raise ValueError(f"ground.inventory = {path.name!r} cannot be read by ObsPy: {error}") from error
+
+
+def _join(stream: "Stream", label: str, gaps: GapChoice) -> list[str]:
+    """Make one trace per channel, in place; remarks on gaps that were filled."""
+    try:
+        stream.merge(method=-1)
+        holes = stream.get_gaps()
+        overlaps = [hole for hole in holes if hole[6] < 0]
+        if overlaps:
+            raise ValueError(f"traces of {'.'.join(overlaps[0][:4])} overlap by {-overlaps[0][6]:.4g} s")
+        if not holes:
+            return []
+    except Exception as error:  # ObsPy raises Exception itself, such as for rates that differ within a channel
+        raise ValueError(f"ground.file = {label!r}: {error}; each channel must be one trace") from error
+    recorded = sum(trace.stats.npts * trace.stats.delta for trace in stream)
+    note = filled(label, len(holes), sum(hole[6] for hole in holes), recorded, gaps)
+    stream.merge(method=1, fill_value="interpolate")
+    return [note]
+
+
+def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, Response]:
+    """What the instrument senses, and its response in counts per SI unit of that."""
+    if inventory is None and "response" not in trace.stats:
+        raise ValueError(
+            f"ground.inventory is missing, and the file has no response of {trace.id}; give a file with it, or set "
+            "ground.remove_response = false and ground.quantity for samples in SI"
+        )
+    try:
+        found = trace.stats.response if inventory is None else inventory.get_response(trace.id, trace.stats.starttime)
+    except Exception as error:  # ObsPy raises Exception itself
+        raise ValueError(f"ground.inventory has no response of {trace.id} at {trace.stats.starttime}") from error
+    stated = (found.instrument_sensitivity, *found.response_stages)
+    units = next((str(part.input_units) for part in stated if part is not None and part.input_units), "")
+    per = re.sub(r"\*\*|\^|[()\s]", "", units.upper()).replace("SEC", "S").replace("S/S", "S2")
+    kind = re.fullmatch(r"[NUMC]?M(|/S|/S2)", per)
+    if kind is None:
+        raise ValueError(f"ground.inventory: {trace.id} senses {units!r}; known are M, M/S and M/S**2")
+    quantity: Quantity = {"": "displacement", "/S": "velocity", "/S2": "acceleration"}[kind[1]]  # type: ignore[assignment]
+    output = {"displacement": "DISP", "velocity": "VEL", "acceleration": "ACC"}[quantity]
+
+    def evaluate(frequency: Array) -> np.ndarray:
+        try:
+            return found.get_evalresp_response_for_frequencies(frequency, output=output)
+        except Exception as error:  # evalresp raises what it likes
+            raise ValueError(f"ground.inventory: the response of {trace.id} cannot be evaluated: {error}") from error
+
+    return quantity, evaluate

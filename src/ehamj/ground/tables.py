@@ -1,0 +1,136 @@
+"""CSV files whose header names the units, and what the units mean."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ehamj.ground.processing import Quantity
+from ehamj.signals import Array
+
+UNITS: dict[str, tuple[Quantity, float]] = {
+    "m": ("displacement", 1.0),
+    "mm": ("displacement", 1e-3),
+    "um": ("displacement", 1e-6),
+    "nm": ("displacement", 1e-9),
+    "m/s": ("velocity", 1.0),
+    "mm/s": ("velocity", 1e-3),
+    "um/s": ("velocity", 1e-6),
+    "nm/s": ("velocity", 1e-9),
+    "m/s^2": ("acceleration", 1.0),
+    "mm/s^2": ("acceleration", 1e-3),
+    "um/s^2": ("acceleration", 1e-6),
+    "g": ("acceleration", 9.80665),
+}
+"""Units of samples: what they are of, and the SI value. Other spellings: see `spelled`."""
+
+
+class Column(NamedTuple):
+    """A CSV column: its name and its unit as written, None where it has none."""
+
+    name: str
+    unit: str | None
+
+
+def spelled(unit: str) -> str:
+    """A unit as `UNITS` spells it: µ as u, ² and ** 2 as ^2, s2 as s^2, no spaces."""
+    plain = re.sub(r"[µμ]", "u", unit.replace(" ", "").replace("²", "^2").replace("**2", "^2"))
+    return re.sub(r"/s2\b", "/s^2", plain)
+
+
+def parse_header(line: str, delimiter: str = ",", key: str = "ground.file") -> list[Column]:
+    """Columns of a header such as ``time [s], x [m/s], z [mm/s^2]``; raises ValueError at any other cell."""
+    columns = []
+    for cell in line.split(delimiter):
+        match = re.fullmatch(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?\s*", cell)
+        if match is None or not match[1]:
+            raise ValueError(f"{key}: CSV header cell {cell.strip()[:40]!r} is not of the form 'name [unit]'")
+        columns.append(Column(match[1], None if match[2] is None else match[2].strip()))
+    twice = [name for name, count in Counter(column.name for column in columns).items() if count > 1]
+    if twice:
+        raise ValueError(f"{key}: the CSV header names {twice[0]!r} more than once")
+    return columns
+
+
+def parse_unit(column: Column, whose: str = "CSV column") -> tuple[Quantity, float] | None:
+    """What ``column`` holds and its unit's SI value, None where no unit is given; raises ValueError if unknown."""
+    if column.unit is None:
+        return None
+    unit = spelled(column.unit)
+    if unit not in UNITS:
+        raise ValueError(
+            f"ground.file: {whose} {column.name!r} has the unknown unit {column.unit!r}; known are {', '.join(UNITS)}"
+        )
+    return UNITS[unit]
+
+
+def read_table(path: Path, key: str = "ground.file") -> tuple[list[Column], Array, float | None]:
+    """Columns, numbers (row, column) and the rate [Hz] that a comment ``# rate_hz = 1000`` states, of a CSV file.
+
+    One header line (it may be a comment) names columns and units; cells are parted by comma, semicolon or tab. Raises
+    ValueError, naming ``key``, where the file breaks that.
+    """
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"{key} = {path.name!r} cannot be read: {error.strerror} ({path})") from error
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")  # spreadsheets on Windows write µ and ² like this
+    lines = text.splitlines()
+    rate_hz, header, header_at = None, None, 0
+    for number, line in enumerate(lines):
+        stated = re.fullmatch(r"#\s*rate_hz\s*[=:]\s*(\S+)\s*", line)
+        if stated:
+            rate_hz = _positive_rate(stated[1], key)
+        elif line.lstrip().startswith("#"):
+            header, header_at = line.lstrip().lstrip("#"), number + 1
+        elif line.strip():
+            if not _is_number(re.split(r"[,;\t]", line)[0]):
+                header, header_at = line, number + 1
+            break
+    if header is None:
+        raise ValueError(
+            f"{key} = {path.name!r}: the first line must name columns and units, as in 'time [s], z [m/s]'"
+        )
+    delimiter = next((mark for mark in "\t;" if mark in header), ",")
+    columns = parse_header(header, delimiter, key)
+    rows = [(n, line) for n, line in enumerate(lines[header_at:], header_at + 1) if line.split("#")[0].strip()]
+    try:
+        table = np.loadtxt([line for _, line in rows], delimiter=delimiter, ndmin=2) if rows else np.empty((0, 0))
+    except ValueError:
+        table = np.empty((0, 0))
+    if table.shape[1] != len(columns):
+        raise ValueError(f"{key} = {path.name!r}: " + _csv_fault(rows, len(columns), delimiter))
+    return columns, table, rate_hz
+
+
+def _positive_rate(text: str, key: str) -> float:
+    rate = float(text) if _is_number(text) else 0.0
+    if not 0.0 < rate < np.inf:
+        raise ValueError(f"{key}: rate_hz = {text} must be a positive number, in Hz")
+    return rate
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _csv_fault(rows: Sequence[tuple[int, str]], width: int, delimiter: str) -> str:
+    """What is wrong with the first bad row."""
+    for number, line in rows:
+        cells = line.split("#")[0].split(delimiter)
+        if len(cells) != width:
+            return f"line {number} has {len(cells)} cells where the header has {width}; the file may be truncated"
+        for cell in cells:
+            if not _is_number(cell):
+                return f"line {number} holds {cell.strip()!r}, which is not a number"
+    return "it holds no samples"

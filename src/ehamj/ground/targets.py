@@ -1,0 +1,174 @@
+"""What a shaped floor is shaped to: third-octave levels, a PSD, a file with either, or Peterson's noise models."""
+
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from ehamj.ground.spectra import Axis, Quantity, Spectrum, from_psd, from_third_octaves
+from ehamj.ground.tables import UNITS, Column, read_table, spelled
+from ehamj.parameters import Settings
+
+Array = NDArray[np.float64]
+Positive = Annotated[float, Field(gt=0)]
+
+OFF_CENTRE = 0.025
+"""How far a band's stated frequency may lie from an exact centre, relative: nominal ones are rounded by up to 2.4 %."""
+
+
+class ThirdOctaveTarget(Settings):
+    """RMS in third-octave bands; bands between two that are given are interpolated, on log-log axes."""
+
+    kind: Literal["third-octave"]
+    bands: tuple[Positive, ...] = Field(description="rising nominal centres, such as 8, 10, 12.5 [Hz]", min_length=1)
+    levels: tuple[Positive, ...] = Field(description="RMS in each band [SI of quantity]")
+    quantity: Quantity = Field("velocity", description="what the levels are of")
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        _matching("bands", self.bands, "levels", self.levels)
+        band_numbers(self.bands)
+        return self
+
+    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
+        """The spectrum of each axis that moves."""
+        numbers, levels = band_numbers(self.bands), np.array(self.levels)
+        return dict.fromkeys(axes, from_third_octaves(numbers, levels, self.quantity))
+
+
+class PsdTarget(Settings):
+    """A one-sided power spectral density, straight between the points on log-log axes."""
+
+    kind: Literal["psd"]
+    frequencies: tuple[Positive, ...] = Field(description="rising frequencies [Hz]", min_length=2)
+    density: tuple[Positive, ...] = Field(description="one-sided PSD at each [(SI of quantity)²/Hz]")
+    quantity: Quantity = Field("velocity", description="what the PSD is of")
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        _matching("frequencies", self.frequencies, "density", self.density)
+        return self
+
+    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
+        """The spectrum of each axis that moves."""
+        spectrum = from_psd(np.array(self.frequencies), np.array(self.density), self.quantity)
+        return dict.fromkeys(axes, spectrum)
+
+
+class PetersonTarget(Settings):
+    """Peterson's new low or high noise model: the envelopes of quiet and of loud seismic sites, from 1e-5 to 10 Hz.
+
+    J. Peterson, *Observations and modeling of seismic background noise*, USGS Open-File Report 93-322 (1993); values
+    from ObsPy. Above 10 Hz there is no model: a machine's floor is louder there than either would suggest.
+    """
+
+    kind: Literal["peterson"]
+    model: Literal["low", "high"] = Field("high", description="new low or high noise model (NLNM, NHNM)")
+
+    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
+        """The spectrum of each axis that moves."""
+        from obspy.signal.spectral_estimation import get_nhnm, get_nlnm
+
+        period, level = get_nlnm() if self.model == "low" else get_nhnm()
+        order = np.argsort(-period)
+        # The last digits of 1/period: the ends are 1e-5 and 10 Hz.
+        frequency = np.round(1.0 / period[order], 12)
+        return dict.fromkeys(axes, from_psd(frequency, 10.0 ** (level[order] / 10.0), "acceleration"))
+
+
+class FileTarget(Settings):
+    """Third-octave levels or a PSD from a CSV file.
+
+    One header line names columns and units. The first column is ``band [Hz]`` (third-octave levels, units such as
+    um/s) or ``frequency [Hz]`` (a PSD, units such as (m/s^2)^2/Hz, or m/s/sqrt(Hz) for its root). Columns x, y, z give
+    an axis each; one column of another name serves for all axes.
+    """
+
+    kind: Literal["file"]
+    file: str = Field(description="CSV file, relative to the scenario's folder", min_length=1)
+
+    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
+        """The spectrum of each axis that moves."""
+        path = folder / self.file
+        columns, table, _ = read_table(path, "ground.target.file")
+        where = f"ground.target.file = {path.name!r}"
+        clock, *rest = columns
+        if clock.name not in ("band", "frequency") or clock.unit != "Hz" or not rest:
+            raise ValueError(f"{where}: the first column must be 'band [Hz]' or 'frequency [Hz]', and levels follow")
+        if not (np.isfinite(table).all() and (table > 0).all()):
+            raise ValueError(f"{where}: every value must be positive and finite")
+        if not (np.diff(table[:, 0]) > 0).all() or len(table) < 2:
+            raise ValueError(f"{where}: {clock.name} must rise from row to row, in at least 2 rows")
+        names = [column.name for column in rest]
+        missing = [axis for axis in axes if axis not in names]
+        if len(rest) > 1 and missing:
+            raise ValueError(f"{where}: it has no column {missing[0]!r} for ground.axes; it has {', '.join(names)}")
+        common = len(rest) == 1 and names[0] not in ("x", "y", "z")
+        if not common and missing:
+            raise ValueError(f"{where}: it has {names[0]!r} only; set ground.axes = [{names[0]!r}]")
+        found: dict[Axis, Spectrum] = {}
+        for axis in axes:
+            at = 0 if common else names.index(axis)
+            found[axis] = _from_column(clock.name, rest[at], table[:, 0], table[:, at + 1], where)
+        return found
+
+
+Target = Annotated[ThirdOctaveTarget | PsdTarget | PetersonTarget | FileTarget, Field(discriminator="kind")]
+
+
+def band_numbers(centres: tuple[float, ...] | Array) -> Array:
+    """Numbers k of bands from their nominal centres 1000·10^(k/10) [Hz].
+
+    Raises:
+        ValueError: for a frequency that is no band's centre.
+    """
+    stated = np.asarray(centres, float)
+    numbers = np.rint(10.0 * np.log10(stated / 1000.0))
+    wrong = np.abs(stated / (1000.0 * 10.0 ** (numbers / 10.0)) - 1.0) > OFF_CENTRE
+    if wrong.any():
+        raise ValueError(
+            f"bands: {stated[wrong][0]:g} Hz is not the centre of a third-octave band (…, 6.3, 8, 10, 12.5, 16, …)"
+        )
+    if (np.diff(numbers) <= 0).any():
+        raise ValueError("bands must rise, each band once")
+    return numbers
+
+
+def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tuple[float, ...]) -> None:
+    if len(frequencies) != len(values):
+        raise ValueError(f"{other} has {len(values)} values; it must have {len(frequencies)}, as {key}")
+    falling = next((b for a, b in pairwise(frequencies) if b <= a), None)
+    if falling is not None:
+        raise ValueError(f"{key} must rise; {falling:g} Hz does not")
+
+
+def _from_column(kind: str, column: Column, frequency: Array, values: Array, where: str) -> Spectrum:
+    """The spectrum of one column of levels (``kind`` band) or of a PSD (``kind`` frequency)."""
+    unit = spelled(column.unit or "")
+    if kind == "band":
+        if unit not in UNITS:
+            raise ValueError(
+                f"{where}: column {column.name!r} has the unit {column.unit!r}; levels are in one of {', '.join(UNITS)}"
+            )
+        quantity, size = UNITS[unit]
+        try:
+            numbers = band_numbers(frequency)
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from error
+        return from_third_octaves(numbers, size * values, quantity)
+    power = re.fullmatch(r"\(?([^()]+?)\)?\^2/Hz", unit)
+    root = re.fullmatch(r"(.+?)/(?:sqrt\(Hz\)|√Hz)", unit)
+    match = power or root
+    inner = "" if match is None else match[1]
+    if inner not in UNITS:
+        raise ValueError(
+            f"{where}: column {column.name!r} has the unit {column.unit!r}; a PSD is in (U)^2/Hz or U/sqrt(Hz), "
+            f"where U is one of {', '.join(UNITS)}"
+        )
+    quantity, size = UNITS[inner]
+    return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)

@@ -1,0 +1,98 @@
+"""Records in universal files (UFF): time responses of dataset 58, through pyuff."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, differences, on_grid, summary
+from ehamj.ground.processing import Axis, Channel, Quantity, Record
+from ehamj.ground.tables import UNITS, Column, parse_unit
+
+DIRECTIONS: dict[int, Axis] = {1: "x", 2: "y", 3: "z"}
+DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}
+TIME_RESPONSE = 1
+"""Function type of a time response."""
+
+
+def read_uff(path: Path, choices: Choices = SILENT) -> Record:
+    """The time responses of a universal file.
+
+    A component is called by node and direction, ``12:+Z``, and answers to ``z`` as well; a negative direction turns its
+    sign. Its unit is the label of the ordinate (m/s, g, …); without a label it is SI of the data type, if the file's
+    dataset 164 does not say that its units are others. Raises ValueError where the file cannot be read, holds no time
+    response or is truncated, and see `clock`.
+    """
+    sets, si = _sets(path)
+    found = {f"{s['rsp_node']}:{_direction(s['rsp_dir'])}": s for s in sets}
+    if len(found) < len(sets):
+        raise ValueError(f"ground.file = {path.name!r} holds several time responses of one node and direction")
+    names: dict[str, tuple[str, ...]] = {
+        name: (name, DIRECTIONS.get(abs(s["rsp_dir"]), "")) for name, s in found.items()
+    }
+    chosen = choose_axes(names, choices.axes)
+    beginning = max(float(found[name]["x"][0]) for name in chosen if found[name]["x"].size)
+    channels, notes = [], []
+    for name, axis in chosen.items():
+        content = found[name]
+        samples = np.asarray(content["data"])
+        stated = int(content["num_pts"])
+        if samples.size < stated:
+            raise ValueError(
+                f"ground.file = {path.name!r}: {name} holds {samples.size} of {stated} samples; the file may be "
+                "truncated"
+            )
+        if np.iscomplexobj(samples):
+            raise ValueError(f"ground.file = {path.name!r}: {name} is complex; a time response must be real")
+        time = np.asarray(content["x"], float)[:stated]
+        rate, index, gaps = clock(time, path.name, choices.gaps)
+        unit, remark = _unit(content, name, si)
+        holds, size = agreed_unit(choices, unit, name, "label its ordinate with the unit")
+        sign = -1.0 if content["rsp_dir"] < 0 else 1.0
+        moved = on_grid(index, sign * size * samples[:stated])
+        channels.append(Channel(axis, name, rate, holds, moved, float(time[0]) - beginning))
+        notes += [*gaps, *remark]
+    return Record(path.name, tuple(channels), (summary(path.name, channels), *differences(channels), *notes))
+
+
+def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
+    """The file's time responses, and whether its units are SI as far as it says."""
+    import pyuff
+
+    if not path.is_file():
+        raise ValueError(f"ground.file = {path.name!r}: there is no such file in {path.parent}")
+    try:
+        file = pyuff.UFF(str(path))
+        kinds = file.get_set_types()
+        read = {n: file.read_sets(n) for n, kind in enumerate(kinds) if int(kind) in (58, 164)}
+    except Exception as error:  # pyuff raises Exception itself
+        raise ValueError(f"ground.file = {path.name!r} cannot be read as a universal file: {error}") from error
+    sets = [s for s in read.values() if s["type"] == 58 and s["func_type"] == TIME_RESPONSE]
+    if not sets:
+        raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
+    units = [s for s in read.values() if s["type"] == 164]
+    return sets, all(float(s["length"]) == 1.0 for s in units)
+
+
+def _direction(number: int) -> str:
+    axis = DIRECTIONS.get(abs(number))
+    return str(number) if axis is None else f"{'-' if number < 0 else '+'}{axis.upper()}"
+
+
+def _unit(content: dict[str, Any], name: str, si: bool) -> tuple[tuple[Quantity, float] | None, list[str]]:
+    """What a time response holds and its unit's SI value, None where it does not say, and a remark."""
+    label = str(content.get("ordinate_axis_units_lab") or "").strip()
+    holds = DATA_TYPES.get(int(content["ordinate_spec_data_type"]))
+    if label and label.upper() != "NONE":
+        unit = parse_unit(Column(name, label), "UFF component")
+        if unit is not None and holds not in (None, unit[0]):
+            raise ValueError(f"ground.file: UFF component {name} is {holds} by its data type, but in {label!r}")
+        return unit, []
+    if holds is None:
+        return None, []
+    if not si:
+        raise ValueError(
+            f"ground.file: UFF component {name} has no unit label, and dataset 164 says that the file is not in SI; "
+            f"label the ordinate with one of {', '.join(UNITS)}"
+        )
+    return (holds, 1.0), [f"{name} has no unit label: taken as SI, as its data type ({holds}) has it"]

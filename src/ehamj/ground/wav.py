@@ -1,0 +1,60 @@
+"""Records in WAV files, whose samples are shares of a full scale that the user states."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+from scipy.io import wavfile
+
+from ehamj.ground.components import Choices, agreed_unit, choose_axes, summary
+from ehamj.ground.processing import Channel, Record
+
+CLIPPED = 1.0 - 1e-4
+"""Share of the full scale from which a sample counts as clipped."""
+
+
+def read_wav(path: Path, choices: Choices, full_scale: float | None) -> Record:
+    """A WAV record: ``full_scale`` is the motion that the largest possible sample stands for, in ``choices.unit``.
+
+    Integers count from -1 to 1 of the full scale, floating-point samples are shares of it already. Components are
+    called by their number, from ``1``. Raises ValueError where the file cannot be read or is truncated, and where the
+    full scale or the quantity is not given.
+    """
+    if full_scale is None:
+        raise ValueError(
+            "ground.full_scale is missing: a WAV file does not say what its samples mean; give the motion that its "
+            "largest sample stands for, in ground.unit"
+        )
+    try:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            rate, data = wavfile.read(path)
+    except OSError as error:
+        raise ValueError(f"ground.file = {path.name!r} cannot be read: {error.strerror or error} ({path})") from error
+    except Exception as error:  # SciPy raises what it likes at damaged files
+        raise ValueError(f"ground.file = {path.name!r} cannot be read as WAV: {error}") from error
+    cut = next((str(entry.message) for entry in said if "EOF" in str(entry.message)), None)
+    if cut is not None:
+        raise ValueError(f"ground.file = {path.name!r} is truncated: {cut}")
+    if rate <= 0:
+        raise ValueError(f"ground.file = {path.name!r} states a sampling rate of {rate} Hz; it must be positive")
+    share = _share(data[:, None] if data.ndim == 1 else data)
+    chosen = choose_axes({str(n + 1): (str(n + 1),) for n in range(share.shape[1])}, choices.axes)
+    channels, notes = [], []
+    for name, axis in chosen.items():
+        holds, size = agreed_unit(choices, None, f"component {name}", "set ground.unit")
+        samples = share[:, int(name) - 1]
+        over = int(np.sum(np.abs(samples) >= CLIPPED))
+        if over:
+            notes.append(f"{name} looks clipped: {over} samples stand at the WAV file's full scale")
+        channels.append(Channel(axis, name, float(rate), holds, full_scale * size * samples))
+    return Record(path.name, tuple(channels), (summary(path.name, channels), *notes))
+
+
+def _share(data: np.ndarray) -> np.ndarray:
+    """Samples as shares of the full scale."""
+    if data.dtype.kind == "f":
+        return np.asarray(data, float)
+    if data.dtype.kind == "u":  # 8 bit, around 128
+        return (data.astype(float) - 128.0) / 128.0
+    return data.astype(float) / -float(np.iinfo(data.dtype).min)
