@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.signals import Chirp, Faded, Multisine, Sampled, Signal, Step, Total, Zero
+from ehamj.signals import Chirp, Faded, Lines, Multisine, Product, Sampled, Signal, Step, Total, Zero
 
 settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
 settings.load_profile("untimed")
@@ -164,6 +164,65 @@ def test_samples_hold_their_ends_outside() -> None:
     found = spline.sample(np.array([0.0, 2.5]))
     np.testing.assert_allclose(found.value, [2.0, 3.0], rtol=1e-14)  # the spline's own rounding at its ends
     np.testing.assert_array_equal(found[1:], np.zeros((2, 2)))
+
+
+lines = st.lists(st.tuples(st.integers(1, 40), amplitudes, phases), min_size=1, max_size=5)
+
+
+def sum_of(parts: list[tuple[int, float, float]], period: float) -> tuple[Lines, Multisine]:
+    """The same sum of sines twice: as lines on the grid of a period, and in closed form."""
+    spectrum = np.zeros(41, complex)
+    for k, amplitude, phase in parts:
+        spectrum[k] += amplitude * np.exp(1j * (phase - 0.5 * np.pi))
+    k, amplitude, phase = np.array(parts).T
+    return Lines(period, spectrum), Multisine.of(amplitude, k / period, phase)
+
+
+@given(lines, st.floats(0.5, 20.0), st.floats(-50.0, 50.0))
+def test_lines_are_the_sines_that_they_stand_for(
+    parts: list[tuple[int, float, float]], period: float, time: float
+) -> None:
+    found, sines = sum_of(parts, period)
+    times = time + np.linspace(0.0, period, 30)
+    top = 2 * np.pi * 40 / period  # eight samples per period of the 40th line, whether or not it is there
+    for order, (one, other) in enumerate(zip(found.sample(times), sines.sample(times), strict=True)):
+        # A quintic over h = 2π/8 of a period: h⁶/46080 of the value, and by derivative that times 4 to 30 per h.
+        tolerance = (1e-5, 1e-4, 2e-3)[order] * top**order * sum(part[1] for part in parts)
+        np.testing.assert_allclose(one, other, rtol=0, atol=tolerance)
+
+
+@given(lines, st.floats(0.5, 20.0), st.integers(0, 500), st.floats(0.0, 0.8))
+def test_derivatives_of_lines_belong_to_them(
+    parts: list[tuple[int, float, float]], period: float, sample: int, share: float
+) -> None:
+    found, _ = sum_of(parts, period)
+    step = period / 320  # 40 lines of eight samples; within one of them the signal is a polynomial
+    begin = (sample + share) * step
+    assert_consistent(found, begin, begin + 0.19 * step, sum(part[1] for part in parts))
+
+
+def test_lines_repeat_after_their_period_and_before() -> None:
+    found, _ = sum_of([(3, 1.0, 0.3), (40, 0.2, 1.0)], 7.0)
+    times = np.linspace(0.0, 6.9, 100)
+    for shift in (-14.0, 7.0, 70.0):
+        for order, (one, other) in enumerate(zip(found.sample(times), found.sample(times + shift), strict=True)):
+            # Times of 77 s are rounded to 1e-14 s.
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * 36.0 ** (order + 1))
+
+
+@given(amplitudes, frequencies, phases, moments)
+def test_derivatives_of_a_product_belong_to_it(amplitude: float, frequency: float, phase: float, begin: float) -> None:
+    product = Product(Multisine.of(amplitude, frequency, phase), Multisine.of(1.0, 0.5 * frequency))
+    assert_consistent(product, begin, begin + 0.1 / frequency, amplitude)
+
+
+def test_a_fade_may_begin_later() -> None:
+    sine, times = Multisine.of(1.3, 4.0, 0.7), np.linspace(0.0, 5.0, 101)
+    late = Faded(sine, 1.0, 2.0).sample(times)
+    np.testing.assert_array_equal(late.value[times <= 2.0], 0.0)
+    np.testing.assert_array_equal(np.array(late)[:, times >= 3.0], np.array(sine.sample(times))[:, times >= 3.0])
+    # Half way the quintic is a half.
+    assert Faded(sine, 1.0, 2.0).sample(np.array([2.5])).value[0] == pytest.approx(0.5 * 1.3 * np.sin(20 * np.pi + 0.7))
 
 
 @given(amplitudes, frequencies, phases, st.floats(0.05, 3.0))

@@ -157,6 +157,26 @@ def test_a_sweep_is_the_exponential_one_from_its_beginning_to_its_end() -> None:
     np.testing.assert_allclose(displacement(motion_of(sweep), times)[:, 2], expected, rtol=0, atol=1e-9 * 2e-6)
 
 
+@pytest.mark.parametrize("begin", [0.0, 1.5])
+def test_a_sweep_fades_in_from_its_beginning(begin: float) -> None:
+    sweep = {"kind": "sweep", "amplitude": 2e-6, "first": 5.0, "last": 80.0, "sweep_time": 4.0}
+    since = np.linspace(0.0, 3.9, 200)
+    plain = displacement(motion_of(sweep), since)[:, 2]
+    faded = displacement(motion_of({**sweep, "fade_in": 1.0, "begin": begin}), begin + since)[:, 2]
+    s = np.minimum(since, 1.0)
+    # Times of 5 s are rounded to 1e-15 s, at 80 Hz.
+    np.testing.assert_allclose(faded, s**3 * (10 - 15 * s + 6 * s * s) * plain, rtol=0, atol=1e-12 * 2e-6 * 500)
+
+
+def test_a_sweep_that_travels_fades_in_when_it_arrives() -> None:
+    sweep = {"kind": "sweep", "amplitude": 2e-6, "sweep_time": 2.0, "begin": 1.0, "fade_in": 0.5}
+    motion = motion_of({**sweep, "wave": {"speed": 9.0}})  # front 0.1 s late, rear 0.1 s early
+    since = np.linspace(0.0, 1.0, 50)
+    front, rear = (motion.sample(1.0 + delay + since).displacement[:, m, 2] for delay, m in ((0.1, 0), (-0.1, 2)))
+    np.testing.assert_allclose(front, rear, rtol=0, atol=1e-12 * 2e-6 * 500)
+    assert np.abs(front[:3]).max() < 10 * 0.082**3 * 2e-6  # the quintic is below 10 s³, here up to s = 0.04/0.5
+
+
 # --- shock --------------------------------------------------------------------------------------------------------
 
 shocks = st.fixed_dictionaries(

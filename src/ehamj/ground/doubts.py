@@ -11,7 +11,7 @@ LOUDEST = 10e-3
 DIN 4150-3 lets foundations of industrial buildings see peaks of 20 mm/s for a moment."""
 
 QUIETEST = 0.5e-9
-"""RMS velocity below which no floor is believed [m/s]: Peterson's low noise model has 0.6 nm/s from 1 to 10 Hz alone."""
+"""RMS velocity below which no floor is believed [m/s]: Peterson's low noise model has 0.6 nm/s from 1 to 10 Hz."""
 
 TOP_BAND = 80.0
 """Highest band of the generic vibration criteria [Hz]."""
