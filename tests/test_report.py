@@ -434,8 +434,16 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
 def test_the_notes_of_a_real_record_are_told_apart() -> None:
     start = Start(np.zeros((4, 2)), 20.0, 0, Path())
     notes = load_scenario("recorded").ground.motion(start).notes
-    (limit,) = (note for note in notes if not PROCESSING.match(note))
+    limit, slow = (note for note in notes if not PROCESSING.match(note))
     assert "undecided" in limit
+    assert "too slowly for the vibration criteria" in slow
+
+
+def test_the_notes_of_a_floor_are_told_apart() -> None:
+    start = Start(np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0, Path())
+    notes = load_scenario("seismic-site").ground.motion(start).notes
+    (limit,) = (note for note in notes if not PROCESSING.match(note))
+    assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands above 10 Hz are undecided"
 
 
 def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:
