@@ -7,7 +7,7 @@ result.dataset["cg_velocity"]
 """
 
 from ehamj.analysis.linear import linearise
-from ehamj.controllers import Controller
+from ehamj.controllers import Controller, ControllerBank, PythonController, load_controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.result import Result, load_result
 from ehamj.scenario import Scenario, load_scenario, parse_scenario
@@ -15,11 +15,14 @@ from ehamj.simulate import simulate, simulate_many
 
 __all__ = [
     "Controller",
+    "ControllerBank",
     "InputError",
+    "PythonController",
     "Result",
     "Scenario",
     "SimulationFailed",
     "linearise",
+    "load_controller",
     "load_result",
     "load_scenario",
     "parse_scenario",

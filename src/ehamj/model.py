@@ -89,14 +89,13 @@ def parameter_row(actuator: Actuator, position: Position2, plant: Plant) -> list
     return [values[name] if name in values else getattr(actuator, name) for name in PARAMETERS]
 
 
-def build_spec(plant: Plant, timestep: float, drawn: bool = False, memory: int = 0) -> mujoco.MjSpec:
+def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjSpec:
     """The model as an editable MjSpec.
 
     Args:
         plant: what is simulated.
         timestep: integration step [s]; the rigid-foot constraint is tuned to it.
         drawn: with geometry and movable ground pads, to look at; without, for speed. The physics is the same.
-        memory: numbers that a digital controller keeps in the simulation's state.
 
     Raises:
         ValueError: if the plant cannot be built with these plates.
@@ -105,7 +104,7 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False, memory: int =
     spec = mujoco.MjSpec.from_file(str(template()))
     spec.option.timestep = timestep
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
-    spec.nuserdata = N_USERDATA + memory
+    spec.nuserdata = N_USERDATA
     spec.nuser_actuator = len(PARAMETERS)
     _set_machine(spec, plant)
     _add_lateral_membranes(spec, plant)
@@ -152,9 +151,9 @@ def drawn_xml(plant: Plant, timestep: float) -> str:
     return ElementTree.tostring(tree, encoding="unicode")
 
 
-def build_model(plant: Plant, timestep: float, drawn: bool = False, memory: int = 0) -> mujoco.MjModel:
+def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjModel:
     """The compiled model; see `build_spec`."""
-    spec = build_spec(plant, timestep, drawn, memory)
+    spec = build_spec(plant, timestep, drawn)
     model = spec.compile()
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
     return model

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController, load_controller
 from ehamj.errors import InputError
 from ehamj.layout import AXES, CHAMBERS, DOFS, MOUNTS
 from ehamj.scenario import Scenario, load_scenario
@@ -28,8 +28,13 @@ COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
     "chamber": (list(CHAMBERS), {"long_name": "chamber; oil in chamber 1 lifts the plate"}),
 }
 
-LABELLED = {"point": "point of the machine", "relative": "relative motion, as named in the scenario"}
-"""Dimensions whose labels the scenario gives; a result has them where it names any."""
+LABELLED = {
+    "point": "point of the machine",
+    "relative": "relative motion, as named in the scenario",
+    "sensor": "channel that the controller reads",
+    "law_state": "number of the controller's state",
+}
+"""Dimensions whose labels the scenario or its controller gives; a result has them where there are any."""
 
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
@@ -64,6 +69,8 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "supplied_energy": ((), "J", "energy drawn from the supply since the start"),
     "throttled_energy": ((), "J", "energy lost over edges and leaks since the start"),
     "oil_energy": ((), "J", "energy stored in the oil by compression"),
+    "measured": (("sensor",), "SI, as the channel", "what the controller last read of each channel"),
+    "controller_state": (("law_state",), "1", "states of the controller"),
 }
 """Every variable of a result beside ``time``: further dimensions, units, long name."""
 
@@ -73,14 +80,15 @@ class Result:
     """What a simulation gave.
 
     ``dataset`` holds the time histories (`VARIABLES`), ``summary`` the numbers a person asks for first,
-    ``model_xml`` the compiled model as MJCF, ``controller`` the law that ran.
+    ``model_xml`` the compiled model as MJCF, ``controller`` the law that ran (none of a Python
+    function, which no file can hold).
     """
 
     scenario: Scenario
     dataset: xr.Dataset
     summary: dict[str, Any]
     model_xml: str = field(repr=False, default="")
-    controller: Controller | None = field(repr=False, default=None)
+    controller: LinearController | None = field(repr=False, default=None)
 
     @property
     def complete(self) -> bool:
@@ -125,7 +133,7 @@ def load_result(folder: str | Path) -> Result:
         dataset=dataset,
         summary=summary,
         model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
-        controller=Controller.load(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
+        controller=load_controller(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
     )
 
 
@@ -144,7 +152,7 @@ def make_dataset(
     time: np.ndarray,
     values: dict[str, np.ndarray],
     attributes: dict[str, Any],
-    labels: Mapping[str, Sequence[str]] | None = None,
+    labels: Mapping[str, Sequence[Any]] | None = None,
 ) -> xr.Dataset:
     """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`.
 

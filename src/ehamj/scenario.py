@@ -17,8 +17,9 @@ import tomli_w
 from pydantic import Field, ValidationError, model_validator
 
 from ehamj.commands import OpenLoop, Passive
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController, load_controller
 from ehamj.controllers.feedforward import FeedforwardSettings
+from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
@@ -80,9 +81,9 @@ class Law(Settings):
     kind: Literal["law"]
     file: str = Field(description="JSON file of the law, relative to the scenario", min_length=1)
 
-    def controller(self, plant: Plant) -> Controller:
-        """Read the law."""
-        return Controller.load(Path(self.file))
+    def controller(self, plant: Plant) -> LinearController:
+        """Read the law, or the bank of laws."""
+        return load_controller(Path(self.file))
 
     def commands(self) -> tuple[Signal, ...]:
         """No open-loop command beside the controller's."""
@@ -165,6 +166,7 @@ class Scenario(Settings):
     )
     relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
     criteria: CriteriaSettings = CriteriaSettings()
+    sensors: Sensors = Sensors()
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -239,7 +241,7 @@ class Scenario(Settings):
         """The open-loop command of each mount [V]."""
         return self.control.commands()
 
-    def controller(self) -> Controller | None:
+    def controller(self) -> LinearController | None:
         """The digital controller, if there is one.
 
         Raises:

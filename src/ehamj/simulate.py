@@ -2,10 +2,11 @@
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,23 +15,25 @@ from numpy.typing import NDArray
 
 from ehamj.chambers import Chambers
 from ehamj.commands import Passive
-from ehamj.controllers import Controller
+from ehamj.controllers import AnyController, Controller, PythonController, as_controller
+from ehamj.controllers.sensors import ReadingNoise
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.ground import Motion
 from ehamj.kinematics import points_motion
 from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
 from ehamj.model import build_model, drawn_xml
 from ehamj.native import hydraulics
+from ehamj.native.loop import Loop, make_loop
 from ehamj.native.stepping import (
     CHAMBER_1_EMPTY,
     CHAMBER_2_EMPTY,
     DONE,
+    LAW_FAILED,
     N_TALLY,
     Stopped,
     advance,
     columns,
     compile_loop,
-    make_loop,
     row_size,
 )
 from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian
@@ -71,24 +74,28 @@ class _Prepared:
     data: mujoco.MjData
     motion: Motion
     commands: tuple[Signal, ...]
-    controller: Controller | None
+    controller: AnyController | None
+    loop: Loop
+    noise: ReadingNoise | None
     every: int
     steps: int
 
 
-def simulate(scenario: Scenario, progress: Progress | None = None, controller: Controller | None = None) -> Result:
+def simulate(scenario: Scenario, progress: Progress | None = None, controller: Any = None) -> Result:
     """Run a scenario.
 
     Args:
         scenario: what to simulate.
         progress: called now and then with the fraction done.
-        controller: runs instead of the scenario's control.
+        controller: runs instead of the scenario's control: a `ehamj.Controller`, a bank of them, a
+            `ehamj.PythonController`, or a python-control system with ``dt`` and channels as input labels.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
     started = clock.perf_counter()
+    controller = None if controller is None else as_controller(controller)
     with hydraulics():
         prepared = _prepare(scenario, controller)
         rows, tally, stopped, wall = _run(prepared, progress)
@@ -96,7 +103,13 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: C
     times = _recorded_times(prepared, rows)
     stable = scenario.timestep == "auto" or _follows(scenario.plant, prepared.model.opt.timestep)
     complete = stopped.status == DONE and stable
-    labels = {"point": list(scenario.points), "relative": [relative.name for relative in scenario.relative]}
+    law = prepared.controller
+    labels: dict[str, list[Any]] = {
+        "point": list(scenario.points),
+        "relative": [relative.name for relative in scenario.relative],
+        "sensor": list(law.inputs) if law is not None else [],
+        "law_state": list(range(law.states)) if law is not None else [],
+    }
     labels = {name: along for name, along in labels.items() if along}
     dataset = make_dataset(times, values, {"title": scenario.name, "complete": int(complete)}, labels)
     summary = summarise(
@@ -108,33 +121,46 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: C
         stepping_seconds=wall,
         total_seconds=clock.perf_counter() - started,
         complete=complete,
-        notes=prepared.motion.notes,
+        notes=_notes(prepared),
         usable_to=prepared.motion.usable_to,
     )
     xml = drawn_xml(scenario.plant, prepared.model.opt.timestep)
-    if prepared.controller is not None and (controller is not None or isinstance(scenario.control, Law)):
+    law = None if isinstance(law, PythonController) else law
+    if law is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
-    result = Result(scenario, dataset, summary, xml, prepared.controller)
+    result = Result(scenario, dataset, summary, xml, law)
     if not complete:
         message = _why(stopped, prepared, float(times[-1]) if times.size else 0.0)
         if stopped.status == DONE:
             message = _why_unstable(dataset, prepared.model.opt.timestep)
         summary["failure"] = message
-        raise Incomplete(message, result)
+        raise Incomplete(message, result) from next(iter(prepared.loop.failures), None)
     return result
 
 
-def simulate_many(scenarios: Iterable[Scenario], threads: int | None = None) -> list[Result]:
+def simulate_many(
+    scenarios: Iterable[Scenario], threads: int | None = None, controllers: Sequence[Any] | None = None
+) -> list[Result]:
     """Run scenarios on threads inside this process; results come in order.
 
+    Args:
+        scenarios: what to simulate.
+        threads: how many at once; by default as many as the machine has.
+        controllers: one for each scenario, see `simulate`; None leaves a scenario its own control.
+
     Raises:
+        InputError: if there are not as many controllers as scenarios.
         As `simulate`, for the first scenario that fails.
     """
+    cases = list(scenarios)
+    laws = [None] * len(cases) if controllers is None else list(controllers)
+    if len(laws) != len(cases):
+        raise InputError(f"controllers: are {len(laws)}, they must be one for each of the {len(cases)} scenarios")
     with hydraulics(), ThreadPoolExecutor(max_workers=threads) as pool:
-        return list(pool.map(simulate, scenarios))
+        return list(pool.map(lambda case, law: simulate(case, controller=law), cases, laws))
 
 
-def choose_timestep(scenario: Scenario, controller: Controller | None = None) -> float:
+def choose_timestep(scenario: Scenario, controller: AnyController | None = None) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
     It divides the recording period, and the controller's sampling period and delay. Call it with the hydraulics
@@ -144,10 +170,12 @@ def choose_timestep(scenario: Scenario, controller: Controller | None = None) ->
         InputError: if a stated step does not divide them.
     """
     periods = {"the recording period 1/record_rate": 1.0 / scenario.record_rate}
-    if controller is not None:
-        periods["the controller's period"] = controller.period
-        if controller.latency > 0:
-            periods["the controller's delay"] = controller.latency
+    parts: Sequence[Controller | PythonController] = controller.parts if controller is not None else ()
+    for number, part in enumerate(parts, start=1):
+        whose = "the controller's" if len(parts) == 1 else f"the controller's part {number}'s"
+        periods[f"{whose} period"] = part.period
+        if part.latency > 0:
+            periods[f"{whose} delay"] = part.latency
     if scenario.timestep != "auto":
         for name, period in periods.items():
             ratio = period / scenario.timestep
@@ -202,14 +230,14 @@ def reduced(plant: Plant) -> Plant:
     return replace(plant, plates="tied") if rigid else plant
 
 
-def _model(plant: Plant, timestep: float, memory: int = 0) -> mujoco.MjModel:
+def _model(plant: Plant, timestep: float) -> mujoco.MjModel:
     try:
-        return build_model(plant, timestep, memory=memory)
+        return build_model(plant, timestep)
     except ValueError as error:
         raise InputError(str(error)) from error
 
 
-def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
+def _prepare(scenario: Scenario, controller: AnyController | None) -> _Prepared:
     motion, commands = scenario.motion(), scenario.commands()
     if controller is None:
         controller = scenario.controller()
@@ -217,8 +245,8 @@ def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
         commands = Passive().commands()
     try:
         timestep = choose_timestep(scenario, controller)
-        memory = make_loop(controller, scenario.plant, timestep).memory
-        model = _model(scenario.plant, timestep, memory)
+        loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
+        model = _model(scenario.plant, timestep)
         data = mujoco.MjData(model)
         start = np.zeros(1)
         ground = motion.sample(start)
@@ -232,7 +260,11 @@ def _prepare(scenario: Scenario, controller: Controller | None) -> _Prepared:
         raise InputError(
             f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s"
         )
-    return _Prepared(scenario, model, data, motion, commands, controller, every, steps)
+    noise = None
+    if controller is not None:
+        made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.base * timestep)
+        noise = None if made.silent else made
+    return _Prepared(scenario, model, data, motion, commands, controller, loop, noise, every, steps)
 
 
 def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
@@ -240,14 +272,14 @@ def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, 
     compile_loop()
     count = prepared.steps // prepared.every + 1
     try:
-        rows = np.empty((count, row_size(prepared.model)))
+        rows = np.empty((count, row_size(prepared.model, prepared.loop)))
     except MemoryError:
         s = prepared.scenario
         raise InputError(
             f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
         ) from None
     tally = np.zeros(N_TALLY)
-    loop = make_loop(prepared.controller, prepared.scenario.plant, prepared.model.opt.timestep)
+    loop = prepared.loop
     done, recorded, wall = 0, 0, 0.0
     stopped = Stopped(0, DONE, -1)
     while stopped.status == DONE and done < prepared.steps:
@@ -255,9 +287,20 @@ def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, 
         last = done + steps == prepared.steps
         timestep = prepared.model.opt.timestep
         inputs = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
+        noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
         began = clock.perf_counter()
         stopped, count = advance(
-            prepared.model, prepared.data, done, steps, inputs, prepared.every, rows[recorded:], tally, last, loop
+            prepared.model,
+            prepared.data,
+            done,
+            steps,
+            inputs,
+            prepared.every,
+            rows[recorded:],
+            tally,
+            last,
+            loop,
+            noise,
         )
         wall += clock.perf_counter() - began
         done += stopped.steps
@@ -296,7 +339,7 @@ def _recorded_times(prepared: _Prepared, rows: Array) -> Array:
 def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
     """Everything that a result holds, from the recorded rows."""
     model, plant = prepared.model, prepared.scenario.plant
-    at = columns(model)
+    at = columns(model, prepared.loop)
     times = _recorded_times(prepared, rows)
     ground = prepared.motion.sample(times)
     dofs = list(DOF_OF_JOINT)
@@ -343,6 +386,11 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
         "supply_pressure": supply,
     }
     found |= _observed(prepared.scenario, found, points)
+    if prepared.loop.readings:
+        found["measured"] = rows[:, slice(*at.readings)]
+    if prepared.loop.states:
+        # Single precision: they are looked at, not calculated with, and may be many.
+        found["controller_state"] = rows[:, slice(*at.states)].astype(np.float32)
     if plant.bookkeeping:
         ledger = states[:, -len(LEDGER_STATES) :]
         border = dict(zip(LEDGER_STATES[2 * N_MOUNTS :], ledger[:, 2 * N_MOUNTS :].T, strict=True))
@@ -378,6 +426,14 @@ def _observed(
     return observed
 
 
+def _notes(prepared: _Prepared) -> tuple[str, ...]:
+    """What a reader of the result must know."""
+    if not isinstance(prepared.controller, PythonController):
+        return prepared.motion.notes
+    said = "the commands came from a Python function, which is not in the scenario: it runs again without"
+    return (*prepared.motion.notes, said)
+
+
 def _why_unstable(dataset: xr.Dataset, timestep: float) -> str:
     """What a run says that ended although its step is too long: where and when the oil first tore, if it did."""
     voids = dataset["chamber_void"].max("chamber").values
@@ -398,6 +454,12 @@ def _why(stopped: Stopped, prepared: _Prepared, recorded: float) -> str:
         CHAMBER_2_EMPTY: "chamber 2 ran empty: the stroke left its range, or the step is too long to follow the oil",
     }.get(stopped.status, "a state is no longer finite")
     at = stopped.steps * prepared.model.opt.timestep
+    if stopped.status == LAW_FAILED:
+        error = prepared.loop.failures[0]
+        return (
+            f"simulation failed at {at:.6g} s, in the Python controller: {type(error).__name__}: {error}. "
+            f"Kept until {recorded:.6g} s, marked incomplete"
+        )
     return (
         f"simulation failed at {at:.6g} s, at {where}: {what}; step {prepared.model.opt.timestep:.3g} s. "
         f"Kept until {recorded:.6g} s, marked incomplete. A shorter timestep or smaller commands may help"

@@ -72,11 +72,14 @@ def _observed(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict
 
 
 def levels(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Peak and RMS of every variable and channel about its first value, which is the equilibrium; commands about 0."""
+    """Peak and RMS of every variable and channel about its first value, which is the equilibrium; commands about 0.
+
+    States of the controller are left out: nobody asks for them first.
+    """
     peak: dict[str, Any] = {}
     rms: dict[str, Any] = {}
     for name, variable in dataset.data_vars.items():
-        if not variable.size:
+        if not variable.size or name == "controller_state":
             continue
         about = variable if name == "valve_command" else variable - variable[0]
         peak[str(name)] = _nested(abs(about).max("time"))

@@ -14,6 +14,7 @@ from hypothesis.extra.numpy import arrays
 from ehamj.channels import channel_names
 from ehamj.controllers import Controller
 from ehamj.controllers.law import stack
+from ehamj.controllers.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
 from ehamj.scenario import parse_scenario
@@ -39,9 +40,9 @@ def law(**changes: Any) -> Controller:
 
 
 def assert_equal(one: Controller, other: Controller) -> None:
-    for name in MATRICES:
+    for name in (*MATRICES, "anti_windup"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    for name in ("inputs", "period", "delay", "voltage_limit", "bits"):
+    for name in ("inputs", "period", "delay", "voltage_limit", "bits", "switch_on", "fade"):
         assert getattr(one, name) == getattr(other, name), name
 
 
@@ -77,6 +78,18 @@ def response(of: Controller, z: complex) -> np.ndarray:
         ({"voltage_limit": np.inf}, r"controller\.voltage_limit = inf: must be a positive number"),
         ({"bits": 1}, r"controller\.bits = 1: must be a whole number from 2 to 52, or none"),
         ({"bits": 64}, r"controller\.bits = 64: must be a whole number from 2 to 52, or none"),
+        ({"anti_windup": np.ones((2, 4))}, r"controller\.anti_windup: has shape \(2, 4\), it must be \(1, 4\)"),
+        (
+            {"anti_windup": [[0, 0, np.nan, 0]]},
+            r"controller\.anti_windup: entry \(0, 2\) is nan; every entry must be f",
+        ),
+        (
+            {"anti_windup": [[-0.2] * 4]},
+            r"controller\.anti_windup: unstable while the commands are limited, an eigenvalue of A − anti_windup·C has "
+            r"magnitude 1\.3; it must be at most 1",
+        ),
+        ({"switch_on": -1.0}, r"controller\.switch_on = -1\.0: must be zero or positive \[s\]"),
+        ({"fade": np.inf}, r"controller\.fade = inf: must be zero or positive \[s\]"),
     ],
 )
 def test_a_law_that_cannot_run_is_refused_with_what_would_fit(changes: dict[str, Any], message: str) -> None:
@@ -223,6 +236,7 @@ def laws(draw: st.DrawFn) -> Controller:
     A = draw(arrays(float, (n, n), elements=st.floats(-0.3, 0.3)))  # rows sum to less than one: stable
     B, C, D = (draw(arrays(float, shape, elements=entries)) for shape in ((n, p), (4, n), (4, p)))
     inputs = draw(st.lists(st.sampled_from(channel_names()), min_size=p, max_size=p, unique=True))
+    windup = draw(st.booleans()) and anti_windup_gain(A, C, 1e-4, 0.01)
     return Controller(
         A,
         B,
@@ -233,6 +247,9 @@ def laws(draw: st.DrawFn) -> Controller:
         delay=draw(st.none() | st.floats(0.0, 1.0)),
         voltage_limit=draw(st.floats(0.1, 100.0)),
         bits=draw(st.none() | st.integers(2, 52)),
+        anti_windup=windup if isinstance(windup, np.ndarray) else None,
+        switch_on=draw(st.floats(0.0, 10.0)),
+        fade=draw(st.floats(0.0, 10.0)),
     )
 
 
@@ -254,6 +271,7 @@ def test_what_may_be_left_out_has_its_default() -> None:
     table = {"inputs": ["stroke front-left"], "period_s": 1e-4, "A": [], "B": [], "C": [], "D": [[1.0]] * 4}
     found = Controller.from_dict(table)
     assert (found.delay, found.voltage_limit, found.bits, found.states) == (None, 10.0, 16, 0)
+    assert (found.anti_windup, found.switch_on, found.fade) == (None, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -314,7 +332,10 @@ def test_laws_side_by_side_add_up() -> None:
     np.testing.assert_allclose(response(both, z), expected, rtol=1e-13)
 
 
-@pytest.mark.parametrize(("name", "value"), [("period", 2e-4), ("delay", 5e-5), ("voltage_limit", 5.0), ("bits", None)])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("period", 2e-4), ("delay", 5e-5), ("voltage_limit", 5.0), ("bits", None), ("switch_on", 0.1), ("fade", 0.2)],
+)
 def test_laws_side_by_side_must_share_their_clock_and_converter(name: str, value: Any) -> None:
     with pytest.raises(InputError, match=rf"^controller\.{name}: {value} beside "):
         stack([law(), law(**{name: value})])
@@ -322,3 +343,69 @@ def test_laws_side_by_side_must_share_their_clock_and_converter(name: str, value
 
 def test_one_law_alone_is_itself() -> None:
     assert_equal(stack([law()]), law())
+
+
+# --- anti-windup --------------------------------------------------------------------------------------------------
+
+
+def integrator(gain: float = 1.0, **settings: Any) -> Controller:
+    """The sum of a stroke, to one valve."""
+    return law(A=[[1.0]], C=[[gain], [0], [0], [0]], **settings)
+
+
+@pytest.mark.parametrize("time", [1e-3, 0.02, 0.5])
+@pytest.mark.parametrize("gain", [1e-3, 1.0, 1e6])
+def test_an_integrator_is_taken_back_with_the_stated_time_constant(time: float, gain: float) -> None:
+    found = integrator(gain).with_anti_windup(time)
+    assert found.anti_windup is not None
+    pole = float((found.A - found.anti_windup @ found.C)[0, 0])
+    # The sampled optimum lags the continuous one by half a sample.
+    assert -1e-4 / np.log(pole) == pytest.approx(time, abs=0.55e-4)
+
+
+def test_the_default_does_not_depend_on_how_states_are_scaled() -> None:
+    draw = np.random.default_rng(4)
+    A = draw.normal(size=(6, 6))
+    A *= 0.999 / np.abs(np.linalg.eigvals(A)).max()
+    C, T = draw.normal(size=(4, 6)), draw.normal(size=(6, 6)) * 10.0 ** draw.uniform(-3, 3, 6)
+    plain = anti_windup_gain(A, C, 1e-4, 0.02)
+    turned = anti_windup_gain(np.linalg.solve(T, A @ T), C @ T, 1e-4, 0.02)
+    # T is conditioned to some 1e5, and the Gramian squares that.
+    np.testing.assert_allclose(T @ turned, plain, rtol=1e-4, atol=1e-5 * np.abs(plain).max())
+
+
+def test_a_hundred_states_stay_stable_while_limited() -> None:
+    draw = np.random.default_rng(1)
+    A = draw.normal(size=(100, 100))
+    A *= 1.0 / np.abs(np.linalg.eigvals(A)).max()
+    C = draw.normal(size=(4, 100))
+    assert limited_radius(A, C, anti_windup_gain(A, C, 1e-4, 0.02)) < 1.0 - 1e-3
+
+
+def test_an_integrator_that_shows_in_no_command_cannot_be_held() -> None:
+    with pytest.raises(InputError, match="shows in no command"):
+        law(
+            A=np.diag([1.0, 0.5]), B=[[1.0], [1.0]], C=np.hstack([np.zeros((4, 1)), np.ones((4, 1))])
+        ).with_anti_windup()
+
+
+def test_a_time_shorter_than_a_sample_is_refused() -> None:
+    with pytest.raises(InputError, match=r"time = 1e-05 s must be at least the controller's period, 0\.0001 s"):
+        integrator().with_anti_windup(1e-5)
+
+
+# --- frequency response -------------------------------------------------------------------------------------------
+
+
+def test_the_response_is_that_of_the_held_and_delayed_law() -> None:
+    # The fundamental of what is held, by Fourier's integral over one period of a sine of 64 samples.
+    made, samples, fine = law(D=[[0.3], [0], [1], [2]], delay=1.5e-4), 64, 400
+    hertz = 1.0 / (samples * made.period)
+    z = np.exp(2j * np.pi / samples)
+    plain = response(made, z)[:, 0]
+    k = np.arange(samples * fine)
+    held = plain[:, None] * z ** (k // fine)
+    fundamental = (held * np.exp(-2j * np.pi * (k + 0.5) / k.size)).mean(axis=1)
+    expected = fundamental * np.exp(-2j * np.pi * hertz * 1.5e-4)
+    # The midpoint rule over 400 points of a sample: (2π/25600)²/24.
+    np.testing.assert_allclose(made.response(hertz)[0, :, 0], expected, rtol=1e-7)

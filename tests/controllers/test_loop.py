@@ -4,11 +4,12 @@ import re
 from pathlib import Path
 from typing import Any
 
+import control
 import mujoco
 import numpy as np
 import pytest
 
-from ehamj.controllers import Controller
+from ehamj.controllers import Controller, ControllerBank, PythonController, load_controller
 from ehamj.errors import InputError
 from ehamj.layout import COLUMN, CUBICS, MOUNTS, N_INPUTS, STEP_RATE, STEP_START
 from ehamj.model import build_model
@@ -90,18 +91,23 @@ def measured(name: str, model: mujoco.MjModel, data: mujoco.MjData, ground: Any,
     return {"spool": spool, "load_pressure": one - two, "chamber_pressure": two if labels[-1] == "2" else one}[variable]
 
 
-def in_python(case: Scenario, law: Controller) -> np.ndarray:
-    """Commands at every step, (steps + 1, 4): the engine stepped from Python, the law with plain arrays."""
-    plant, motion = case.plant, case.motion()
+def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.ndarray:
+    """Commands at every step, (steps + 1, 4): the engine stepped from Python, the laws with plain arrays."""
+    plant, motion, laws = case.plant, case.motion(), controller.parts
     with hydraulics():
-        step = choose_timestep(case, law)
+        step = choose_timestep(case, controller)
         model = build_model(plant, step)
         data = mujoco.MjData(model)
         at_start = motion.sample(np.zeros(1))
         equilibrium(model, data, Inputs(at_start.displacement[0], at_start.velocity[0], np.zeros(4)))
         steps = round(case.duration / step)
         samples = motion.sample(np.arange(steps + 2) * step)
-        state, due, found = np.zeros(law.states), [], []
+        states, latest, held = (
+            [np.zeros(law.states) for law in laws],
+            np.zeros((len(laws), 4)),
+            np.zeros((len(laws), 4)),
+        )
+        due, found, limit = [], [], controller.voltage_limit
         for k in range(steps + 1):
             data.time = k * step
             data.userdata[STEP_START], data.userdata[STEP_RATE] = data.time, 1 / step
@@ -110,25 +116,41 @@ def in_python(case: Scenario, law: Controller) -> np.ndarray:
                 cubics[:12, end] = samples.displacement[moment].ravel()
                 cubics[:12, end + 1] = samples.velocity[moment].ravel() * step
             mujoco.mj_forward(model, data)
-            if k % round(law.period / step) == 0:
-                ground = [part[k] for part in samples]
-                u = np.array([measured(name, model, data, ground, plant) for name in law.inputs])
-                y = np.clip(law.C @ state + law.D @ u, -law.voltage_limit, law.voltage_limit)
-                if law.bits is not None:
-                    lsb = 2 * law.voltage_limit / 2**law.bits
-                    y = lsb * np.floor(y / lsb + 0.5)
-                state = law.A @ state + law.B @ u
-                due.append((k + round(law.latency / step), y))
-            for moment, y in due:
+            ground, inputs = [part[k] for part in samples], {}
+            sampled = [j for j, law in enumerate(laws) if k % round(law.period / step) == 0]
+            for j in sampled:
+                law = laws[j]
+                inputs[j] = np.array([measured(name, model, data, ground, plant) for name in law.inputs])
+                latest[j] = law.C @ states[j] + law.D @ inputs[j]
+            share = 1.0
+            if data.time < controller.switch_on - 1e-9:
+                share = 0.0
+            elif controller.fade > 0.0 and data.time < controller.switch_on + controller.fade - 1e-9:
+                s = (data.time - controller.switch_on) / controller.fade
+                share = 3 * s**2 - 2 * s**3
+            total = latest.sum(axis=0)
+            missing = np.clip(share * total, -limit, limit) - total
+            for j in sampled:
+                law = laws[j]
+                states[j] = law.A @ states[j] + law.B @ inputs[j]
+                if law.anti_windup is not None:
+                    states[j] += law.anti_windup @ missing
+                due.append((k + round(law.latency / step), j, share * latest[j]))
+            for moment, j, y in due:
                 if moment == k:
-                    data.ctrl[:] = y
+                    held[j] = y
+            command = np.clip(held.sum(axis=0), -limit, limit)
+            if controller.bits is not None:
+                lsb = 2 * limit / 2**controller.bits
+                command = lsb * np.floor(command / lsb + 0.5)
+            data.ctrl[:] = command
             mujoco.mj_forward(model, data)
             found.append(data.ctrl.copy())
             mujoco.mj_RungeKutta(model, data, 4)
     return np.array(found)
 
 
-def assert_native_is_python(case: Scenario, law: Controller) -> None:
+def assert_native_is_python(case: Scenario, law: Controller | ControllerBank) -> None:
     with hydraulics():
         rate = 1 / choose_timestep(case, law)
     case = case.model_copy(update={"record_rate": float(round(rate))})
@@ -153,6 +175,26 @@ def test_they_are_so_with_a_converter_of_sixteen_bits_that_clips(kind: str) -> N
 @pytest.mark.parametrize(("period", "delay"), [(2e-4, None), (2e-4, 3e-4), (2.5e-4, 5e-5), (1e-3, 1.7e-3)])
 def test_they_are_so_at_other_rates(period: float, delay: float | None) -> None:
     assert_native_is_python(scenario(), from_the_machine(period=period, delay=delay, bits=None))
+
+
+WINDS_UP = {"voltage_limit": 0.1, "bits": None}
+"""A range that the commands leave, so that anti-windup has something to do [V]."""
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_they_are_so_with_anti_windup_switched_on_late(kind: str) -> None:
+    law = LAWS[kind](**WINDS_UP, delay=1.5e-4, switch_on=0.01, fade=0.02).with_anti_windup(0.005)
+    assert_native_is_python(scenario(), law)
+
+
+def test_they_are_so_of_laws_of_several_rates_and_delays() -> None:
+    common = {**WINDS_UP, "switch_on": 0.005, "fade": 0.01}
+    parts = (
+        from_the_ground(**common).with_anti_windup(0.005),
+        from_the_machine(period=5e-4, delay=2e-4, seed=3, **common).with_anti_windup(0.01),
+        proportional(2e4, period=2.5e-4, delay=0.0, **common),
+    )
+    assert_native_is_python(scenario(), ControllerBank(parts))
 
 
 def test_they_are_so_without_states() -> None:
@@ -335,3 +377,203 @@ def test_the_voltage_of_the_valve_limits_what_a_wider_converter_commands() -> No
     assert np.abs(run["valve_command"].values).max() == 40.0
     # The spool of ζ = 0.65 overshoots its target, ±20 mA at ±10 V, by exp(−πζ/√(1 − ζ²)) = 7 % at most.
     assert np.abs(run["spool"].values).max() <= 20.0 * 1.08
+
+
+# --- anti-windup and switch-on ------------------------------------------------------------------------------------
+
+
+def stroke_integrator(**settings: Any) -> Controller:
+    """Integral of each stroke, which the −14.6 µm under the machine's weight wind up, to 73 V in 0.5 s."""
+    strokes = tuple(f"stroke {mount}" for mount in MOUNTS)
+    one = np.eye(4)
+    return Controller(one, 1e-4 * one, 1e7 * one, 0.0 * one, strokes, **settings)
+
+
+def test_without_anti_windup_an_integrator_that_is_not_connected_runs_away_and_with_it_does_not() -> None:
+    case = scenario(duration=0.5, ground={"kind": "rest"})
+    plain, held = (
+        simulate(case, controller=law).dataset["controller_state"].values[-1] * 1e7
+        for law in (
+            stroke_integrator(switch_on=1.0),
+            stroke_integrator(switch_on=1.0).with_anti_windup(0.02),
+        )
+    )
+    # ∫ stroke dt of −14.62 µm: −73 V; with it the stationary value is input · time = −14.62 µm · 1e7 · 0.02 s.
+    np.testing.assert_allclose(plain, -14.62e-6 * 1e7 * 0.5, rtol=1e-3)
+    np.testing.assert_allclose(held, -14.62e-6 * 1e7 * 0.02, rtol=0.01)
+
+
+def test_before_switch_on_the_valves_get_zero_and_the_fade_has_no_jump() -> None:
+    law = from_the_ground(switch_on=0.02, fade=0.02, delay=0.0, bits=None)
+    plain = from_the_ground(delay=0.0, bits=None)
+    case = scenario(record_rate=1e4)
+    late, full = (simulate(case, controller=one).dataset["valve_command"] for one in (law, plain))
+    np.testing.assert_array_equal(late.values[:200], np.zeros((200, 4)))
+    # A law of the ground alone, without anti-windup: only the share differs.
+    time = late.time.values
+    s = np.clip((time - 0.02) / 0.02, 0.0, 1.0)
+    np.testing.assert_allclose(late.values, full.values * (3 * s**2 - 2 * s**3)[:, None], rtol=0, atol=1e-12)
+
+
+def test_an_anti_windup_shortens_what_follows_a_blow() -> None:
+    shock = {"kind": "shock", "dof": "z", "velocity": 2e-3, "pulse_time": 0.02, "begin": 0.02}
+    gains = {"bits": None, "voltage_limit": 2.0}
+    after = []
+    for law in (stroke_integrator(**gains), stroke_integrator(**gains).with_anti_windup(0.01)):
+        case = scenario(duration=0.1, plates="tied", ground=shock)
+        state = simulate(case, controller=law).dataset["controller_state"].values
+        after.append(np.abs(state).max() * 1e7)
+    assert after[1] < 0.5 * after[0]
+
+
+# --- laws of several rates ----------------------------------------------------------------------------------------
+
+
+def test_a_bank_of_one_rate_is_the_one_law() -> None:
+    one, other = from_the_ground(bits=None), from_the_machine(bits=None)
+    together = ControllerBank.combine((one, other))
+    assert isinstance(together, Controller)
+    bank = ControllerBank((one, other))
+    runs = [simulate(scenario(), controller=law).dataset["valve_command"].values for law in (together, bank)]
+    np.testing.assert_allclose(runs[1], runs[0], rtol=0, atol=1e-12)  # V: sums of another order
+
+
+def test_laws_side_by_side_share_one_converter() -> None:
+    with pytest.raises(InputError, match=r"^controller\.parts: bits = None beside 16; all must share one converter"):
+        ControllerBank((from_the_ground(), from_the_ground(period=2e-4, bits=None)))
+
+
+def test_an_empty_bank_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^controller\.parts: is empty"):
+        ControllerBank(())
+
+
+def test_a_bank_whose_anti_windups_together_are_unstable_is_refused() -> None:
+    # Each integrator alone stands 1 − 1.5 = −0.5; three that each take all of the sum's error: 1 − 4.5.
+    part = Controller(
+        [[1.0]], [[1.0]], [[1.0], [0], [0], [0]], np.zeros((4, 1)), ("stroke front-left",), anti_windup=[[1.5, 0, 0, 0]]
+    )
+    with pytest.raises(InputError, match=r"magnitude 3\.5; it must be at most 1"):
+        ControllerBank((part, part, part))
+
+
+def test_a_stored_result_with_a_bank_runs_again_to_the_last_bit(tmp_path: Path) -> None:
+    bank = ControllerBank((from_the_ground(), from_the_machine(period=5e-4, switch_on=0.0).with_anti_windup()))
+    first = simulate(scenario(), controller=bank)
+    kept = stored(first, tmp_path)
+    assert simulate(kept.scenario).dataset.equals(first.dataset)
+    assert load_controller(tmp_path / "controller.json").to_dict() == bank.to_dict()
+
+
+# --- what is recorded ---------------------------------------------------------------------------------------------
+
+
+def test_states_and_readings_are_recorded_with_their_names() -> None:
+    law = from_the_machine(bits=None, delay=0.0, voltage_limit=100.0)
+    found = simulate(scenario(record_rate=1e4), controller=law).dataset
+    assert list(found["sensor"].values) == list(law.inputs)
+    assert found["controller_state"].dims == ("time", "law_state")
+    x, u = found["controller_state"].values, found["measured"].values
+    # Recorded after the sample: the state is already the next one's. Single precision of values up to one.
+    np.testing.assert_allclose(x[1:], x[:-1] @ law.A.T + u[1:] @ law.B.T, rtol=0, atol=1e-6 * np.abs(x).max())
+    command = np.vstack([np.zeros(law.states), x[:-1]]) @ law.C.T + u @ law.D.T
+    np.testing.assert_allclose(found["valve_command"].values, command, rtol=0, atol=1e-5)
+
+
+def test_readings_without_sensors_are_the_channels_themselves() -> None:
+    found = simulate(scenario(), controller=from_the_machine()).dataset
+    read = found["measured"].sel(sensor="stroke front-left").values
+    np.testing.assert_allclose(read, found["stroke"].sel(mount="front-left").values, rtol=0, atol=1e-15)
+
+
+def test_a_run_without_a_controller_records_neither() -> None:
+    found = simulate(scenario(duration=0.01)).dataset
+    assert not {"measured", "controller_state"} & set(found.variables)
+
+
+# --- a function in Python -----------------------------------------------------------------------------------------
+
+
+class Stepped:
+    """A law stepped in Python, with its anti-windup."""
+
+    def __init__(self, law: Controller) -> None:
+        self.law = law
+
+    def reset(self) -> None:
+        self.state, self.last = np.zeros(self.law.states), None
+
+    def __call__(self, time: float, measured: np.ndarray, limited: np.ndarray) -> np.ndarray:
+        if self.law.anti_windup is not None:
+            self.state = self.state + self.law.anti_windup @ limited
+        volts = self.law.C @ self.state + self.law.D @ measured
+        self.state = self.law.A @ self.state + self.law.B @ measured
+        return volts
+
+
+def as_function(law: Controller) -> PythonController:
+    names = ("inputs", "period", "delay", "voltage_limit", "bits", "switch_on", "fade")
+    return PythonController(Stepped(law), **{name: getattr(law, name) for name in names})
+
+
+@pytest.mark.parametrize("settings", [{"delay": 0.0}, {"delay": 1.5e-4, **WINDS_UP, "switch_on": 0.01, "fade": 0.01}])
+@pytest.mark.parametrize("kind", LAWS)
+def test_a_function_does_what_the_law_does(kind: str, settings: dict[str, Any]) -> None:
+    law = LAWS[kind](**{"bits": None, **settings}).with_anti_windup(0.005)
+    function = as_function(law)
+    native, python, again = (
+        simulate(scenario(record_rate=1e4), controller=one).dataset["valve_command"].values
+        for one in (law, function, function)
+    )
+    assert np.abs(native).max() > 0.05
+    np.testing.assert_allclose(python, native, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(again, python)  # it begins anew
+
+
+def test_a_function_that_raises_ends_the_run_with_its_words() -> None:
+    def fails(time: float, measured: np.ndarray, limited: np.ndarray) -> np.ndarray:
+        if time > 0.02:
+            raise ZeroDivisionError("by nothing")
+        return np.zeros(4)
+
+    with pytest.raises(
+        Incomplete, match=r"at 0\.0201 s, in the Python controller: ZeroDivisionError: by nothing"
+    ) as caught:
+        simulate(scenario(), controller=PythonController(fails, ("stroke front-left",)))
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+    assert float(caught.value.result.dataset.time[-1]) == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(3), [np.nan, 0, 0, 0], None])
+def test_a_function_that_returns_no_commands_ends_the_run(wrong: Any) -> None:
+    with pytest.raises(Incomplete, match=r"at 0 s, in the Python controller"):
+        simulate(scenario(), controller=PythonController(lambda *_: wrong, ()))
+
+
+def test_a_function_alone_is_refused() -> None:
+    with pytest.raises(InputError, match=r"wrap it in ehamj\.PythonController"):
+        simulate(scenario(), controller=lambda *_: np.zeros(4))
+
+
+def test_a_run_of_a_function_says_that_it_cannot_be_repeated_from_its_scenario() -> None:
+    found = simulate(scenario(), controller=PythonController(lambda *_: np.zeros(4), ()))
+    assert found.controller is None
+    assert any("Python function" in warning for warning in found.summary["warnings"])
+
+
+def test_a_control_system_with_dt_runs_directly() -> None:
+    law = from_the_machine()
+    system = control.ss(law.A, law.B, law.C, law.D, law.period, inputs=list(law.inputs))
+    np.testing.assert_array_equal(
+        simulate(scenario(), controller=system).dataset["valve_command"].values,
+        simulate(scenario(), controller=law).dataset["valve_command"].values,
+    )
+
+
+def test_each_simulation_of_a_batch_has_its_own_controller() -> None:
+    laws = [from_the_machine(seed=k) for k in range(3)]
+    batch = simulate_many([scenario()] * 4, controllers=[*laws, None])
+    for law, found in zip([*laws, None], batch, strict=True):
+        assert found.dataset.equals(simulate(scenario(), controller=law).dataset)
+    with pytest.raises(InputError, match="are 1, they must be one for each of the 2 scenarios"):
+        simulate_many([scenario()] * 2, controllers=laws[:1])

@@ -28,7 +28,8 @@ from ehamj.analysis.transmissibility import (
     unit,
 )
 from ehamj.commands import Passive
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
+from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.third_octave import Band, bands
 from ehamj.layout import DOFS
 from ehamj.parameters import Settings
@@ -175,8 +176,9 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> 
     for name, one in kinds.items():
         measured = by_multisine(one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence)
         controller = one.controller()
-        at_lines = rigid_floor(model, frequency, controller, outputs, s.dofs)
-        variants.append(replace(_linear(name, model, controller, s), measured=(measured,), at_lines=at_lines))
+        sensing = one.sensors, one.seed
+        at_lines = rigid_floor(model, frequency, controller, outputs, s.dofs, *sensing)
+        variants.append(replace(_linear(name, model, controller, s, *sensing), measured=(measured,), at_lines=at_lines))
     return Comparison(scenario, s, tuple(variants), lever_scale(model.plant))
 
 
@@ -193,21 +195,32 @@ def compare_result(result: Result, settings: TransmissibilitySettings) -> Compar
         pairs = [([own_output(outputs, dof) for dof in s.dofs], s.dofs)]
     measured = by_welch(result, pairs, s.segment, s.per_octave, s.estimator, s.confidence)
     measured = [_within(one, s.first, s.last) for one in measured]
-    variants = [_linear("passive", model, None, s)]
+    variants = [_linear("passive", model, None, s, result.scenario.sensors, result.scenario.seed)]
     if result.controller is not None:
-        variants.append(_linear(result.scenario.control.kind, model, result.controller, s))
+        variants.append(
+            _linear(
+                result.scenario.control.kind, model, result.controller, s, result.scenario.sensors, result.scenario.seed
+            )
+        )
     variants[-1] = replace(variants[-1], measured=tuple(measured))
     return Comparison(result.scenario, s, tuple(variants), lever_scale(model.plant))
 
 
-def _linear(name: str, model: LinearModel, controller: Controller | None, s: TransmissibilitySettings) -> Variant:
+def _linear(
+    name: str,
+    model: LinearModel,
+    controller: LinearController | None,
+    s: TransmissibilitySettings,
+    sensors: Sensors,
+    seed: int,
+) -> Variant:
     count = max(2, round(PER_BAND * 10.0 * np.log10(s.last / s.first)) + 1)
     hertz = np.geomspace(s.first, s.last, count)
     outputs = machine_channels(s.reference)
     return Variant(
         name,
-        rigid_floor(model, hertz, controller, outputs, s.dofs),
-        single_mounts(model, hertz, controller, (*outputs, *foot_channels())),
+        rigid_floor(model, hertz, controller, outputs, s.dofs, sensors, seed),
+        single_mounts(model, hertz, controller, (*outputs, *foot_channels()), sensors, seed),
     )
 
 

@@ -18,7 +18,8 @@ from ehamj.analysis.modes import modes
 from ehamj.analysis.response import PERIOD, channel, excited, line_amplitudes, lines
 from ehamj.analysis.spectra import Estimate, Estimator, Spectra, estimate
 from ehamj.analysis.transmissibility import TURNS, lever_scale, machine_channels, slab_pattern
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
+from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
 from ehamj.isolation import settled
 from ehamj.layout import DOFS
@@ -90,7 +91,7 @@ def by_multisine(
     f = lines() if frequency is None else np.asarray(frequency, float)
     model, controller = linear_model(scenario), scenario.controller()
     slab_pattern(model.plant, dofs)  # says which degrees of freedom there are
-    settling = settling_time(model, controller)
+    settling = settling_time(model, controller, scenario.sensors)
     q, length = len(dofs), lever_scale(model.plant)
     levels = [velocity / length if dof in TURNS else velocity for dof in dofs]
     phases = np.concatenate([_phases(scenario.seed, k, q, f.size) for k in range(realisations)])
@@ -108,13 +109,13 @@ def by_multisine(
     return Measurement(tuple(outputs), tuple(dofs), found, words)
 
 
-def settling_time(model: LinearModel, controller: Controller | None = None) -> float:
+def settling_time(model: LinearModel, controller: LinearController | None = None, sensors: Sensors = IDEAL) -> float:
     """Time in which every oscillation decays to `REMAINS` [s], a multiple of 0.1 s.
 
     Raises:
         InputError: if that takes longer than `LONGEST_SETTLING`, or one grows.
     """
-    slowest = min(modes(model, controller), key=lambda mode: mode.damping_ratio * mode.frequency)
+    slowest = min(modes(model, controller, sensors=sensors), key=lambda mode: mode.damping_ratio * mode.frequency)
     decay = 2 * np.pi * slowest.damping_ratio * slowest.frequency
     if decay * LONGEST_SETTLING < -math.log(REMAINS):
         raise InputError(

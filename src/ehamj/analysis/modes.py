@@ -2,17 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.analysis.eigen import Eigen, correlation, pairing, separated
 from ehamj.analysis.linear import LinearModel, Point
+from ehamj.analysis.sampled import SampledLoop, sampled_loop
 from ehamj.analysis.shapes import Axis, Energies, at_cg, at_point, centre_of_rotation, energies, in_phase, weights
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
+from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, MOUNTS, N_MOUNTS, WARP
 
 Array = NDArray[np.float64]
@@ -103,9 +104,11 @@ class Mode:
 
 def modes(
     model: LinearModel,
-    controller: Controller | None = None,
+    controller: LinearController | None = None,
     bypassed: bool = False,
     points: Mapping[str, Point] | None = None,
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
 ) -> tuple[Mode, ...]:
     """Oscillatory modes by frequency: of the machine with held commands, or under a digital controller.
 
@@ -116,29 +119,35 @@ def modes(
         bypassed: the chambers of each cylinder are connected without resistance, so that only membranes carry the
             machine; there is then no oil, no valve and no controller.
         points: further points of the machine by name [m from the mount plane's centre] whose motion is given.
+        sensors: instruments of the controller.
+        seed: of the scenario, which draws the directions of the sensors' misalignments.
 
     Raises:
         ValueError: if a controller is given for bypassed chambers.
     """
-    eigen, names = eigen_of(model, controller, bypassed)
+    eigen, names = eigen_of(model, controller, bypassed, sensors, seed)
     found = [_mode(model, names, eigen, k, points or {}) for k in oscillations(eigen)]
     return tuple(_distinct(_as_machine(model, found)))
 
 
 def eigen_of(
-    model: LinearModel, controller: Controller | None = None, bypassed: bool = False
+    model: LinearModel,
+    controller: LinearController | None = None,
+    bypassed: bool = False,
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
 ) -> tuple[Eigen, tuple[str, ...]]:
     """Eigenvalues [1/s] and vectors over the named states, see `modes`; repeated ones are told apart by what moves.
 
     Of a repeated eigenvalue, those vectors are taken of which each moves one plane of the machine, or one valve.
     """
-    matrix, names = state_matrix(model, controller, bypassed)
-    eigen = Eigen.of(matrix)
-    if controller is not None:
+    found = state_matrix(model, controller, bypassed, sensors, seed)
+    eigen, names = Eigen.of(found.A), found.states
+    if isinstance(found, SampledLoop):
         kept = np.flatnonzero(np.abs(eigen.values) > FORGOTTEN)
         place = {int(k): at for at, k in enumerate(kept)}
         clusters = tuple(tuple(place[k] for k in cluster) for cluster in eigen.clusters if cluster[0] in place)
-        values = np.asarray(np.log(eigen.values[kept]) / controller.period, np.complex128)
+        values = found.exponents(eigen.values[kept], eigen.right[:, kept])
         eigen = Eigen(values, eigen.right[:, kept], eigen.left[:, kept], clusters)
     for cluster in eigen.clusters:
         if len(cluster) > 1:
@@ -146,17 +155,30 @@ def eigen_of(
     return eigen, names
 
 
+class Free(NamedTuple):
+    """The machine left to itself: ẋ = A x."""
+
+    A: Array
+    states: tuple[str, ...]
+
+
 def state_matrix(
-    model: LinearModel, controller: Controller | None = None, bypassed: bool = False
-) -> tuple[Array, tuple[str, ...]]:
+    model: LinearModel,
+    controller: LinearController | None = None,
+    bypassed: bool = False,
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
+) -> Free | SampledLoop:
     """The matrix whose eigenvalues `eigen_of` takes, and the names of its states; with a controller from sample to
     sample."""
     if bypassed:
         if controller is not None:
             raise ValueError("bypassed chambers have no controller")
         moving = [k for k, name in enumerate(model.states) if _group(name) == "motion"]
-        return model.A[np.ix_(moving, moving)], tuple(model.states[k] for k in moving)
-    return (model.A, model.states) if controller is None else sampled_loop(model, controller)
+        return Free(model.A[np.ix_(moving, moving)], tuple(model.states[k] for k in moving))
+    if controller is None:
+        return Free(model.A, model.states)
+    return sampled_loop(model, controller, sensors, seed)
 
 
 def oscillations(eigen: Eigen) -> list[int]:
@@ -332,51 +354,3 @@ def motion_name(model: LinearModel, shape: ComplexArray) -> str:
 def _plane_name(about: str, share: dict[str, float]) -> str:
     sway, turn = (share["x"], share["ry"]) if about == "y" else (share["y"], share["rx"])
     return f"{'sway-rocking' if sway > turn else 'rocking'} about {about}"
-
-
-def sampled_loop(model: LinearModel, controller: Controller) -> tuple[Array, tuple[str, ...]]:
-    """State matrix of machine and controller from sample to sample, and the names of its states.
-
-    The commands of a sample act ``latency`` later and are held for a period; whole periods of delay are states, a
-    fraction splits the period.
-    """
-    n, c = model.A.shape[0], controller.states
-    period, latency = controller.period, controller.latency
-    whole, fraction = divmod(latency + 1e-12, period)
-    whole, fraction = int(whole), max(0.0, fraction - 1e-12)
-    valves = model.B[:, :N_MOUNTS]
-
-    def held(time: float) -> tuple[Array, Array]:
-        block = expm(np.block([[model.A, valves], [np.zeros((N_MOUNTS, n + N_MOUNTS))]]) * time)
-        return block[:n, :n], block[:n, n:]
-
-    full, _ = held(period)
-    late, new = held(period - fraction)
-    _, old_early = held(fraction)
-    old = late @ old_early  # the previous command acts in the first part of the period
-    C, D = model.rows(controller.inputs)
-    if np.abs(D[:, :N_MOUNTS]).max(initial=0.0) > 0:
-        raise ValueError("a measured channel answers a command at once")
-    # Commands of the past, newest first: u[k−1] … u[k−whole−1]; u[k] = Cc x_c + Dc C x.
-    waiting = whole + 1
-    now = np.hstack([controller.D @ C, controller.C, np.zeros((N_MOUNTS, N_MOUNTS * waiting))])
-    size = n + c + N_MOUNTS * waiting
-
-    def command(age: int) -> Array:
-        """u[k − age] in terms of the loop's state."""
-        if age == 0:
-            return now
-        pick = np.zeros((N_MOUNTS, size))
-        at = n + c + N_MOUNTS * (age - 1)
-        pick[:, at : at + N_MOUNTS] = np.eye(N_MOUNTS)
-        return pick
-
-    loop = np.zeros((size, size))
-    loop[:n, :n] = full
-    loop[:n] += new @ command(whole) + old @ command(whole + 1)
-    loop[n : n + c, :n], loop[n : n + c, n : n + c] = controller.B @ C, controller.A
-    for age in range(waiting):
-        at = n + c + N_MOUNTS * age
-        loop[at : at + N_MOUNTS] = command(age)
-    names = (*model.states, *(f"controller {k}" for k in range(size - n)))
-    return loop, names

@@ -12,7 +12,8 @@ from ehamj.analysis.eigen import eigenvalue_changes
 from ehamj.analysis.elements import ACTUATOR_VALUES, MACHINE_VALUES
 from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import eigen_of, modes, oscillations, state_matrix
-from ehamj.controllers import Controller
+from ehamj.analysis.sampled import pattern_period
+from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.scenario import Scenario, parse_scenario
 
@@ -84,7 +85,7 @@ def _span(scenario: Scenario, key: str) -> float:
 
 def sensitivities(
     scenario: Scenario,
-    controller: Controller | None = None,
+    controller: LinearController | None = None,
     bypassed: bool = False,
     parameters: Sequence[str] | None = None,
 ) -> xr.Dataset:
@@ -95,7 +96,7 @@ def sensitivities(
 
     Args:
         scenario: the machine.
-        controller: closes the loop (`ehamj.analysis.modes.modes`).
+        controller: closes the loop (`ehamj.analysis.modes.modes`), with the scenario's sensors.
         bypassed: chambers bypassed, as there.
         parameters: keys; all of `parameters_of` without.
 
@@ -109,21 +110,25 @@ def sensitivities(
     """
     keys = parameters_of(scenario) if parameters is None else tuple(parameters)
     model = linear_model(scenario)
-    eigen, _ = eigen_of(model, controller, bypassed)
-    found, chosen = modes(model, controller, bypassed), oscillations(eigen)
+    sensing: dict[str, Any] = {"sensors": scenario.sensors, "seed": scenario.seed}
+    eigen, _ = eigen_of(model, controller, bypassed, **sensing)
+    found, chosen = modes(model, controller, bypassed, **sensing), oscillations(eigen)
     values = [value_of(scenario, key) for key in keys]
     changes = np.zeros((len(keys), len(chosen)), complex)
     for k, (key, value) in enumerate(zip(keys, values, strict=True)):
         if value == 0.0 or not np.isfinite(value):
             raise InputError(f"sensitivity to {key} = {value:g}: must be neither zero nor infinite")
         ahead, behind = (
-            state_matrix(linear_model(with_value(scenario, key, value * (1.0 + sign * STEP))), controller, bypassed)[0]
+            state_matrix(
+                linear_model(with_value(scenario, key, value * (1.0 + sign * STEP))), controller, bypassed, **sensing
+            ).A
             for sign in (1.0, -1.0)
         )
         changes[k] = eigenvalue_changes(eigen, chosen, (ahead - behind) / (2.0 * STEP))
     poles = np.array([mode.eigenvalue for mode in found])
     if controller is not None:  # from z = exp(λT)
-        changes = changes / (controller.period * np.exp(poles * controller.period))
+        period = pattern_period(controller)
+        changes = changes / (period * np.exp(poles * period))
     size = np.abs(poles)
     frequency = (poles.conj() * changes).real / size**2
     damping = -changes.real / size + poles.real / size * frequency

@@ -10,11 +10,12 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import expm
 
 from ehamj.analysis.linear import GROUND_INPUTS, LinearModel
-from ehamj.controllers import Controller
+from ehamj.analysis.sampled import measured_machine, sampled_machine
+from ehamj.controllers import Controller, LinearController
 from ehamj.controllers.law import OUTPUTS as COMMANDS
+from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.criteria.third_octave import Band
 from ehamj.errors import InputError
 from ehamj.ground.motion import Slab
@@ -81,9 +82,11 @@ class Transfer:
 def rigid_floor(
     model: LinearModel,
     hertz: ArrayLike,
-    controller: Controller | None = None,
+    controller: LinearController | None = None,
     outputs: Sequence[str] = machine_channels(),
     dofs: Sequence[str] = DOFS,
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
 ) -> Transfer:
     """Answer to a rigid floor, for the six degrees of freedom of floor and machine the full 6 × 6.
 
@@ -93,32 +96,42 @@ def rigid_floor(
         controller: closes the loop; without, the valves are held (passive).
         outputs: channels (`ehamj.channels`) but for the ground's.
         dofs: of the floor.
+        sensors: instruments of the controller.
+        seed: of the scenario, which draws the directions of misalignments.
     """
     f = np.atleast_1d(np.asarray(hertz, float))
-    response = ground_response(model, f, outputs, controller) @ slab_pattern(model.plant, dofs)
+    response = ground_response(model, f, outputs, controller, sensors, seed) @ slab_pattern(model.plant, dofs)
     return Transfer(f, tuple(outputs), tuple(dofs), response)
 
 
 def single_mounts(
     model: LinearModel,
     hertz: ArrayLike,
-    controller: Controller | None = None,
+    controller: LinearController | None = None,
     outputs: Sequence[str] = (*machine_channels(), *foot_channels()),
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
 ) -> Transfer:
     """Answer to the ground below each mount by itself, in each axis (`GROUNDS`); arguments as `rigid_floor`."""
     f = np.atleast_1d(np.asarray(hertz, float))
-    return Transfer(f, tuple(outputs), GROUNDS, ground_response(model, f, outputs, controller))
+    return Transfer(f, tuple(outputs), GROUNDS, ground_response(model, f, outputs, controller, sensors, seed))
 
 
 def ground_response(
-    model: LinearModel, hertz: Array, outputs: Sequence[str], controller: Controller | None = None
+    model: LinearModel,
+    hertz: Array,
+    outputs: Sequence[str],
+    controller: LinearController | None = None,
+    sensors: Sensors = IDEAL,
+    seed: int = 0,
 ) -> ComplexArray:
     """Response to the displacement of the ground at each mount and axis, (f, output, mount·axis).
 
-    Under a digital controller the sampled loop is closed exactly: the measured channels are sampled, the discrete
-    machine with delay and hold G(z) answers at the samples, z = e^{jωT}, and of the commands u = (1 − C G)⁻¹ C y_ground
-    the held and delayed wave's part at ω acts on the machine, (1 − e^{−jωT})/(jωT) e^{−jωτ}. Its images around the
-    multiples of the sampling rate are another frequency's. Sensors are ideal; range and resolution play no part.
+    Under a digital controller of one rate the sampled loop is closed exactly: what the sensors give is sampled, the
+    discrete machine with sensors, delay and hold G(z) answers at the samples, z = e^{jωT}, and of the commands
+    u = (1 − C G)⁻¹ C y_ground the held and delayed wave's part at ω acts on the machine,
+    (1 − e^{−jωT})/(jωT) e^{−jωτ}. Its images around the multiples of the sampling rate are another frequency's. Under
+    laws of several rates the images are left out of the loop too. Noise, range and resolution play no part.
 
     Raises:
         ValueError: if a measured channel answers a command at once.
@@ -126,41 +139,28 @@ def ground_response(
     plain = _from_ground(model, hertz, outputs)
     if controller is None:
         return plain
+    names, shares = sensors.mixtures(controller.inputs, seed)
+    seen = sensors.response(controller.inputs, hertz)[:, :, None] * (shares @ _from_ground(model, hertz, names))
+    driven = model.response(hertz, outputs, COMMANDS)
+    held = controller.response(hertz)
+    if not isinstance(controller, Controller):
+        machine = measured_machine(model, controller.inputs, sensors, seed)
+        answer = _over(np.asarray(2j * np.pi * hertz, complex), machine.A, machine.B, machine.C)
+        return plain + driven @ np.linalg.solve(np.eye(N_MOUNTS) - held @ answer, held @ seen)
     period, omega = controller.period, 2 * np.pi * hertz
     z = np.exp(1j * omega * period)
     law = _over(z, controller.A, controller.B, controller.C) + controller.D
-    loop = law @ sampled_plant(model, controller, z)
-    commands = np.linalg.solve(np.eye(N_MOUNTS) - loop, law @ _from_ground(model, hertz, controller.inputs))
+    commands = np.linalg.solve(np.eye(N_MOUNTS) - law @ sampled_plant(model, controller, z, sensors, seed), law @ seen)
     hold = np.exp(-1j * omega * (0.5 * period + controller.latency)) * np.sinc(hertz * period)
-    return plain + model.response(hertz, outputs, COMMANDS) @ (hold[:, None, None] * commands)
+    return plain + driven @ (hold[:, None, None] * commands)
 
 
-def sampled_plant(model: LinearModel, controller: Controller, z: ComplexArray) -> ComplexArray:
-    """The measured channels over the commands from sample to sample, delay and hold included, (f, input, valve)."""
-    C, D = model.rows([name for name in controller.inputs if not name.startswith("ground_")])
-    if np.abs(D[:, :N_MOUNTS]).max(initial=0.0) > 0:
-        raise ValueError("a measured channel answers a command at once")
-    whole, late = divmod(controller.latency + 1e-12, controller.period)
-    late = max(0.0, late - 1e-12)
-    full, _ = _held(model, controller.period)
-    rest, new = _held(model, controller.period - late)
-    old = rest @ _held(model, late)[1]
-    answers = np.zeros((z.size, len(controller.inputs), N_MOUNTS), complex)
-    own = [k for k, name in enumerate(controller.inputs) if not name.startswith("ground_")]
-    # The state at a sample holds the command of ``whole`` samples before, and after a part of a period that before it.
-    reaction = _over(z, full, new, C) + _over(z, full, old, C) / z[:, None, None]
-    answers[:, own] = reaction * z[:, None, None] ** -int(whole)
-    return answers
-
-
-def _held(model: LinearModel, time: float) -> tuple[Array, Array]:
-    """Transition of the state over ``time`` [s], and what held commands add to it."""
-    n = model.A.shape[0]
-    size = n + N_MOUNTS
-    block = np.zeros((size, size))
-    block[:n, :n], block[:n, n:] = model.A, model.B[:, :N_MOUNTS]
-    found = expm(block * time)
-    return found[:n, :n], found[:n, n:]
+def sampled_plant(
+    model: LinearModel, controller: Controller, z: ComplexArray, sensors: Sensors = IDEAL, seed: int = 0
+) -> ComplexArray:
+    """The readings over the commands from sample to sample, delay and hold included, (f, input, valve)."""
+    machine = sampled_machine(model, controller, sensors, seed)
+    return _over(z, machine.A, machine.B, machine.C)
 
 
 def _over(s: ComplexArray, A: Array, B: Array, C: Array) -> ComplexArray:

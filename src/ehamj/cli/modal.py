@@ -63,7 +63,8 @@ def modes(
     settings: dict[str, dict[str, Any]] = {"modes": {}, "bypassed": {"bypassed": True}}
     if controller is not None:
         settings["closed_loop"] = {"controller": controller}
-    found = {key: find(model, points=places, **setting) for key, setting in settings.items()}
+    sensing: dict[str, Any] = {"sensors": loaded.sensors, "seed": loaded.seed}
+    found = {key: find(model, points=places, **setting, **sensing) for key, setting in settings.items()}
     slopes = {}
     if sensitivity:
         with log.status("changing every parameter"):

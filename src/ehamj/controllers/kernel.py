@@ -1,4 +1,4 @@
-"""One tick of a digital controller, compiled."""
+"""What a digital controller and its sensors do at a step, compiled. Matrices come flat and transposed, see `Loop`."""
 
 import math
 
@@ -8,7 +8,7 @@ from ehamj.layout import N_MOUNTS
 
 @kernel
 def converted(voltage: float, limit: float, resolution: float) -> float:
-    """What a converter makes of a voltage: limited to ±``limit``, rounded to ``resolution`` [V] (0: exact)."""
+    """What a converter makes of a value: limited to ±``limit``, rounded to ``resolution`` (0: exact)."""
     voltage = min(max(voltage, -limit), limit)
     if resolution > 0.0:
         voltage = resolution * math.floor(voltage / resolution + 0.5)
@@ -16,26 +16,83 @@ def converted(voltage: float, limit: float, resolution: float) -> float:
 
 
 @kernel
-def tick(At, Bt, Ct, Dt, measured, state, scratch, limit, resolution, commands):  # type: ignore[no-untyped-def]
-    """y = C x + D u into ``commands`` (converted), then x⁺ = A x + B u into ``state``; ``scratch`` is as long.
-
-    The matrices come transposed: a product then adds whole columns, which vectorises without changing a rounding.
-    """
-    commands[:] = 0.0
-    scratch[:] = 0.0
-    add_product(Ct, state, commands)
-    add_product(Dt, measured, commands)
-    add_product(At, state, scratch)
-    add_product(Bt, measured, scratch)
-    for valve in range(N_MOUNTS):
-        commands[valve] = converted(commands[valve], limit, resolution)
-    for i in range(state.size):
-        state[i] = scratch[i]
+def faded(time: float, switch_on: float, fade: float) -> float:
+    """Share of the commands that reaches the valves at a time: 0 before ``switch_on``, then 3s² − 2s³ over ``fade``."""
+    since = time - switch_on
+    if since < -5e-10:  # half a nanosecond: times of steps are rounded
+        return 0.0
+    if since >= fade - 5e-10:
+        return 1.0
+    s = max(since, 0.0) / fade
+    return s * s * (3.0 - 2.0 * s)
 
 
 @kernel
 def add_product(matrix_t, vector, result):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for the transposed matrix."""
+    """result += matrix·vector, for the flat transposed matrix.
+
+    Whole columns are added, which vectorises without changing a rounding.
+    """
+    size = result.size
     for k in range(vector.size):
-        for i in range(result.size):
-            result[i] += matrix_t[k, i] * vector[k]
+        factor = vector[k]
+        column = matrix_t[k * size : (k + 1) * size]
+        for i in range(size):
+            result[i] += column[i] * factor
+
+
+@kernel
+def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
+    """y = C x + D u."""
+    result[:] = 0.0
+    add_product(Ct, state, result)
+    add_product(Dt, measured, result)
+
+
+@kernel
+def advance_states(At, Bt, state, measured, scratch):  # type: ignore[no-untyped-def]
+    """x⁺ = A x + B u; ``scratch`` is as long as the state."""
+    scratch[:] = 0.0
+    add_product(At, state, scratch)
+    add_product(Bt, measured, scratch)
+    state[:] = scratch
+
+
+@kernel
+def limited(total, share, limit, result):  # type: ignore[no-untyped-def]
+    """What fade and range take from the wanted commands, applied − wanted."""
+    for valve in range(N_MOUNTS):
+        result[valve] = converted(share * total[valve], limit, 0.0) - total[valve]
+
+
+@kernel
+def filter_readings(filters, feedthrough, raw, states, analogue, scratch):  # type: ignore[no-untyped-def]
+    """One step of every sensor's filter: analogue readings, then the states at the next step.
+
+    ``filters`` (n + 3, n, channels) holds A row by row, then B, C and the resting state; ``states`` (n·channels).
+    """
+    n, channels = filters.shape[1], filters.shape[2]
+    for c in range(channels):
+        analogue[c] = feedthrough[c] * raw[c]
+    for j in range(n):
+        own = states[j * channels : (j + 1) * channels]
+        for c in range(channels):
+            analogue[c] += filters[n + 1, j, c] * own[c]
+    for i in range(n):
+        row = scratch[i * channels : (i + 1) * channels]
+        for c in range(channels):
+            row[c] = filters[n, i, c] * raw[c]
+        for j in range(n):
+            own = states[j * channels : (j + 1) * channels]
+            for c in range(channels):
+                row[c] += filters[i, j, c] * own[c]
+    states[:] = scratch
+
+
+@kernel
+def settle_filters(filters, raw, states):  # type: ignore[no-untyped-def]
+    """Let every sensor rest at its channel's present value."""
+    n, channels = filters.shape[1], filters.shape[2]
+    for i in range(n):
+        for c in range(channels):
+            states[i * channels + c] = filters[n + 2, i, c] * raw[c]

@@ -27,7 +27,7 @@ def fingerprint() -> str:
     for folder in ("native", "hydraulics", "controllers"):
         for source in sorted((package / folder).glob("*.py")):
             digest.update(source.read_bytes())
-    for name in ("layout.py", "compiled.py"):
+    for name in ("layout.py", "compiled.py", "channels.py"):
         digest.update((package / name).read_bytes())
     digest.update(repr((mujoco.__version__, numba.__version__, offsets())).encode())
     return digest.hexdigest()[:16]

@@ -11,20 +11,15 @@ import numpy as np
 from numba import carray, types
 from numpy.typing import NDArray
 
-from ehamj.channels import ACCELERATION, DISPLACEMENT, GROUND, N_SIGNALS, PLATE, STATE, VELOCITY
+from ehamj.channels import N_SIGNALS
 from ehamj.compiled import kernel
-from ehamj.controllers import Controller
-from ehamj.controllers.kernel import tick
 from ehamj.hydraulics.valve import play, spool_target
 from ehamj.layout import (
-    AXES,
     CUBICS,
-    DOF_OF_JOINT,
     METERING,
     N_INPUTS,
     N_MOUNTS,
     N_STATES,
-    N_USERDATA,
     STAGE_COMMAND,
     STAGE_DRAWN,
     STAGE_FLOW,
@@ -49,9 +44,9 @@ from ehamj.native.callbacks import (
     supply_of,
 )
 from ehamj.native.hold import library
+from ehamj.native.loop import AT_ONCE, FAILED, NO_LOOP, Loop, convert_held, gather, read_sensors, release, take_sample
 from ehamj.native.offsets import offsets
 from ehamj.native.pointers import call_on_state, call_runge_kutta, doubles_at, store_double
-from ehamj.parameters import Plant
 
 Array = NDArray[np.float64]
 
@@ -59,6 +54,7 @@ DONE: Final = 0
 NOT_FINITE: Final = 1
 CHAMBER_1_EMPTY: Final = 2
 CHAMBER_2_EMPTY: Final = 3
+LAW_FAILED: Final = 4
 
 TALLY: Final = ("command", "spool", "spool_drive", "cavitation")
 """What is counted per step and mount; then come the sums of supply flow, its peak, and supply power."""
@@ -143,88 +139,6 @@ def settle_valves(act, shared, table):  # type: ignore[no-untyped-def]
             shared[METERING + mount] = play(shared[METERING + mount], act[first], table[own + HYSTERESIS])
 
 
-N_GROUND: Final = N_MOUNTS * len(AXES)
-
-
-@kernel
-def gather(signals, qpos, qvel, qacc, act, length, velocity, ground, rate):  # type: ignore[no-untyped-def]
-    """The vector of signals that every channel is a combination of (`ehamj.channels`)."""
-    for dof in range(len(DOF_OF_JOINT)):
-        joint = DOF_OF_JOINT[dof]
-        signals[DISPLACEMENT + dof] = qpos[joint]
-        signals[VELOCITY + dof] = qvel[joint]
-        signals[ACCELERATION + dof] = qacc[joint]
-    for channel in range(N_GROUND):
-        signals[GROUND + channel] = ground[channel, 0]
-        signals[GROUND + N_GROUND + channel] = ground[channel, 1] * rate
-        signals[GROUND + 2 * N_GROUND + channel] = ground[channel, 2]
-    for k in range(N_STATES * N_MOUNTS):
-        signals[STATE + k] = act[k]
-    for mount in range(N_MOUNTS):
-        signals[PLATE + mount] = length[mount]
-        signals[PLATE + N_MOUNTS + mount] = velocity[mount]
-
-
-class Loop(NamedTuple):
-    """A controller as the stepping loop runs it; arrays and plain numbers only.
-
-    Its memory in mjData.userdata, behind what every model has: states, then a ring of commands that wait for their
-    time (as many samples as the delay is long, and one).
-    """
-
-    At: Array
-    Bt: Array
-    Ct: Array
-    Dt: Array
-    """The law's matrices, transposed (`ehamj.controllers.kernel.tick`)."""
-    parts: NDArray[np.int64]
-    weights: Array
-    """Each measured channel as a short sum of signals: which (inputs, terms), and their factors."""
-    every: int
-    """Steps per sample; 0: no controller."""
-    delay: int
-    """Steps from a sample to its command."""
-    limit: float
-    resolution: float
-
-    @property
-    def memory(self) -> int:
-        """Size of the controller's memory in userdata."""
-        return loop_memory(self.At.shape[0], self.delay, self.every) if self.every else 0
-
-
-def loop_memory(states: int, delay: int, every: int) -> int:
-    """States and waiting commands of a controller, in numbers."""
-    return states + N_MOUNTS * (delay // every + 1)
-
-
-_NOTHING = np.zeros((0, 0))
-NO_LOOP: Final = Loop(_NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros((0, 0), np.int64), _NOTHING, 0, 0, 0.0, 0.0)
-
-
-def make_loop(controller: Controller | None, plant: Plant, timestep: float) -> Loop:
-    """A controller made ready for a step that divides its period and delay."""
-    if controller is None:
-        return NO_LOOP
-    resolution = 0.0 if controller.bits is None else 2.0 * controller.voltage_limit / 2**controller.bits
-    At, Bt, Ct, Dt = (np.array(getattr(controller, name).T, order="C") for name in "ABCD")
-    sensing = controller.sensing(plant)
-    terms = int((sensing != 0).sum(axis=1).max(initial=0))
-    parts = np.argsort(sensing == 0, axis=1, kind="stable")[:, :terms]
-    return Loop(
-        At,
-        Bt,
-        Ct,
-        Dt,
-        np.ascontiguousarray(parts, np.int64),
-        np.ascontiguousarray(np.take_along_axis(sensing, parts, axis=1)),
-        round(controller.period / timestep),
-        round(controller.latency / timestep),
-        controller.voltage_limit,
-        resolution,
-    )
-
-
 class Columns(NamedTuple):
     """Where each quantity lies in a recorded row, as (first, end)."""
 
@@ -235,6 +149,10 @@ class Columns(NamedTuple):
     command: tuple[int, int]
     flow: tuple[int, int]
     drawn: tuple[int, int]
+    states: tuple[int, int]
+    """States of the digital controller."""
+    readings: tuple[int, int]
+    """What its sensors last read."""
 
 
 def compile_loop() -> None:
@@ -242,16 +160,16 @@ def compile_loop() -> None:
     _advance()
 
 
-def columns(model: mujoco.MjModel) -> Columns:
-    """Row layout for a model."""
-    sizes = (model.nq, model.nv, model.nv, model.na, N_MOUNTS, 2 * N_MOUNTS, N_MOUNTS)
+def columns(model: mujoco.MjModel, loop: Loop = NO_LOOP) -> Columns:
+    """Row layout for a model and its controller."""
+    sizes = (model.nq, model.nv, model.nv, model.na, N_MOUNTS, 2 * N_MOUNTS, N_MOUNTS, loop.states, loop.readings)
     ends = np.cumsum(sizes)
     return Columns(*((int(end - size), int(end)) for size, end in zip(sizes, ends, strict=True)))
 
 
-def row_size(model: mujoco.MjModel) -> int:
+def row_size(model: mujoco.MjModel, loop: Loop = NO_LOOP) -> int:
     """Length of a recorded row."""
-    return columns(model).drawn[1]
+    return columns(model, loop).readings[1]
 
 
 @cache
@@ -276,7 +194,8 @@ def _advance() -> Any:
 
     def advance(  # type: ignore[no-untyped-def]
         forward, runge_kutta, model, data, nq, nv, na, nuserdata, first, steps, h, last, start, end, every, rows, tally,
-        At, Bt, Ct, Dt, parts, weights, sample_every, delay, limit, resolution,
+        parts, matrices, inputs_of, terms, weights, filters, feedthrough, grid, converter, base, n_states, readings_at,
+        memory, noise, noise_first,
     ):  # fmt: skip
         shared = carray(doubles_at(data, shared_at), nuserdata)
         table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
@@ -286,34 +205,38 @@ def _advance() -> Any:
         qpos, qvel = carray(doubles_at(data, qpos_at), nq), carray(doubles_at(data, qvel_at), nv)
         qacc = carray(doubles_at(data, qacc_at), nv)
         act, act_dot = carray(doubles_at(data, act_at), na), carray(doubles_at(data, act_dot_at), na)
-        states = At.shape[0]
-        memory, waiting = shared[N_USERDATA : N_USERDATA + states], shared[N_USERDATA + states :]
-        places = waiting.size // N_MOUNTS
-        signals, measured, scratch = np.zeros(N_SIGNALS), np.zeros(parts.shape[0]), np.zeros(states)
+        channels, filtered = terms.shape[0], filters.shape[1] > 0
+        states = memory[:n_states]
+        readings, filter_states = memory[readings_at : readings_at + channels], memory[readings_at + channels :]
+        signals, raw, analogue = np.zeros(N_SIGNALS), np.zeros(channels), np.zeros(channels)
+        scratch, measured, totals = np.zeros(memory.size), np.zeros(inputs_of.size), np.zeros((2, N_MOUNTS))
         row = 0
         for k in range(steps + last):
             number = first + k
             time = number * h
             store_double(data, time_at, time)
             write_inputs(shared, time, 1.0 / h, start[k], end[k])
-            if sample_every > 0 and number >= delay and (number - delay) % sample_every == 0:
-                place = N_MOUNTS * (((number - delay) // sample_every) % places)
-                if delay > 0:
-                    control[:] = waiting[place : place + N_MOUNTS]
+            release(number, parts, converter, memory, control)
             call_on_state(forward, model, data)
             status, mount = check(act, act_dot, qacc, length, shared, table)
             if status != DONE:
                 return k, status, mount, row
-            if sample_every > 0 and number % sample_every == 0:
+            sampled = base > 0 and number % base == 0
+            if sampled or filtered:
                 gather(signals, qpos, qvel, qacc, act, length, velocity, start[k], 1.0 / h)
-                measured[:] = 0.0
-                for sensor in range(parts.shape[0]):
-                    for term in range(parts.shape[1]):
-                        measured[sensor] += weights[sensor, term] * signals[parts[sensor, term]]
-                place = N_MOUNTS * ((number // sample_every) % places)
-                tick(At, Bt, Ct, Dt, measured, memory, scratch, limit, resolution, waiting[place : place + N_MOUNTS])
-                if delay == 0:
-                    control[:] = waiting[place : place + N_MOUNTS]
+                sample = number // base - noise_first if sampled else -1
+                read_sensors(
+                    number, sample, terms, weights, filters, feedthrough, grid, noise, signals, raw, analogue,
+                    scratch[: filter_states.size], filter_states, readings,
+                )  # fmt: skip
+            if sampled:
+                answer = take_sample(
+                    number, time, parts, matrices, inputs_of, converter, readings, memory, measured, scratch, totals
+                )
+                if answer == FAILED:
+                    return k, LAW_FAILED, -1, row
+                if answer == AT_ONCE:
+                    convert_held(parts, converter, memory, control)
                     call_on_state(forward, model, data)
             count_limits(act, control, shared, table, tally)
             if number % every == 0:
@@ -326,28 +249,39 @@ def _advance() -> Any:
                 for mount in range(N_MOUNTS):
                     out[column + mount] = control[mount] + shared[STAGE_COMMAND + mount]
                 column += N_MOUNTS
-                out[column:] = shared[STAGE_FLOW : STAGE_FLOW + 3 * N_MOUNTS]
+                out[column : column + 3 * N_MOUNTS] = shared[STAGE_FLOW : STAGE_FLOW + 3 * N_MOUNTS]
+                column += 3 * N_MOUNTS
+                out[column : column + n_states] = states
+                out[column + n_states :] = readings
             if k < steps:
                 call_runge_kutta(runge_kutta, model, data, 4)
                 settle_valves(act, shared, table)
         return steps, DONE, -1, row
 
-    floats2, floats3 = types.float64[:, ::1], types.Array(types.float64, 3, "C", readonly=True)
+    floats1, floats2, floats3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
+    inputs3, integers2 = types.Array(types.float64, 3, "C", readonly=True), types.int64[:, ::1]
     signature = (
         *(types.intp,) * 4,
         *(types.int64,) * 6,
         types.float64,
         types.int64,
-        floats3,
-        floats3,
+        *(inputs3,) * 2,
         types.int64,
         floats2,
-        types.float64[::1],
-        *(floats2,) * 4,
-        types.int64[:, ::1],
+        floats1,
+        integers2,
+        floats1,
+        types.int64[::1],
+        integers2,
         floats2,
-        *(types.int64,) * 2,
-        *(types.float64,) * 2,
+        floats3,
+        floats1,
+        floats2,
+        floats1,
+        *(types.int64,) * 3,
+        floats1,
+        floats2,
+        types.int64,
     )
     with compiled_here() as kept:
         return numba.njit([signature], nogil=True, error_model="numpy", cache=kept)(advance)
@@ -364,6 +298,7 @@ def advance(
     tally: Array,
     last: bool = False,
     loop: Loop = NO_LOOP,
+    noise: Array | None = None,
 ) -> tuple[Stopped, int]:
     """Take ``steps`` steps from step number ``first``; call it with the hydraulics installed.
 
@@ -378,7 +313,8 @@ def advance(
         rows: where rows go, (n, row_size).
         tally: counts of limits, see `TALLY`; added to.
         last: also evaluate (and record) the state after the last step; ``inputs`` then have one row more.
-        loop: digital controller; its memory lies in ``data.userdata``.
+        loop: digital controller, whose memory is advanced.
+        noise: noise of its readings at the samples among these steps (`Loop.samples`), (samples, channels).
 
     Returns:
         How it stopped, and the number of rows recorded.
@@ -403,6 +339,20 @@ def advance(
         every,
         rows,
         tally,
-        *loop,
+        loop.parts,
+        loop.matrices,
+        loop.inputs_of,
+        loop.terms,
+        loop.weights,
+        loop.filters,
+        loop.feedthrough,
+        loop.grid,
+        loop.converter,
+        loop.base,
+        loop.states,
+        loop.readings_at,
+        loop.memory,
+        np.zeros((0, loop.readings)) if noise is None else np.ascontiguousarray(noise),
+        loop.samples(first, steps)[0],
     )
     return Stopped(steps_done, status, mount), recorded

@@ -43,8 +43,11 @@ def facts(result: Result) -> list[tuple[str, str]]:
             4,
             (
                 "law",
-                f"{law.states} states, {len(law.inputs)} inputs, {exact(1e-3 / law.period)} kHz, "
-                f"delay {exact(1e3 * law.latency)} ms, ±{exact(law.voltage_limit)} V, {bits}",
+                f"{law.states} states, {len(law.inputs)} inputs, "
+                + " + ".join(
+                    f"{exact(1e-3 / part.period)} kHz, delay {exact(1e3 * part.latency)} ms" for part in law.parts
+                )
+                + f", ±{exact(law.voltage_limit)} V, {bits}",
             ),
         )
     analysis = result.summary.get("analysis")

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.parameters import Actuator
@@ -131,12 +131,12 @@ def _stroke(model: LinearModel, mount: int) -> float:
 OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displacement ry")
 
 
-def residual(model: LinearModel, law: Controller | None, hertz: Array) -> ComplexArray:
+def residual(model: LinearModel, law: LinearController | None, hertz: Array) -> ComplexArray:
     """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
     return floor_response(model, law, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
 
 
-def simulated_residual(study: FailedStudy, scenario: Scenario, law: Controller | None) -> ComplexArray:
+def simulated_residual(study: FailedStudy, scenario: Scenario, law: LinearController | None) -> ComplexArray:
     """As `residual`, at the study's lines, from a nonlinear run of 5 s of which the last is evaluated."""
     f = np.array(study.lines)
     phases = -np.pi * np.arange(f.size) * (np.arange(f.size) + 1) / f.size
@@ -248,7 +248,7 @@ def _isolation_table(study: FailedStudy, answers: "dict[str, tuple[ComplexArray,
     )
 
 
-def _curves_table(models: dict[str, LinearModel], law: Controller | None) -> xr.Dataset:
+def _curves_table(models: dict[str, LinearModel], law: LinearController | None) -> xr.Dataset:
     f = np.geomspace(0.5, 300.0, 201)
     values = np.array([residual(model, law, f) for model in models.values()])
     over = ("case", "frequency")

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.analysis.linear import LinearModel
 from ehamj.analysis.transmissibility import ground_response, slab_pattern
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
 from ehamj.layout import AXES, N_MOUNTS
 from ehamj.parameters import Plant
 
@@ -15,7 +15,7 @@ ComplexArray = NDArray[np.complex128]
 
 
 def floor_response(
-    model: LinearModel, law: Controller | None, hertz: ArrayLike, outputs: Sequence[str], motion: ComplexArray
+    model: LinearModel, law: LinearController | None, hertz: ArrayLike, outputs: Sequence[str], motion: ComplexArray
 ) -> ComplexArray:
     """Response of channels to a ground displacement, (frequency, output); without a law, with held valves.
 

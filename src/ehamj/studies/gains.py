@@ -1,6 +1,6 @@
 """Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import FORGOTTEN, modes, sampled_loop
-from ehamj.controllers import Controller
+from ehamj.controllers import Controller, LinearController
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.parameters import Plant
@@ -74,49 +74,45 @@ def inertial_position(plant: Plant, crossover: float) -> Controller:
     return Controller(pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain, inputs, PERIOD)
 
 
-def feeds_back(law: Controller | None) -> bool:
+def feeds_back(law: LinearController | None) -> bool:
     """Whether a law measures anything of the machine."""
     return law is not None and any(not name.startswith("ground_") for name in law.inputs)
 
 
-def scaled(law: Controller, factor: float) -> Controller:
-    """The law with all its gains multiplied."""
-    return replace(law, C=factor * law.C, D=factor * law.D)
-
-
-def radius(model: LinearModel, law: Controller) -> float:
+def radius(model: LinearModel, law: LinearController) -> float:
     """Spectral radius of the sampled loop: stable below one."""
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, law)[0])).max())
+    return float(np.abs(np.linalg.eigvals(sampled_loop(model, law).A)).max())
 
 
-def highest_factor(model: LinearModel, law: Controller) -> float:
+def highest_factor(model: LinearModel, law: LinearController) -> float:
     """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
 
     Raises:
         InputError: if even a thousandth of the gain is unstable.
     """
     low = 1e-3
-    if radius(model, scaled(law, low)) > STABLE:
+    if radius(model, law.scaled(low)) > STABLE:
         raise InputError("control: the loop is unstable even with a thousandth of its gain")
     high = low
-    while radius(model, scaled(law, high)) <= STABLE:
+    while radius(model, law.scaled(high)) <= STABLE:
         low, high = high, 3.0 * high
         if high > UNLIMITED:
             return float("inf")
     while high / low > 1.0 + 1e-3:
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if radius(model, scaled(law, middle)) <= STABLE else (low, middle)
+        low, high = (middle, high) if radius(model, law.scaled(middle)) <= STABLE else (low, middle)
     return float(np.sqrt(low * high))
 
 
-def root_locus(model: LinearModel, law: Controller, factors: Array) -> ComplexArray:
+def root_locus(model: LinearModel, law: LinearController, factors: Array) -> ComplexArray:
     """Poles [1/s] of the sampled loop in continuous time, (factor, pole); NaN for delays, gone after a sample."""
     found = []
     for factor in factors:
-        z = np.linalg.eigvals(sampled_loop(model, scaled(law, float(factor)))[0])
+        loop = sampled_loop(model, law.scaled(float(factor)))
+        z = np.linalg.eigvals(loop.A)
         poles = np.full(z.size, np.nan + 0j)
         kept = np.abs(z) > FORGOTTEN
-        poles[kept] = np.log(z[kept]) / law.period
+        poles[kept] = np.log(z[kept]) / loop.period
         found.append(poles)
     return np.array(found)
 
@@ -170,9 +166,9 @@ def loop_gains(study: GainStudy, progress: Progress = silent) -> Outcome:
     )
 
 
-def _modes_over_gain(model: LinearModel, law: Controller, factors: Array) -> xr.Dataset:
+def _modes_over_gain(model: LinearModel, law: LinearController, factors: Array) -> xr.Dataset:
     """Frequency [Hz] and damping of the machine's own modes over the factor, by name."""
-    steps = [{m.name: m for m in modes(model, scaled(law, float(f))) if m.machine_moves} for f in factors]
+    steps = [{m.name: m for m in modes(model, law.scaled(float(f))) if m.machine_moves} for f in factors]
     names = list(dict.fromkeys(name for step in steps for name in step))
     frequency, damping = np.full((2, len(factors), len(names)), np.nan)
     for i, step in enumerate(steps):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import AXES
 from ehamj.native import hydraulics
@@ -221,13 +221,13 @@ def tipping_table(study: SoftMountStudy) -> xr.Dataset:
     )
 
 
-Systems = Mapping[str, tuple[LinearModel, Controller | None]]
+Systems = Mapping[str, tuple[LinearModel, LinearController | None]]
 
 
 def compared_systems(study: SoftMountStudy) -> Systems:
     """The machine on each kind of soft mount and on its own actuators: valves held, and under its control if any."""
     scenario = study.scenario
-    found: dict[str, tuple[LinearModel, Controller | None]] = {}
+    found: dict[str, tuple[LinearModel, LinearController | None]] = {}
     for name in study.presets:
         passive = still(scenario)
         found[name] = (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None)

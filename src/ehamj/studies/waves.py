@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.transmissibility import ground_response
-from ehamj.controllers import Controller
+from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
@@ -76,7 +76,7 @@ def largest_turn(rx: ComplexArray, ry: ComplexArray) -> Array:
     return np.asarray(np.sqrt(0.5 * (total + np.abs(rx**2 + ry**2))))
 
 
-def rocking(study: WaveStudy, model: LinearModel, law: Controller | None) -> Array:
+def rocking(study: WaveStudy, model: LinearModel, law: LinearController | None) -> Array:
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
     f, places = np.array(study.frequencies), positions(study.scenario)
     k = AXES.index(study.axis)
@@ -98,7 +98,7 @@ def waves(study: WaveStudy, progress: Progress = silent) -> Outcome:
     """
     progress("linear response")
     model, law = linear_model(study.scenario), study.scenario.controller()
-    systems: dict[str, Controller | None] = {"valves held": None} | ({} if law is None else {"controlled": law})
+    systems: dict[str, LinearController | None] = {"valves held": None} | ({} if law is None else {"controlled": law})
     table = rocking_table(study, {name: rocking(study, model, one) for name, one in systems.items()})
     worst = {name: worst_wave(table, name) for name in systems}
     coupling = coupling_table(model, np.array(study.frequencies))

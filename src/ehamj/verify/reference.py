@@ -20,6 +20,7 @@ from scipy.integrate import OdeSolver as Solver
 from scipy.optimize import brentq
 
 from ehamj.controllers import Controller
+from ehamj.controllers.sensors import IDEAL
 from ehamj.layout import AXES, MOUNTS
 from ehamj.parameters import Plant
 from ehamj.scenario import Scenario
@@ -276,11 +277,16 @@ def simulate_reference(scenario: Scenario, rtol: float = 1e-9, controller: Contr
     """Run a scenario from its static equilibrium and report at its recording times.
 
     Raises:
-        ValueError: for what this model does not have: feet with stiffness, channels other than of ground and pressure.
+        ValueError: for what this model does not have: feet with stiffness, channels other than of ground and pressure,
+            laws of several rates, sensors.
         RuntimeError: if SciPy gives up, or no equilibrium is found.
     """
-    controller = scenario.controller() if controller is None else controller
-    return _Run(scenario, controller, rtol).run()
+    law = scenario.controller() if controller is None else controller
+    if law is not None and not isinstance(law, Controller):
+        raise ValueError("the reference model has laws of one rate only")
+    if scenario.sensors != IDEAL:
+        raise ValueError("the reference model has no sensors: it measures exactly")
+    return _Run(scenario, law, rtol).run()
 
 
 class _Run:
@@ -485,16 +491,28 @@ class _Law:
         if t > self.count * law.period - 1e-10:
             velocity = ground_velocity(t)
             u = np.array([velocity[place] for place in self.places])
-            volts = np.clip(law.C @ self.state + law.D @ u, -law.voltage_limit, law.voltage_limit)
+            wanted = law.C @ self.state + law.D @ u
+            volts = np.clip(_share(law, t) * wanted, -law.voltage_limit, law.voltage_limit)
+            missing = volts - wanted
             if law.bits is not None:
                 lsb = 2.0 * law.voltage_limit / 2**law.bits
                 volts = lsb * np.floor(volts / lsb + 0.5)
             self.state = law.A @ self.state + law.B @ u
+            if law.anti_windup is not None:
+                self.state = self.state + law.anti_windup @ missing
             self.waiting.append((t + law.latency, volts))
             self.count += 1
         while self.waiting and self.waiting[0][0] < t + 1e-10:
             self.command = self.waiting.pop(0)[1]
         return self.command
+
+
+def _share(law: Controller, t: float) -> float:
+    """Share of the law's output that reaches the valves: none before switch-on, then along 3s² − 2s³."""
+    if t < law.switch_on - 1e-10:
+        return 0.0
+    s = min((t - law.switch_on) / law.fade, 1.0) if law.fade > 0.0 else 1.0
+    return 3.0 * s**2 - 2.0 * s**3
 
 
 def _inputs(scenario: Scenario) -> tuple[Array, Array]:

@@ -1,0 +1,292 @@
+"""Machine, sensors and digital controller from sample to sample: what a loop gain and a closed loop are made of.
+
+Between two events (a sample, an output whose time has come) machine and sensors move as a linear system with held
+commands, which is exact; at an event the state jumps. So delays that are fractions of a sample, and laws of several
+rates, are exact too. Fade, range and resolution play no part.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from ehamj.analysis.linear import LinearModel
+from ehamj.controllers import Controller, LinearController
+from ehamj.controllers.law import OUTPUTS
+from ehamj.controllers.sensors import IDEAL, Sensors, quantity_of
+from ehamj.layout import N_MOUNTS
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+class MeasuredMachine(NamedTuple):
+    """ẋ = A x + B v, readings = C x: machine and sensors with the four commands v [V] as inputs."""
+
+    A: Array
+    B: Array
+    C: Array
+    states: tuple[str, ...]
+
+
+def measured_machine(
+    model: LinearModel, channels: Sequence[str], sensors: Sensors = IDEAL, seed: int = 0
+) -> MeasuredMachine:
+    """The machine with a sensor at each channel; what the ground adds to the channels is left out.
+
+    Args:
+        model: linearised machine.
+        channels: what is measured, see `ehamj.channels`.
+        sensors: instruments.
+        seed: of the scenario; it draws the directions of misalignments.
+
+    Raises:
+        InputError: if a channel is unknown, or its instrument measures another quantity.
+    """
+    rows = sensors.rows(tuple(channels), model.plant, seed)
+    C, D = rows @ model.signals[0], rows @ model.signals[1][:, :N_MOUNTS]
+    if np.abs(D).max(initial=0.0) > 0:
+        raise ValueError("a measured channel answers a command at once")
+    A, n = model.A, model.A.shape[0]
+    B = model.B[:, :N_MOUNTS]
+    names = list(model.states)
+    for k, name in enumerate(channels):
+        sensor = sensors.of(name)
+        if sensor is None or not sensor.filters:
+            continue
+        own = sensor.state_space()
+        size = own.A.shape[0]
+        A = np.block([[A, np.zeros((A.shape[0], size))], [np.outer(own.B, C[k]), own.A]])
+        B = np.vstack([B, np.zeros((size, N_MOUNTS))])
+        reading = np.concatenate([own.D * C[k], own.C])
+        C = np.hstack([C, np.zeros((len(channels), size))])
+        C[k] = reading
+        names += [f"controller sensor {name} {state}" for state in range(size)]
+    assert A.shape[0] == len(names) >= n
+    return MeasuredMachine(A, B, C, tuple(names))
+
+
+def sampled_machine(model: LinearModel, controller: Controller, sensors: Sensors = IDEAL, seed: int = 0) -> Any:
+    """What a law of one rate sees, as a ``control.StateSpace`` with its ``dt``: from the commands that it computes at a
+    sample to its readings at the samples, with delay, hold, machine and sensors; there is no direct way. Its states are
+    in units of µm, 0.1 mm/s, mA, A/s and 10 kPa.
+
+    The loop gain is ``control.ss(controller.A, …, controller.period)`` times this.
+
+    Args:
+        model: linearised machine.
+        controller: whose channels, period and delay count; its matrices do not.
+        sensors: instruments.
+        seed: of the scenario.
+    """
+    import control
+
+    machine = measured_machine(model, controller.inputs, sensors, seed)
+    places = _Places.of(machine, (controller,), law_states=False, inputs=True)
+    matrix = _carry(machine, (controller,), places, lambda _: [(places.inputs, np.eye(N_MOUNTS))])
+    n = places.size - N_MOUNTS
+    C = np.hstack([machine.C, np.zeros((len(controller.inputs), n - machine.A.shape[0]))])
+    unit = np.array([_unit(name) for name in machine.states] + [1.0] * (n - machine.A.shape[0]))
+    return control.ss(
+        matrix[:n, :n] * unit / unit[:, None], matrix[:n, n:] / unit[:, None], C * unit,
+        np.zeros((C.shape[0], N_MOUNTS)), controller.period, inputs=list(OUTPUTS), outputs=list(controller.inputs),
+    )  # fmt: skip
+
+
+def _unit(state: str) -> float:
+    """Size of a state in a moderate motion; in SI, sizes of 1e-6 m and 1e4 Pa together cost slycot all its digits."""
+    words = state.split(" ")
+    what = words[0] if words[0] != "controller" else quantity_of(words[2])
+    sizes = {"displacement": 1e-6, "velocity": 1e-4, "acceleration": 1e-2, "spool": 1.0, "spool_rate": 1e3}
+    return sizes.get(what, 1e-5 if what == "line_flow" else 1e4)
+
+
+@dataclass(frozen=True)
+class SampledLoop:
+    """The closed loop over one ``period`` [s], after which the pattern of all rates repeats: x⁺ = A x."""
+
+    A: Array
+    states: tuple[str, ...]
+    period: float
+    _between: tuple[tuple[float, Array], ...]
+    """Times within the period [s], and the map from its beginning to there."""
+
+    def exponents(self, values: ComplexArray, vectors: ComplexArray) -> ComplexArray:
+        """Eigenvalues of A in continuous time [rad/s].
+
+        With one rate, frequencies end at half of it. Where several rates make the period longer than a sample, the
+        turns within it are found by following the vector (columns of ``vectors``) from event to event.
+        """
+        s = np.log(values) / self.period
+        if len(self._between) < 2:
+            return np.asarray(s)
+        times = np.array([time for time, _ in self._between])
+        overlap = np.array([(vectors.conj() * (step @ vectors)).sum(axis=0) for _, step in self._between])
+        most = math.ceil(0.5 * self.period / np.diff(times, prepend=0.0).min())
+        turns = 2j * np.pi / self.period * np.arange(-most, most + 1)
+        for k in range(s.size):
+            trial = np.exp((s[k] + turns)[:, None].conj() * times) @ overlap[:, k]
+            s[k] += turns[np.argmax(trial.real)]
+        return np.asarray(s)
+
+
+def sampled_loop(
+    model: LinearModel, controller: LinearController, sensors: Sensors = IDEAL, seed: int = 0
+) -> SampledLoop:
+    """Machine, sensors and controller from sample to sample, of several rates from pattern to pattern.
+
+    Outputs act ``latency`` after their sample and are held for a period; those that wait are states.
+
+    Raises:
+        InputError: if a channel's instrument measures another quantity.
+    """
+    channels, parts = controller.inputs, controller.parts
+    machine = measured_machine(model, channels, sensors, seed)
+    places = _Places.of(machine, parts)
+
+    def outputs(k: int) -> list[tuple[slice, Array]]:
+        own = [channels.index(name) for name in parts[k].inputs]
+        return [(places.machine, parts[k].D @ machine.C[own]), (places.laws[k], parts[k].C)]
+
+    def advance(k: int) -> list[tuple[slice, Array]]:
+        own = [channels.index(name) for name in parts[k].inputs]
+        return [(places.machine, parts[k].B @ machine.C[own]), (places.laws[k], parts[k].A)]
+
+    between: list[tuple[float, Array]] = []
+    matrix = _carry(machine, parts, places, outputs, advance, between)
+    names = (*machine.states, *(f"controller {k}" for k in range(places.size - len(machine.states))))
+    return SampledLoop(matrix, names, float(_pattern(parts)[0]), tuple(between) if len(parts) > 1 else ())
+
+
+def pattern_period(controller: LinearController) -> float:
+    """Time after which the samples of all rates repeat [s]; of one rate its period."""
+    return float(_pattern(controller.parts)[0])
+
+
+Rows = Callable[[int], list[tuple[slice, Array]]]
+"""Of a law: what a vector is made of, as (where the factor's vector lies, factor)."""
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Where everything lies in the vector that is carried."""
+
+    machine: slice
+    laws: tuple[slice, ...]
+    held: tuple[slice, ...]
+    """What each law's output to the valves is at present."""
+    queues: tuple[slice, ...]
+    """Outputs that wait, newest first."""
+    inputs: slice
+    size: int
+
+    @classmethod
+    def of(
+        cls, machine: MeasuredMachine, parts: Sequence[Controller], law_states: bool = True, inputs: bool = False
+    ) -> "_Places":
+        at = machine.A.shape[0]
+        laws, held, queues = [], [], []
+        for part in parts:
+            sizes = (part.states if law_states else 0, N_MOUNTS, N_MOUNTS * _waiting(part))
+            ends = at + np.cumsum(sizes)
+            own, hold, queue = (slice(int(end - size), int(end)) for end, size in zip(ends, sizes, strict=True))
+            laws.append(own)
+            held.append(hold)
+            queues.append(queue)
+            at = int(ends[-1])
+        end = at + (N_MOUNTS if inputs else 0)
+        return cls(slice(0, machine.A.shape[0]), tuple(laws), tuple(held), tuple(queues), slice(at, end), end)
+
+
+def _exact(time: float) -> Fraction:
+    return Fraction(time).limit_denominator(10**7)
+
+
+def _waiting(part: Controller) -> int:
+    """Outputs that wait at most: a sample's output joins them before the first is released."""
+    return math.ceil(_exact(part.latency) / _exact(part.period))
+
+
+def _pattern(parts: Sequence[Controller]) -> tuple[Fraction, list[tuple[Fraction, list[int], list[int]]]]:
+    """The time after which everything repeats, and events in it: time, laws released, laws sampled."""
+    periods = [_exact(part.period) for part in parts]
+    length = periods[0]
+    for other in periods[1:]:
+        n = math.lcm(length.numerator * other.denominator, other.numerator * length.denominator)
+        length = Fraction(n, length.denominator * other.denominator)
+    found: dict[Fraction, tuple[list[int], list[int]]] = {}
+    for k, (part, period) in enumerate(zip(parts, periods, strict=True)):
+        for sample in range(int(length / period)):
+            found.setdefault(sample * period, ([], []))[1].append(k)
+            if part.latency > 0:
+                due = (sample * period + _exact(part.latency)) % length
+                found.setdefault(due, ([], []))[0].append(k)
+    return length, [(time, *found[time]) for time in sorted(found)]
+
+
+def _carry(
+    machine: MeasuredMachine, parts: Sequence[Controller], places: _Places, outputs: Rows, advance: Rows | None = None,
+    between: list[tuple[float, Array]] | None = None,
+) -> Array:  # fmt: skip
+    """The map over one pattern, from just before its first events; at each time after events also into ``between``."""
+    length, events = _pattern(parts)
+    total = np.eye(places.size)
+    flows: dict[Fraction, Array] = {}
+    ends = [time for time, _, _ in events[1:]] + [length]
+    for (time, released, sampled), end in zip(events, ends, strict=True):
+        for k in released:
+            total = _release(places, k) @ total
+        if sampled:
+            total = _sample(places, parts, sampled, outputs, advance) @ total
+        if end - time not in flows:
+            flows[end - time] = _flow(machine, places, float(end - time))
+        total = flows[end - time] @ total
+        if between is not None:
+            between.append((float(end), total))
+    return total
+
+
+def _flow(machine: MeasuredMachine, places: _Places, time: float) -> Array:
+    """Machine and sensors move for a time under what is held."""
+    n = machine.A.shape[0]
+    block = expm(np.block([[machine.A, machine.B], [np.zeros((N_MOUNTS, n + N_MOUNTS))]]) * time)
+    matrix = np.eye(places.size)
+    matrix[:n, :n] = block[:n, :n]
+    for held in places.held:
+        matrix[:n, held] = block[:n, n:]
+    return matrix
+
+
+def _release(places: _Places, k: int) -> Array:
+    """The output that waited longest is held."""
+    matrix = np.eye(places.size)
+    matrix[places.held[k]] = 0.0
+    oldest = places.queues[k].stop
+    matrix[places.held[k], oldest - N_MOUNTS : oldest] = np.eye(N_MOUNTS)
+    return matrix
+
+
+def _sample(
+    places: _Places, parts: Sequence[Controller], sampled: list[int], outputs: Rows, advance: Rows | None
+) -> Array:
+    """Laws compute: their outputs join those that wait (without delay: are held), their states advance."""
+    matrix = np.eye(places.size)
+    for k in sampled:
+        queue = places.queues[k]
+        target = slice(queue.start, queue.start + N_MOUNTS) if parts[k].latency > 0 else places.held[k]
+        for place in range(queue.stop - N_MOUNTS, queue.start, -N_MOUNTS):
+            matrix[place : place + N_MOUNTS] = 0.0
+            matrix[place : place + N_MOUNTS, place - N_MOUNTS : place] = np.eye(N_MOUNTS)
+        matrix[target] = 0.0
+        for columns, factor in outputs(k):
+            matrix[target, columns] += factor
+        if advance is not None:
+            matrix[places.laws[k]] = 0.0
+            for columns, factor in advance(k):
+                matrix[places.laws[k], columns] += factor
+    return matrix
