@@ -79,7 +79,11 @@ def test_points_and_relative_motions_survive_the_resolved_file() -> None:
         ({"points": {"nose": [0.0, 0.0, -1.1]}}, r"x, y, z in -2.1 to 2.1, -1.8 to 1.8, -1 to 2.9 m"),
         ({"points": {"nose": [0.0, 0.0]}}, r"points.nose = [0.0, 0.0]: entry 3 is missing"),
         ({"points": {"nose": [0.0, 0.0, float("nan")]}}, r"points.nose.2 = nan: must be a finite number"),
-        ({"points": {"my nose": [0.0, 0.0, 1.0]}}, r"points: the name 'my nose' must consist of letters"),
+        ({"points": {"my nose": [0.0, 0.0, 1.0]}}, r"points: the name 'my nose' must consist of at most 32 letters"),
+        (
+            {"points": {"n" * 33: [0.0, 0.0, 1.0]}},
+            r"must consist of at most 32 letters, digits, - and _, and not be one",
+        ),
         ({"points": {"cg": [0.0, 0.0, 1.0]}}, r"points: the name 'cg' must"),
         (
             {"relative": [{"name": "a", "from": "nose", "to": "cg"}]},

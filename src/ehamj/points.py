@@ -15,7 +15,7 @@ MARGIN: Final = 1.0
 RESERVED: Final = ("floor", "feet", "foot", "machine", "cg", "ground", "worst", "verdict", "title")
 """Names that mean something else where points are reported."""
 
-NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 
 SPINDLE_NOSE: Final = (0.15, 0.0, 1.06 / 1.9)
 """Where the drawing has its spindle nose, over the machine's size (assumed)."""
@@ -89,6 +89,6 @@ def check_relatives(relatives: tuple[Relative, ...], points: Points) -> None:
 def _check_name(where: str, name: str) -> None:
     if name in RESERVED or name in MOUNTS or not NAME.fullmatch(name):
         raise ValueError(
-            f"{where}: the name {name!r} must consist of letters, digits, - and _, "
+            f"{where}: the name {name!r} must consist of at most 32 letters, digits, - and _, "
             f"and not be one of {', '.join((*RESERVED, *MOUNTS))}"
         )
