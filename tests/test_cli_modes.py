@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 
+from ehamj.analysis import modal_test
 from ehamj.cli import main
 from ehamj.cli.frame import out
+from ehamj.cli.modal import KINDS
 
 Cli = Callable[..., tuple[int, str, str]]
 
@@ -72,3 +74,22 @@ def test_a_point_that_is_none_is_refused(cli: Cli, point: str) -> None:
     code, said, error = cli("benchmark", "--point", point)
     assert (code, said) == (2, "")
     assert repr(point) in error
+
+
+def test_identified_modes_stand_beside_the_computed(cli: Cli) -> None:
+    code, said, _ = cli("benchmark", "--measured", "ring-down", "--json")
+    assert code == 0
+    measured = json.loads(said)["measured"]
+    assert measured["missed"] == []
+    for mode in measured["modes"]:
+        assert mode["frequency_hz"] == pytest.approx(mode["computed_frequency_hz"], rel=2e-3)
+
+
+def test_an_unknown_measurement_is_refused(cli: Cli) -> None:
+    code, said, error = cli("benchmark", "--measured", "shaker")
+    assert (code, said) == (2, "")
+    assert "must be one of ring-down, random, sweep" in error
+
+
+def test_help_names_every_measurement() -> None:
+    assert KINDS == modal_test.KINDS

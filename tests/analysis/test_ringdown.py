@@ -5,7 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ehamj.analysis.ringdown import identify, ring_down
+from ehamj.analysis.identification import realise
+from ehamj.analysis.ringdown import ring_down
 from ehamj.scenario import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall
@@ -31,7 +32,7 @@ def test_eigenvalues_of_a_sum_of_decays_are_found(modes: list[tuple[float, float
     shapes = random.uniform(0.3, 1.0, (len(modes), 3)) * np.exp(2j * np.pi * random.uniform(size=(len(modes), 3)))
     times = np.arange(80) / 400.0
     decay = (np.exp(np.outer(times, poles)) @ shapes).real
-    found = identify(decay, 400.0, 2 * len(modes))
+    ((found, _),) = realise(decay, 400.0, [2 * len(modes)])
     upper = found[found.imag > 0]
     for pole in poles:
         # Exact data: rounding of 1e-16, magnified by modes that lie near each other.
@@ -41,7 +42,7 @@ def test_eigenvalues_of_a_sum_of_decays_are_found(modes: list[tuple[float, float
 def test_eigenvalues_come_by_magnitude_and_as_many_as_asked_for() -> None:
     times = np.arange(300) / 1000.0
     decay = np.column_stack([np.exp(-20 * times) * np.sin(2 * np.pi * f * times) for f in (90.0, 30.0)])
-    found = identify(decay, 1000.0, 4)
+    ((found, _),) = realise(decay, 1000.0, [4])
     assert found.size == 4
     assert np.all(np.diff(np.abs(found)) >= -1e-6)
 

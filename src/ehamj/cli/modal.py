@@ -17,11 +17,15 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ehamj.analysis.modal_test import ModalTest
     from ehamj.analysis.modes import Mode
     from ehamj.analysis.shapes import Axis
 
 VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
 """What modes are given of, by the key in the JSON object."""
+
+KINDS = ("ring-down", "random", "sweep")
+"""Measurements that `ehamj.analysis.modal_test` makes; named here so that --help need not load it."""
 
 NOTABLE = 0.005
 """Share, or slope, below which a table leaves a part out."""
@@ -44,6 +48,15 @@ def modes(
     sensitivity: Annotated[
         bool, typer.Option("--sensitivity", help="What each parameter does to each mode: d ln f/d ln p, dζ/d ln p.")
     ] = False,
+    measured: Annotated[
+        str | None,
+        typer.Option(
+            "--measured", metavar="KIND", help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}."
+        ),
+    ] = None,
+    noise: Annotated[
+        float, typer.Option("--noise", help="Noise of the measurement's sensors, as a share of each signal's RMS.")
+    ] = 0.0,
     as_json: JsonOption = False,
 ) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
@@ -51,8 +64,12 @@ def modes(
     Passive it is twice: with its valves held (membranes and oil), and with its chambers bypassed (membranes only).
     Frequencies are |λ|/2π, damping ratios −Re λ/|λ|; shapes are the motion of the mount plane's centre, its largest
     part one. A feedforward does not move modes, so its closed loop adds only the controller's own.
+
+    `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
+    `ring-down` a jolt of the floor and free decay, `random` periodic noise and `sweep` a sine sweep of the floor.
     """
     from ehamj.analysis.linear import linear_model
+    from ehamj.analysis.modal_test import kind_of, modal_test
     from ehamj.analysis.modes import modes as find
     from ehamj.analysis.sensitivity import sensitivities
     from ehamj.scenario import load_scenario
@@ -65,6 +82,10 @@ def modes(
         settings["closed_loop"] = {"controller": controller}
     sensing: dict[str, Any] = {"sensors": loaded.sensors, "seed": loaded.seed}
     found = {key: find(model, points=places, **setting, **sensing) for key, setting in settings.items()}
+    test = None
+    if measured is not None:
+        with log.status(f"measuring: {measured}"):
+            test = modal_test(loaded, kind_of(measured), noise)
     slopes = {}
     if sensitivity:
         with log.status("changing every parameter"):
@@ -73,6 +94,8 @@ def modes(
         content: dict[str, Any] = {key: [mode.to_dict() for mode in modes] for key, modes in found.items()}
         if sensitivity:
             content["sensitivity"] = {key: _plain(slope) for key, slope in slopes.items()}
+        if test is not None:
+            content["measured"] = test.to_dict()
         print_json(content)
         return
     for key, modes in found.items():
@@ -84,6 +107,11 @@ def modes(
             out.print(_point_table(modes, places, title))
         if key in slopes:
             out.print(_slope_table(modes, slopes[key], f"{title}; change in per cent with one per cent of a parameter"))
+    if test is not None:
+        out.print(_measured_table(test, f"{loaded.name}: identified from signals, valves held"))
+        out.print(f"measured: {test.words}", highlight=False, soft_wrap=True)
+        for name in test.missed:
+            out.print(f"note: {name} was not found in the signals", highlight=False, soft_wrap=True)
 
 
 def _points(given: Sequence[str]) -> dict[str, tuple[float, float, float]]:
@@ -190,6 +218,26 @@ def _steepest(keys: Sequence[str], slopes: "NDArray[np.float64]") -> str:
     order = sorted(range(len(keys)), key=lambda k: -abs(slopes[k]))[:MOST]
     short = {key: key.split(".", 2)[2] if key.startswith("actuators.") and len(names) == 1 else key for key in keys}
     return "; ".join(f"{short[keys[k]]} {slopes[k]:+.2f}" for k in order if abs(slopes[k]) > NOTABLE)
+
+
+def _measured_table(test: "ModalTest", title: str) -> Table:
+    """What was found beside what was computed; spreads are standard deviations over fits and records."""
+    table = Table(
+        _mode_column(), "f found [Hz]", "computed", "off", "ζ found [-]", "computed", "off", "MAC", title=title
+    )
+    for mode in test.modes:
+        row = [
+            f"{mode.frequency:.2f} ± {mode.frequency_spread:.2g}",
+            "",
+            "",
+            f"{mode.damping_ratio:.4f} ± {mode.damping_spread:.1g}",
+        ]
+        if (other := mode.computed) is not None:
+            row[1:3] = [f"{other.frequency:.2f}", f"{100 * (mode.frequency / other.frequency - 1):+.3f} %"]
+            row += [f"{other.damping_ratio:.4f}", f"{100 * (mode.damping_ratio / other.damping_ratio - 1):+.2f} %"]
+            row += [f"{mode.likeness:.4f}"]
+        table.add_row(mode.name, *row)
+    return table
 
 
 def _plain(slopes: "xr.Dataset") -> dict[str, Any]:
