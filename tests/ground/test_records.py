@@ -703,3 +703,46 @@ def test_files_that_are_missing_or_no_record_are_named(tmp_path: Path) -> None:
 def test_settings_are_checked_before_any_file_is_read(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         ground(EXAMPLE, **settings)
+
+
+# --- a component for each mount -----------------------------------------------------------------------------------
+
+FOUR = {"a": "front-left z", "b": "front-right z", "c": "rear-left z", "d": "rear-right z"}
+
+
+def test_each_mount_may_have_a_component_of_its_own(tmp_path: Path) -> None:
+    columns = [1e-5 * noise(2000, seed) for seed in range(5)]
+    file = csv(tmp_path, "# rate_hz = 100\na [m/s], b [m/s], c [m/s], d [m/s], e [m/s]", columns)
+    times = np.linspace(2.0, 9.0, 50)
+    together = motion(tmp_path, 10.0, file, axes={**FOUR, "e": "x"}).sample(times)
+    for mount, name in enumerate("abcd"):
+        alone = motion(tmp_path, 10.0, file, axes={name: "z"}).sample(times)
+        for one, other in zip(together, alone, strict=True):
+            np.testing.assert_array_equal(one[:, mount, 2], other[:, 0, 2])
+    slab = motion(tmp_path, 10.0, file, axes={"e": "x"}).sample(times)
+    for one, other in zip(together, slab, strict=True):
+        # A slab sums levers, of which one is one.
+        np.testing.assert_allclose(one[:, :, 0], other[:, :, 0], rtol=1e-12)
+
+
+def test_a_component_of_an_axis_serves_the_mounts_that_have_none(tmp_path: Path) -> None:
+    file = csv(tmp_path, "# rate_hz = 100\na [m/s], b [m/s]", [1e-5 * noise(2000, seed) for seed in range(2)])
+    moved = motion(tmp_path, 10.0, file, axes={"a": "z", "b": "rear-right z"}).sample(np.linspace(2.0, 9.0, 50))
+    heights = moved.displacement[:, :, 2]
+    np.testing.assert_array_equal(heights[:, :3], heights[:, :1].repeat(3, axis=1))
+    assert np.abs(heights[:, 3] - heights[:, 0]).max() > 1e-9
+
+
+def test_four_seismometers_may_be_one_record(tmp_path: Path) -> None:
+    traces = [trace(1e-5 * noise(2000, k), "HHZ", station=f"S{k}") for k in range(4)]
+    Stream(traces).write(str(tmp_path / "a.mseed"), format="MSEED")
+    axes = {f"XX.S{k}..HHZ": place for k, place in enumerate(FOUR.values())}
+    heights = motion(tmp_path, 10.0, "a.mseed", axes=axes, **SI).sample(np.array([5.0])).displacement[0, :, 2]
+    assert np.unique(heights).size == 4
+
+
+def test_a_mount_without_component_is_named(tmp_path: Path) -> None:
+    file = csv(tmp_path, "# rate_hz = 100\na [m/s], b [m/s]", [1e-5 * noise(2000, seed) for seed in range(2)])
+    message = r"ground\.axes gives z to some mounts, but not to rear-left, rear-right; name all four, or one component"
+    with pytest.raises(ValueError, match=message):
+        motion(tmp_path, 10.0, file, axes={"a": "front-left z", "b": "front-right z"})

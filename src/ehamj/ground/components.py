@@ -1,21 +1,21 @@
 """What every reader of records shares: axes, quantities and units, times, gaps, and remarks on what was found."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from ehamj.ground.processing import Axis, Channel, Quantity
+from ehamj.ground.processing import Channel, Place, Quantity
 from ehamj.ground.tables import UNITS
 from ehamj.signals import Array
 
-STANDARD_AXES: dict[str, Axis] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
+STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
 JITTER = 1e-3
 """How far a time may lie from a uniform grid, in steps."""
 
-AxisChoice = dict[str, Axis] | None
+AxisChoice = dict[str, Place] | None
 QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
 GapChoice = Literal["error", "interpolate"]
 
@@ -35,14 +35,14 @@ SILENT = Choices()
 """The user says nothing."""
 
 
-def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dict[str, Axis]:
+def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dict[str, Place]:
     """Axis of each component that is used.
 
     ``components`` maps each component's full name to all names it answers to; ``axes`` maps names to axes, None for the
     standard ones. Raises ValueError for a component without axis, a name without component, and an axis taken twice.
     """
     known = STANDARD_AXES if axes is None else axes
-    chosen: dict[str, Axis] = {}
+    chosen: dict[str, Place] = {}
     for component, names in components.items():
         axis = next((known[name] for name in names if name in known), None)
         if axis is not None:
@@ -67,6 +67,11 @@ def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dic
     if not chosen:
         raise ValueError(f"ground.axes = {axes} leaves no component; the record holds {', '.join(components)}")
     return chosen
+
+
+def per_mount(places: Iterable[str]) -> bool:
+    """Whether some of the places are those of a single mount."""
+    return any(" " in place for place in places)
 
 
 def agreed_quantity(wanted: QuantityChoice, found: Quantity | None, name: str, remedy: str) -> Quantity:

@@ -53,7 +53,8 @@ def _lines(dof: Dof, velocity: float, frequencies: tuple[float, ...] = LINES) ->
 
 def _peterson(model: Literal["low", "high"]) -> ShapedGround:
     target = PetersonTarget(kind="peterson", model=model)
-    return ShapedGround(kind="shaped", target=target, first=0.1, axes=("x", "y", "z"))
+    # Microseisms last 5 s: fading in faster would throw the floor about more than it moves.
+    return ShapedGround(kind="shaped", target=target, first=0.1, axes=("x", "y", "z"), fade_in=5.0)
 
 
 FLOORS: Mapping[FloorName, Floor] = {

@@ -26,7 +26,14 @@ from ehamj.parameters import Settings, Unlimited
 from ehamj.signals import Array, Sampled
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
-Axis = Literal["x", "y", "z"]
+Place = Literal[
+    "x", "y", "z",
+    "front-left x", "front-left y", "front-left z",
+    "front-right x", "front-right y", "front-right z",
+    "rear-left x", "rear-left y", "rear-left z",
+    "rear-right x", "rear-right y", "rear-right z",
+]  # fmt: skip
+"""What a component moves: an axis of all mounts, or of one of them."""
 Response = Callable[[Array], NDArray[np.complex128]]
 Positive = Annotated[float, Field(gt=0)]
 
@@ -47,7 +54,7 @@ class Channel:
     frequencies [Hz]. Raises ValueError where samples are not finite or fewer than 16.
     """
 
-    axis: Axis
+    axis: Place
     name: str
     rate: float
     """Sampling rate [Hz]."""

@@ -1,5 +1,6 @@
 """Ground motion from a record: CSV, UFF 58, WAV and MATLAB files, and seismic formats through ObsPy."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -10,20 +11,22 @@ from ehamj.ground.components import AxisChoice, Choices, GapChoice, QuantityChoi
 from ehamj.ground.csv_records import read_csv
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.matlab import read_matlab
-from ehamj.ground.motion import Motion, Slab, Start
+from ehamj.ground.motion import Motion, Start
 from ehamj.ground.processing import INTEGRATIONS, Record, Treatment, displacement, held_frequencies
 from ehamj.ground.seismic import EXAMPLE, read_seismic
 from ehamj.ground.tables import UNITS
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
-from ehamj.signals import Faded, Sampled, Signal
+from ehamj.ground.waves import spread
+from ehamj.layout import AXES, MOUNTS
+from ehamj.signals import Faded, Sampled, Signal, Zero
 
 READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab}
 """Readers by the end of a file's name; a WAV's needs its full scale besides, and all else is ObsPy's."""
 
 
 class RecordGround(Treatment):
-    """A rigid slab that moves as a record says, in x, y and z."""
+    """A rigid slab that moves as a record says, in x, y and z; or each mount as its own components say."""
 
     kind: Literal["record"]
     file: str = Field(
@@ -48,7 +51,8 @@ class RecordGround(Treatment):
     axes: AxisChoice = Field(
         None,
         description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
-        "channel 1, MATLAB variable), the others are left out; default: E, N, Z to x, y, z",
+        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
+        "to x, y, z",
     )
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
@@ -100,18 +104,20 @@ class RecordGround(Treatment):
         """
         record = self.read(start.folder)
         self._check(record, start.duration)
-        signals: dict[str, Signal] = {}
+        moving: dict[str, Signal] = {}
         notes = [*record.notes]
         for channel in record.channels:
             if np.ptp(channel.samples) == 0:
                 notes.append(f"{channel.name} never changes: {channel.axis} is at rest")
+                moving[channel.axis] = Zero()
                 continue
             moved = displacement(channel, self, self.start, start.duration)
             notes += doubts(channel, np.gradient(moved.values) * moved.rate)
             scaled = Sampled(moved.rate, self.scale * moved.values, moved.start)
-            signals[channel.axis] = Faded(scaled, self.fade_in or self.taper)
+            moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(channel.usable for channel in record.channels)
-        return Slab(start.positions, signals, (*notes, *self._notes(record)), usable)
+        notes += self._notes(record)
+        return spread(start, at_mounts(moving), None, 0.0, notes=tuple(notes), usable_to=usable)
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:
@@ -167,3 +173,25 @@ class RecordGround(Treatment):
                     "motion there is understated"
                 )
         return notes
+
+
+def at_mounts(moving: Mapping[str, Signal]) -> dict[str, Signal | tuple[Signal, ...]]:
+    """Signals by axis, from signals by place: one for all mounts, or one for each; channels at rest move nothing.
+
+    A component of an axis serves all mounts that have none of their own. Raises ValueError where a mount has none.
+    """
+    found: dict[str, Signal | tuple[Signal, ...]] = {}
+    for axis in AXES:
+        own = [moving.get(f"{mount} {axis}", moving.get(axis)) for mount in MOUNTS]
+        given = [signal for signal in own if signal is not None]
+        if all(isinstance(signal, Zero) for signal in given):
+            continue
+        if len(given) < len(MOUNTS):
+            missing = [mount for mount, signal in zip(MOUNTS, own, strict=True) if signal is None]
+            raise ValueError(
+                f"ground.axes gives {axis} to some mounts, but not to {', '.join(missing)}; name all four, or one "
+                f"component for {axis!r}, which serves the others"
+            )
+        single = not any(f"{mount} {axis}" in moving for mount in MOUNTS)
+        found[axis] = given[0] if single else tuple(given)
+    return found

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.ground.components import SILENT, Choices, GapChoice, agreed_unit, choose_axes, differences, filled, summary
+from ehamj.ground.components import (
+    SILENT,
+    Choices,
+    GapChoice,
+    agreed_unit,
+    choose_axes,
+    differences,
+    filled,
+    per_mount,
+    summary,
+)
 from ehamj.ground.processing import Channel, Quantity, Record, Response
 from ehamj.signals import Array
 
@@ -35,9 +45,10 @@ def read_seismic(
     }
     chosen = choose_axes(names, choices.axes)
     stations = sorted({name.rsplit(".", 2)[0] for name in chosen})
-    if len(stations) > 1:
+    if len(stations) > 1 and not per_mount(chosen.values()):
         raise ValueError(
-            f"ground.file = {label!r} holds several stations: {', '.join(stations)}; choose with ground.axes"
+            f"ground.file = {label!r} holds several stations: {', '.join(stations)}; choose with ground.axes, or "
+            "give each its mount"
         )
     stream.traces = [trace for trace in stream if trace.id in chosen]
     notes = _join(stream, label, choices.gaps)
@@ -57,7 +68,7 @@ def read_seismic(
             notes.append(
                 f"{trace.id} states a calibration factor of {stats.calib:g}, which is not applied (ground.scale can)"
             )
-    name = stations[0].strip(".") or label
+    name = ", ".join(stations).strip(".") or label
     record = Record(name, tuple(channels), (summary(label, channels), *differences(channels), *notes))
     if record.duration <= 0:
         raise ValueError(f"ground.file = {label!r}: its channels have no time in common")

@@ -17,7 +17,7 @@ from ehamj.result import Result
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
 PROCESSING: Final = re.compile(
-    r"record .*(: [xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
+    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
     r"|mounts move with Luco-Wong"
 )
 """Warnings that only say how a record was processed."""
