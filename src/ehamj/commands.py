@@ -86,7 +86,7 @@ class Passive(Settings):
 
     kind: Literal["passive"] = "passive"
 
-    def controller(self, plant: Plant) -> None:
+    def controller(self, plant: Plant, sensors: object) -> None:
         """There is none."""
 
     def commands(self) -> tuple[Signal, ...]:
@@ -100,7 +100,7 @@ class OpenLoop(Settings):
     kind: Literal["open-loop"]
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
 
-    def controller(self, plant: Plant) -> None:
+    def controller(self, plant: Plant, sensors: object) -> None:
         """There is none."""
 
     def commands(self) -> tuple[Signal, ...]:

@@ -18,8 +18,13 @@ from pydantic import Field, ValidationError, model_validator
 
 from ehamj.commands import OpenLoop, Passive
 from ehamj.controllers import LinearController, load_controller
+from ehamj.controllers.combined import CombinedSettings
 from ehamj.controllers.feedforward import FeedforwardSettings
+from ehamj.controllers.modal import ModalSettings
+from ehamj.controllers.resonant import ResonantSettings
 from ehamj.controllers.sensors import Sensors
+from ehamj.controllers.servo import StrokeServoSettings
+from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
@@ -81,7 +86,7 @@ class Law(Settings):
     kind: Literal["law"]
     file: str = Field(description="JSON file of the law, relative to the scenario", min_length=1)
 
-    def controller(self, plant: Plant) -> LinearController:
+    def controller(self, plant: Plant, sensors: Sensors) -> LinearController:
         """Read the law, or the bank of laws."""
         return load_controller(Path(self.file))
 
@@ -90,7 +95,26 @@ class Law(Settings):
         return Passive().commands()
 
 
-Control = Annotated[Passive | OpenLoop | FeedforwardSettings | Law, Field(discriminator="kind")]
+Control = Annotated[
+    Passive
+    | OpenLoop
+    | FeedforwardSettings
+    | StrokeServoSettings
+    | SkyhookSettings
+    | ModalSettings
+    | ResonantSettings
+    | CombinedSettings
+    | Law,
+    Field(discriminator="kind"),
+]
+
+VARIANTS: dict[str, Control] = {
+    "passive": Passive(),
+    "feedforward": FeedforwardSettings(),
+    "modal": ModalSettings(),
+    "combined": CombinedSettings(),
+}
+"""Controls that a scenario may be compared with, with their defaults."""
 
 
 class Isolator(Actuator):
@@ -148,7 +172,7 @@ class Scenario(Settings):
     plates: Literal["sliding", "tied"] = Field(
         "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
     )
-    compare: tuple[Literal["passive", "feedforward"], ...] = Field(
+    compare: tuple[Literal["passive", "feedforward", "modal", "combined"], ...] = Field(
         (), description="variants to run beside it, into folders of their names"
     )
     machine: Machine = Machine()
@@ -247,12 +271,11 @@ class Scenario(Settings):
         Raises:
             InputError: if a law cannot be read or run.
         """
-        return self.control.controller(self.plant)
+        return self.control.controller(self.plant, self.sensors)
 
     def variant(self, name: str) -> "Scenario":
-        """The same scenario under another control: ``passive`` or ``feedforward`` with its defaults."""
-        control = Passive() if name == "passive" else FeedforwardSettings(kind="feedforward")
-        return self.model_copy(update={"control": control, "compare": (), "name": f"{self.name}, {name}"})
+        """The same scenario under another control, one of `VARIANTS`."""
+        return self.model_copy(update={"control": VARIANTS[name], "compare": (), "name": f"{self.name}, {name}"})
 
     def to_toml(self) -> str:
         """The complete scenario as TOML; it runs again to the same result."""

@@ -92,6 +92,11 @@ class ControllerBank:
         return self.parts[0].fade
 
     @property
+    def from_rest(self) -> bool:
+        """Whether readings count from where the machine stands at the start, see `Controller`."""
+        return self.parts[0].from_rest
+
+    @property
     def states(self) -> int:
         """Number of states of all laws."""
         return sum(part.states for part in self.parts)

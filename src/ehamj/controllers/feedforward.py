@@ -1,13 +1,15 @@
-"""Feedforward of ground velocity at each mount, by inversion of actuator and valve.
+"""Feedforward of ground velocity at each mount, by inversion of actuator, valve, instrument and delay.
 
-With the machine at rest the oil moves each plate by −x_g when
+With the machine at rest the oil moves each plate by −x_g when the command is
 
-    x_v = −(A_p/K_Q)·[(1 + K_L/K_h + K_C C/A_p²) + (K_C K_L/A_p²)/s]·ẋ_g
+    v = −b·(1 + c/s)·ẋ_g / valve(s)
 
-(eqs. 3, 6, 7 with M s² x_p = 0; the term C s/K_h, 4e-4 at 100 Hz, is left out). The valve's inverse
-(1 + 2ζs/ω_v + s²/ω_v²)/K_v is rolled off by a third-order Butterworth, the delay of roll-off, computation and hold
-is led by 1 + T s, and the integrator leaks, 1/(s + ω_l), so that its gain is bounded. The leak alone costs
-ω_l c/(ω |jω + c|), c = (K_C K_L/A_p²)/(1 + K_L/K_h): −50 dB at 5 Hz for 0.02 Hz.
+(`ehamj.controllers.isolator`). The valve's inverse is rolled off by a Butterworth low-pass; the delay T of roll-off,
+instrument, computation and hold is led by 1 + T s + T²s²/2 (or 1 + T s). The integrator leaks, 1/(s + ω_l), so that its
+gain is bounded: the leak alone costs ω_l c/(ω |jω + c|), −50 dB at 5 Hz for 0.02 Hz. The high-pass of the instrument is
+moved down to ``restore``.
+
+On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.controllers.lowend`).
 """
 
 from typing import Annotated, Literal
@@ -17,90 +19,59 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy import signal
 
-from ehamj.commands import Passive
-from ehamj.controllers.law import Controller, stack
-from ehamj.layout import MOUNTS
-from ehamj.parameters import Actuator, Plant, Settings
-from ehamj.signals import Signal
+from ehamj.controllers.blocks import TWO_PI, Block, beside
+from ehamj.controllers.isolator import Inverse, instrument_poles, lag, restoring, valve_poles
+from ehamj.controllers.law import Controller
+from ehamj.controllers.lowend import isolating
+from ehamj.controllers.sensors import IDEAL, Sensor, Sensors
+from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
+from ehamj.parameters import Actuator, Plant
 
 Array = NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0)]
 
-
-class DigitalSettings(Settings):
-    """What every digital controller has; it alone commands the valves."""
-
-    rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
-    delay: Annotated[float, Field(ge=0)] | None = Field(None, description="computation delay [s]; without: one sample")
-    bits: Annotated[int, Field(ge=2, le=52)] = Field(16, description="resolution of the command converter [bit]")
-
-    def commands(self) -> tuple[Signal, ...]:
-        """No open-loop command beside the controller's."""
-        return Passive().commands()
+INPUTS = per_mount("ground_velocity", "z")
 
 
 class FeedforwardSettings(DigitalSettings):
     """Per-actuator ground-velocity feedforward with valve inversion."""
 
-    kind: Literal["feedforward"]
+    kind: Literal["feedforward"] = "feedforward"
     gain: float = Field(1.0, description="factor on the exact inverse")
-    rolloff: Positive = Field(3000.0, description="corner of the third-order roll-off [Hz]")
-    leak: Positive = Field(0.02, description="corner below which the integrator's gain is bounded [Hz]")
-    lead: Annotated[float, Field(ge=0)] | Literal["auto"] = Field(
-        "auto", description="time that the command is led by, 1 + lead·s [s]; auto: all delay of sampling and roll-off"
+    rolloff: Positive = Field(
+        1000.0, description="corner of the roll-off, a compromise between bandwidth and the instrument's noise [Hz]"
     )
+    leak: Positive = Field(0.02, description="corner below which the integrator's gain is bounded [Hz]")
+    restore: Positive = Field(0.05, description="corner to which the instrument's high-pass is moved down [Hz]")
+    isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
+    lead: NotNegative | Literal["auto"] = Field(
+        "auto",
+        description="time T that the command is led by [s]; auto: all delay of instrument, sampling and roll-off",
+    )
+    lead_order: Annotated[int, Field(ge=1, le=2)] = Field(2, description="1: 1 + T s, 2: 1 + T s + T²s²/2")
 
-    @property
-    def lag(self) -> float:
-        """Delay at low frequency of computation, hold (half a sample) and roll-off together [s]."""
-        period = 1.0 / self.rate
-        return (period if self.delay is None else self.delay) + 0.5 * period + 1.0 / (np.pi * self.rolloff)
+    def lag(self, sensor: Sensor | None = None) -> float:
+        """Delay at low frequency of instrument, computation, hold and roll-off together [s]."""
+        return self.hold + lag(self._rolloff()[1]) + lag(instrument_poles(sensor)[1])
 
-    def controller(self, plant: Plant) -> Controller:
-        """The law for a plant."""
-        return stack([_one_mount(self, actuator, name) for name, actuator in zip(MOUNTS, plant.actuators, strict=True)])
+    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+        """The law for a plant, whose ground velocities are measured by ``sensors``."""
+        sensor = sensors.of(INPUTS[0])
+        return self.digital(beside([self.block(actuator, sensor) for actuator in plant.actuators]), INPUTS, plant)
 
+    def block(self, actuator: Actuator, sensor: Sensor | None = None) -> Block:
+        """Command [V] over measured ground velocity [m/s] of one mount."""
+        inverse, low = Inverse.of(actuator), TWO_PI * self.leak
+        lead = self.lag(sensor) if self.lead == "auto" else self.lead
+        slow, moved = restoring(instrument_poles(sensor)[0], self.restore)
+        _, poles, gain = self._rolloff()
+        polynomial = [0.5 * lead**2, lead, 1.0][2 - self.lead_order :] if lead > 0 else [1.0]
+        zeros = np.concatenate([valve_poles(actuator), [-inverse.creep - low], np.roots(polynomial), slow])
+        poles = np.concatenate([poles, [-low], moved])
+        total = -self.gain * inverse.volts / actuator.valve_frequency**2 * polynomial[0] * gain
+        inverted = Block.filter(zeros, poles, float(total))
+        return inverted.then(isolating(self.isolate_from)) if self.isolate_from else inverted
 
-def _one_mount(settings: FeedforwardSettings, actuator: Actuator, mount: str) -> Controller:
-    lead = settings.lag if settings.lead == "auto" else settings.lead
-    discrete = signal.bilinear_zpk(*inverse(actuator, settings.rolloff, settings.leak, lead), settings.rate)
-    A, B, c, d = signal.tf2ss(*signal.zpk2tf(*discrete))
-    C, D = np.zeros((len(MOUNTS), A.shape[0])), np.zeros((len(MOUNTS), 1))
-    C[MOUNTS.index(mount)], D[MOUNTS.index(mount)] = settings.gain * c[0], settings.gain * d[0]
-    A, B, C = _balanced(A, B, C)
-    name = (f"ground_velocity {mount} z",)
-    return Controller(A, B, C, D, name, 1.0 / settings.rate, settings.delay, actuator.voltage_limit, settings.bits)
-
-
-def inverse(actuator: Actuator, rolloff: float, leak: float, lead: float) -> tuple[Array, Array, float]:
-    """Zeros, poles [rad/s] and gain of command [V] over ground velocity [m/s].
-
-    ``rolloff`` [Hz] is the corner of a third-order Butterworth low-pass, ``leak`` [Hz] that of the integrator,
-    ``lead`` [s] the time of the lead.
-    """
-    a = actuator
-    speed = 1.0 + a.membrane_stiffness / a.hydraulic_stiffness + a.flow_pressure * a.membrane_damping / a.piston_area**2
-    creep = a.flow_pressure * a.membrane_stiffness / a.piston_area**2
-    low, omega = 2 * np.pi * leak, a.valve_frequency
-    valve = np.roots([1.0, 2.0 * a.valve_damping * omega, omega**2])
-    _, poles, gain = signal.butter(3, 2 * np.pi * rolloff, analog=True, output="zpk")
-    zeros = np.concatenate([valve, [-creep / speed - low], [-1.0 / lead] if lead > 0 else []])
-    gain *= -a.piston_area / (a.flow_gain * a.valve_gain) * speed / omega**2 * (lead if lead > 0 else 1.0)
-    return zeros, np.append(poles, -low), float(gain)
-
-
-def _balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """The same law with states of like size: companion forms of slow and fast poles together lose digits."""
-    values, vectors = np.linalg.eig(A)
-    order = np.argsort(np.abs(values))
-    values, vectors = values[order], vectors[:, order]
-    basis, k = [], 0
-    while k < values.size:
-        if abs(values[k].imag) > 1e-12:
-            basis += [vectors[:, k].real, vectors[:, k].imag]
-            k += 2
-        else:
-            basis.append(vectors[:, k].real)
-            k += 1
-    T = np.array(basis).T
-    return np.linalg.solve(T, A @ T), np.linalg.solve(T, B), C @ T
+    def _rolloff(self) -> tuple[Array, Array, float]:
+        """Zeros, poles [rad/s] and gain of the roll-off: as steep as valve and lead together are."""
+        order = 2 + (0 if self.lead == 0.0 else self.lead_order)
+        return signal.butter(order, TWO_PI * self.rolloff, analog=True, output="zpk")

@@ -23,7 +23,8 @@ class PythonController:
     ``time`` [s] is that of the sample, ``measured`` (inputs,) are the channels of ``inputs`` in SI, ``limited`` (4,) is
     what fade and range took from the commands of the sample before, applied − wanted [V] (zero at first), for the
     function's own anti-windup. Both arrays are valid during the call only. If the function has a method ``reset``, that
-    is called before each run. Period, delay, range, resolution and switch-on are those of `ehamj.Controller`.
+    is called before each run. Period, delay, range, resolution, switch-on and zero of
+    the readings are those of `ehamj.Controller`.
 
     Raises:
         InputError: if ``function`` is none, a channel is unknown, or a number is out of its range.
@@ -37,6 +38,7 @@ class PythonController:
     bits: int | None = 16
     switch_on: float = 0.0
     fade: float = 0.0
+    from_rest: bool = False
 
     def __post_init__(self) -> None:
         if not callable(self.function):

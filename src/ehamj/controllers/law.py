@@ -28,8 +28,8 @@ UNSTABLE = 1.0 + 1e-9
 
 OUTPUTS = tuple(f"valve_command {mount}" for mount in MOUNTS)
 
-CONVERTER = ("voltage_limit", "bits", "switch_on", "fade")
-"""What laws that run side by side must share: there is one converter per valve."""
+CONVERTER = ("voltage_limit", "bits", "switch_on", "fade", "from_rest")
+"""What laws that run side by side must share: there is one converter per valve, and one reading per channel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +60,9 @@ class Controller:
     anti_windup: Array | None = field(default=None, repr=False)
     switch_on: float = 0.0
     fade: float = 0.0
+    from_rest: bool = False
+    """Readings of displacements, strokes and pressures count from where the machine stands at the start; without,
+    strokes and displacements count from unloaded membranes, and pressures are absolute."""
 
     def __post_init__(self) -> None:
         n, p = np.atleast_2d(self.A).shape[0], len(self.inputs)
@@ -190,6 +193,7 @@ class Controller:
             "bits": self.bits,
             "switch_on_s": self.switch_on,
             "fade_s": self.fade,
+            "from_rest": self.from_rest,
             **matrices,
             "anti_windup": None if self.anti_windup is None else self.anti_windup.tolist(),
         }
@@ -224,6 +228,7 @@ class Controller:
                 anti_windup=None if windup is None else _matrix(windup, n, len(MOUNTS)),
                 switch_on=float(table.get("switch_on_s", 0.0)),
                 fade=float(table.get("fade_s", 0.0)),
+                from_rest=bool(table.get("from_rest", False)),
             )
         except (TypeError, ValueError) as error:
             if isinstance(error, InputError):

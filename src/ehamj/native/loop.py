@@ -21,7 +21,7 @@ from ehamj.controllers.kernel import (
     settle_filters,
     wanted,
 )
-from ehamj.controllers.sensors import IDEAL, Discrete, Sensors, discretise
+from ehamj.controllers.sensors import IDEAL, Discrete, Sensors, discretise, quantity_of
 from ehamj.layout import AXES, DOF_OF_JOINT, N_MOUNTS, N_STATES
 from ehamj.native.pointers import call_law
 from ehamj.parameters import Plant
@@ -35,6 +35,9 @@ N_GROUND: Final = N_MOUNTS * len(AXES)
 N_PART_STATES, N_PART_INPUTS, EVERY, DELAY, MATRICES, WINDUP, OWN_STATES, INPUTS_AT, FUNCTION = range(9)
 LATEST, HELD, TAKEN, RING, PLACES = range(9, 14)
 N_COLUMNS: Final = 14
+
+STATIC: Final = ("displacement", "pressure")
+"""Quantities that have a value at rest."""
 
 NOT_DUE: Final = 0
 WAITS: Final = 1
@@ -51,7 +54,7 @@ class Loop:
 
     ``memory`` holds, one after the other: states of all laws; per law its latest outputs, those that are held, what
     fade and range last took, and a ring of outputs that wait for their time (as many samples as the delay is long, and
-    one); the readings; the states of the sensors' filters.
+    one); the readings; what they count from; the states of the sensors' filters.
     """
 
     parts: Integers
@@ -66,6 +69,8 @@ class Loop:
     filters: Array
     feedthrough: Array
     """See `ehamj.controllers.kernel.filter_readings`."""
+    zeroed: Array
+    """One for a channel that counts from its value at the start, zero for the others."""
     grid: Array
     """Range and resolution of each reading (channels, 2)."""
     converter: Array
@@ -86,7 +91,7 @@ class Loop:
     @property
     def readings_at(self) -> int:
         """Where the readings lie in the memory."""
-        return int(self.memory.size - self.readings * (1 + self.filters.shape[1]))
+        return int(self.memory.size - self.readings * (2 + self.filters.shape[1]))
 
     def samples(self, first: int, count: int) -> tuple[int, int]:
         """Of ``count`` steps from ``first``: the number of the first sample among them, and how many there are."""
@@ -102,7 +107,7 @@ def _empty(*shape: int) -> Array:
 
 NO_LOOP: Final = Loop(
     np.zeros((0, N_COLUMNS), np.int64), _empty(0), np.zeros(0, np.int64), np.zeros((0, 0), np.int64), _empty(0, 0),
-    _empty(3, 0, 0), _empty(0), _empty(0, 2), _empty(4), 0, 0, _empty(0),
+    _empty(3, 0, 0), _empty(0), _empty(0), _empty(0, 2), _empty(4), 0, 0, _empty(0),
 )  # fmt: skip
 
 
@@ -132,11 +137,12 @@ def make_loop(
         weights,
         filters,
         feedthrough,
+        np.array([float(controller.from_rest and quantity_of(name.partition(" ")[0]) in STATIC) for name in channels]),
         grid,
         np.array([controller.voltage_limit, resolution, controller.switch_on, controller.fade]),
         int(np.gcd.reduce(parts[:, EVERY])),
         controller.states,
-        np.zeros(size + len(channels) * (1 + filters.shape[1])),
+        np.zeros(size + len(channels) * (2 + filters.shape[1])),
         tuple(functions.values()),
         failures,
     )
@@ -339,10 +345,14 @@ def finish_sample(number, k, share, parts, matrices, memory, measured, scratch, 
 
 @kernel
 def read_sensors(  # type: ignore[no-untyped-def]
-    number, sample, terms, weights, filters, feedthrough, grid, noise, signals, raw, analogue, scratch, states, readings
-):
+    number, sample, terms, weights, filters, feedthrough, zeroed, grid, noise, signals, raw, analogue, scratch, rest,
+    states, readings
+):  # fmt: skip
     """Filter the channels for one step; at a sample (number ``sample`` of ``noise``; −1: none) take the readings."""
     combine(terms, weights, signals, raw)
+    if number == 0:
+        rest[:] = zeroed * raw
+    raw -= rest
     if filters.shape[1] > 0:
         if number == 0:
             settle_filters(filters, raw, states)

@@ -194,8 +194,8 @@ def _advance() -> Any:
 
     def advance(  # type: ignore[no-untyped-def]
         forward, runge_kutta, model, data, nq, nv, na, nuserdata, first, steps, h, last, start, end, every, rows, tally,
-        parts, matrices, inputs_of, terms, weights, filters, feedthrough, grid, converter, base, n_states, readings_at,
-        memory, noise, noise_first,
+        parts, matrices, inputs_of, terms, weights, filters, feedthrough, zeroed, grid, converter, base, n_states,
+        readings_at, memory, noise, noise_first,
     ):  # fmt: skip
         shared = carray(doubles_at(data, shared_at), nuserdata)
         table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
@@ -207,7 +207,8 @@ def _advance() -> Any:
         act, act_dot = carray(doubles_at(data, act_at), na), carray(doubles_at(data, act_dot_at), na)
         channels, filtered = terms.shape[0], filters.shape[1] > 0
         states = memory[:n_states]
-        readings, filter_states = memory[readings_at : readings_at + channels], memory[readings_at + channels :]
+        readings, rest = memory[readings_at : readings_at + channels], memory[readings_at + channels :][:channels]
+        filter_states = memory[readings_at + 2 * channels :]
         signals, raw, analogue = np.zeros(N_SIGNALS), np.zeros(channels), np.zeros(channels)
         scratch, measured, totals = np.zeros(memory.size), np.zeros(inputs_of.size), np.zeros((2, N_MOUNTS))
         row = 0
@@ -226,8 +227,8 @@ def _advance() -> Any:
                 gather(signals, qpos, qvel, qacc, act, length, velocity, start[k], 1.0 / h)
                 sample = number // base - noise_first if sampled else -1
                 read_sensors(
-                    number, sample, terms, weights, filters, feedthrough, grid, noise, signals, raw, analogue,
-                    scratch[: filter_states.size], filter_states, readings,
+                    number, sample, terms, weights, filters, feedthrough, zeroed, grid, noise, signals, raw, analogue,
+                    scratch[: filter_states.size], rest, filter_states, readings,
                 )  # fmt: skip
             if sampled:
                 answer = take_sample(
@@ -275,6 +276,7 @@ def _advance() -> Any:
         integers2,
         floats2,
         floats3,
+        floats1,
         floats1,
         floats2,
         floats1,
@@ -346,6 +348,7 @@ def advance(
         loop.weights,
         loop.filters,
         loop.feedthrough,
+        loop.zeroed,
         loop.grid,
         loop.converter,
         loop.base,

@@ -1,0 +1,126 @@
+"""Modal control: heave, roll and pitch of the machine held still in space, warp as a balance of pressures.
+
+The four mounts measure and act together: feet, strokes and ground are turned into heave, roll and pitch by the plane
+that fits them, z + y·rx − x·ry; the loops' piston velocities (`ehamj.controllers.inertial`) are handed back the same
+way. The fourth pattern of four actuators (+ − − +) moves nothing and only builds pressure; its own loop keeps the load
+pressures balanced.
+
+Sway-rocking modes swing the centre of gravity sideways, where no actuator acts. Tilting the machine does act on it:
+with the feet turned by θ the mass feels m ẍ + c ẋ + k x = −m h θ̈, so θ = −g ẋ of the feet's sideways velocity ẋ adds
+h ω g/2 to the damping ratio.
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from ehamj.controllers.blocks import TWO_PI, Block, added, pair
+from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
+from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.law import Controller
+from ehamj.controllers.sensors import IDEAL, Sensors
+from ehamj.controllers.settings import ISOLATE_FROM, WINDUP, DigitalSettings, NotNegative, Positive, per_mount
+from ehamj.layout import N_MOUNTS, WARP
+from ehamj.parameters import Plant, Settings
+
+Array = NDArray[np.float64]
+
+ALONG, ACROSS = per_mount("foot_velocity", "x"), per_mount("foot_velocity", "y")
+PRESSURES = per_mount("load_pressure")
+MOTIONS = ("heave", "roll", "pitch")
+
+
+def plane(plant: Plant) -> Array:
+    """Height of each mount per heave [m], roll and pitch [rad]: columns 1, y, −x, shape (4, 3)."""
+    return np.array([[1.0, y, -x] for x, y in plant.positions])
+
+
+class SwayDamping(Settings):
+    """Damping of the sway-rocking mode of one plane by tilting the machine."""
+
+    gain: NotNegative = Field(description="g: angle per sideways velocity of the feet [rad s/m]; 0: none")
+    centre: Positive = Field(description="centre of the band in which it acts [Hz]")
+    width: Positive = Field(0.2, description="width of the band: damping ratio of its poles [-]")
+
+    def block(self) -> Block:
+        """Angular velocity [rad/s] over sideways velocity [m/s]."""
+        gain = self.gain * 2.0 * self.width * TWO_PI * self.centre
+        return Block.filter([0.0, 0.0], pair(self.centre, self.width), -gain)
+
+
+class WarpBalance(Settings):
+    """The balance of load pressures in the warp pattern (+ − − +)."""
+
+    crossing: NotNegative = Field(20.0, description="frequency below which the pressures are balanced [Hz]; 0: off")
+
+    def block(self, plant: Plant) -> Block:
+        """Command [V] over the warp's load pressure [Pa]: oil and valve together are an integrator, eq. 6."""
+        rates = [4.0 * a.bulk_modulus / a.chamber_volume * a.flow_gain * a.valve_gain for a in plant.actuators]
+        return Block.gain([[-TWO_PI * self.crossing / float(np.mean(rates))]])
+
+
+class ModalSettings(DigitalSettings):
+    """Modal feedback of the machine's absolute motion, with pressure balance and damping of sway.
+
+    The defaults are those of `ehamj design` for the default machine: as much attenuation from 5 to 50 Hz as leaves
+    6 dB, 45° and a disk margin of 0.5 with the mass ±30 %, half the oil's stiffness or 1.5 times the flow gain.
+    """
+
+    kind: Literal["modal"] = "modal"
+    heave: MotionLoop = MotionLoop(
+        crossing=87.0, integral=14.4, lead=85.0, notch=204.0, notch_depth=0.324, notch_width=2.43, rolloff=16500.0
+    )
+    roll: MotionLoop = MotionLoop(
+        crossing=51.0, integral=13.2, lead=113.0, notch=225.0, notch_depth=0.67, notch_width=0.7, rolloff=17600.0
+    )
+    pitch: MotionLoop = MotionLoop(
+        crossing=46.0, integral=14.4, lead=184.0, notch=543.0, notch_depth=0.95, notch_width=0.36, rolloff=5580.0
+    )
+    blend: Blend = Blend()
+    isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
+    windup: Positive = Field(0.02, description=WINDUP)
+    warp: WarpBalance = WarpBalance()
+    sway_x: SwayDamping = SwayDamping(gain=2.0e-4, centre=68.9, width=0.16)
+    sway_y: SwayDamping = SwayDamping(gain=3.2e-4, centre=65.6, width=0.22)
+
+    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+        """The law for a plant that is measured by ``sensors``."""
+        names = self._inputs()
+        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
+        volts = np.diag([inverse.volts for inverse in inverses])
+        creep = float(np.mean([inverse.creep for inverse in inverses]))
+        columns, fit = plane(plant), np.linalg.pinv(plane(plant))
+        blend = self.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0]), self.isolate_from)
+        blocks = []
+        for k, motion in enumerate(MOTIONS):
+            loop: MotionLoop = getattr(self, motion)
+            if loop.crossing:
+                measured = np.vstack([_picked(names, group, fit[k]) for group in (FEET, STROKES, GROUND)])
+                blocks.append(blend.then(loop.block(creep)).between(measured, volts @ columns[:, [k]]))
+        # A positive pitch moves what stands above the mounts along x, a positive roll against y.
+        for sway, group, k, sign in ((self.sway_x, ALONG, 2, 1.0), (self.sway_y, ACROSS, 1, -1.0)):
+            if sway.gain:
+                mean = _picked(names, group, np.full(N_MOUNTS, 1.0 / N_MOUNTS))
+                blocks.append(sway.block().between(mean, sign * volts @ columns[:, [k]]))
+        if self.warp.crossing:
+            pattern = np.array(WARP)
+            measured = _picked(names, PRESSURES, pattern / N_MOUNTS)
+            blocks.append(self.warp.block(plant).between(measured, pattern[:, None]))
+        if not blocks:
+            blocks = [Block.gain(np.zeros((N_MOUNTS, 0)))]
+        return self.digital(added(blocks), names, plant, self.windup)
+
+    def _inputs(self) -> tuple[str, ...]:
+        moves = any(getattr(self, motion).crossing for motion in MOTIONS)
+        names = (*FEET, *STROKES, *GROUND) if moves else ()
+        names += (*(ALONG if self.sway_x.gain else ()), *(ACROSS if self.sway_y.gain else ()))
+        return names + (PRESSURES if self.warp.crossing else ())
+
+
+def _picked(names: tuple[str, ...], group: tuple[str, ...], weights: Array) -> Array:
+    """Row over the inputs that weighs those of a group, (1, inputs)."""
+    row = np.zeros((1, len(names)))
+    row[0, [names.index(name) for name in group]] = weights
+    return row

@@ -1,0 +1,70 @@
+"""Per-actuator stroke servo: each piston follows its reference, with dynamic pressure feedback and balance.
+
+    ẋ_p = −2π f_c·(1 + c/s)·(1 + 2π f_i/s)·notch(s)·lead(s)·(stroke − reference)
+
+A servo does not isolate by itself: at rest in its cylinder, the plate goes with the floor. It isolates if its reference
+is the ground's displacement, taken negative. Merritt (1967): a position loop is stable for 2π f_c < 2 δ_h ω_h, which
+the dynamic feedback of load pressure raises; it is a high-pass, so that static stiffness is kept.
+
+Four servos on three motions are one too many. Where their sensors disagree they press against each other through the
+machine; ``balance`` gives the warp pattern to the pressures.
+"""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from ehamj.controllers.blocks import TWO_PI, Block, added, beside, joined
+from ehamj.controllers.inertial import GROUND, STROKES, Blend, MotionLoop
+from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.law import Controller
+from ehamj.controllers.modal import PRESSURES, WarpBalance
+from ehamj.controllers.sensors import IDEAL, Sensors
+from ehamj.controllers.settings import WINDUP, DigitalSettings, NotNegative, Positive
+from ehamj.layout import N_MOUNTS, WARP
+from ehamj.parameters import Actuator, Plant, Settings
+
+
+class PressureFeedback(Settings):
+    """Dynamic feedback of load pressure: it damps the oil's resonance as a larger K_C would, but not statically."""
+
+    gain: NotNegative = Field(0.0, description="flow per load pressure, in multiples of K_C [-]; 0: none")
+    corner: Positive = Field(20.0, description="corner of its high-pass [Hz]")
+
+    def block(self, actuator: Actuator) -> Block:
+        """Command [V] over load pressure [Pa]."""
+        volts = self.gain * actuator.flow_pressure / (actuator.flow_gain * actuator.valve_gain)
+        return Block.filter([0.0], [-TWO_PI * self.corner], -volts)
+
+
+class StrokeServoSettings(DigitalSettings):
+    """Stroke servo at each mount."""
+
+    kind: Literal["stroke-servo"] = "stroke-servo"
+    loop: MotionLoop = MotionLoop(crossing=40.0, integral=2.0, notch_depth=1.0)
+    reference: Literal["rest", "ground"] = Field(
+        "rest", description="rest: the plate stays in its cylinder; ground: it moves against the measured ground"
+    )
+    blend: Blend = Blend()
+    pressure: PressureFeedback = PressureFeedback()
+    balance: WarpBalance = WarpBalance()
+    windup: Positive = Field(0.02, description=WINDUP)
+
+    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+        """The law for a plant that is measured by ``sensors``."""
+        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
+        volts = np.diag([inverse.volts for inverse in inverses])
+        shared = np.eye(N_MOUNTS)
+        if self.balance.crossing:  # what the servos would do in the warp pattern is left to the balance
+            shared = shared - np.outer(WARP, WARP) / N_MOUNTS
+        loops = beside([self.loop.block(inverse.creep) for inverse in inverses])
+        total, names = loops.between(shared, volts), STROKES
+        if self.reference == "ground":
+            moved = beside([self.blend.ground(sensors.of(GROUND[0])) for _ in inverses])
+            total = joined([Block.gain(np.eye(N_MOUNTS)), moved]).then(total)
+            names += GROUND
+        damping = beside([self.pressure.block(actuator) for actuator in plant.actuators])
+        pattern = np.array(WARP)[:, None]
+        balance = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
+        return self.digital(joined([total, added([damping, balance])]), names + PRESSURES, plant, self.windup)

@@ -1,0 +1,69 @@
+"""What every digital law has in common."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from ehamj.commands import Passive
+from ehamj.controllers.blocks import Block
+from ehamj.controllers.law import Controller
+from ehamj.layout import MOUNTS
+from ehamj.parameters import Plant, Settings
+from ehamj.signals import Signal
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+
+ISOLATE_FROM = (
+    "frequency at which isolation begins on floors too strong for the voltage; below it the machine follows the floor "
+    "[Hz]; 0: everywhere"
+)
+
+WINDUP = "time in which an integral is taken back while its command is limited [s]"
+
+
+class DigitalSettings(Settings):
+    """What every digital controller has; it alone commands the valves."""
+
+    rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
+    delay: NotNegative | None = Field(None, description="computation delay [s]; without: one sample")
+    bits: Annotated[int, Field(ge=2, le=52)] = Field(16, description="resolution of the command converter [bit]")
+    switch_on: NotNegative = Field(0.0, description="time at which the controller takes over [s]")
+    fade: NotNegative = Field(0.0, description="time over which its commands fade in [s]")
+
+    def commands(self) -> tuple[Signal, ...]:
+        """No open-loop command beside the controller's."""
+        return Passive().commands()
+
+    @property
+    def period(self) -> float:
+        """Sampling period [s]."""
+        return 1.0 / self.rate
+
+    @property
+    def hold(self) -> float:
+        """Delay of computation and of the hold, half a sample, together [s]."""
+        return (self.period if self.delay is None else self.delay) + 0.5 * self.period
+
+    def digital(self, block: Block, inputs: tuple[str, ...], plant: Plant, windup: float | None = None) -> Controller:
+        """The law that a continuous ``block`` from ``inputs`` to the four commands [V] becomes.
+
+        ``windup`` [s]: how fast its integrals are taken back while the commands are limited; without, they are not.
+        """
+        law = Controller(
+            *block.sampled(self.period),
+            inputs,
+            self.period,
+            self.delay,
+            min(actuator.voltage_limit for actuator in plant.actuators),
+            self.bits,
+            switch_on=self.switch_on,
+            fade=self.fade,
+            from_rest=True,
+        )
+        return law if windup is None else law.with_anti_windup(windup)
+
+
+def per_mount(what: str, label: str = "") -> tuple[str, ...]:
+    """The channels of a quantity at all mounts: ``ground_velocity front-left z`` and so on."""
+    return tuple(f"{what} {mount} {label}".rstrip() for mount in MOUNTS)

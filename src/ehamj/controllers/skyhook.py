@@ -1,0 +1,50 @@
+"""Per-actuator inertial (sky-hook) feedback: each mount holds its own foot still in space.
+
+The decentralised sibling of `ehamj.controllers.modal`: the same blended measurement and the same loop at each mount,
+but four loops on three motions. Above the blending corner the rigid machine keeps their warp pattern at zero;
+below it the strokes' warp would build pressure, which ``balance`` leaves to the pressures.
+"""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from ehamj.controllers.blocks import Block, beside, joined
+from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
+from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.law import Controller
+from ehamj.controllers.modal import PRESSURES, WarpBalance
+from ehamj.controllers.sensors import IDEAL, Sensors
+from ehamj.controllers.settings import ISOLATE_FROM, WINDUP, DigitalSettings, NotNegative, Positive
+from ehamj.layout import N_MOUNTS, WARP
+from ehamj.parameters import Plant
+
+
+class SkyhookSettings(DigitalSettings):
+    """Inertial feedback at each mount."""
+
+    kind: Literal["skyhook"] = "skyhook"
+    loop: MotionLoop = MotionLoop(
+        crossing=46.0, integral=14.4, lead=184.0, notch=543.0, notch_depth=0.95, notch_width=0.36, rolloff=5580.0
+    )
+    blend: Blend = Blend()
+    isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
+    balance: WarpBalance = WarpBalance()
+    windup: Positive = Field(0.02, description=WINDUP)
+
+    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+        """The law for a plant that is measured by ``sensors``."""
+        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
+        volts = np.diag([inverse.volts for inverse in inverses])
+        blend = self.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0]), self.isolate_from)
+        mounts = beside([blend.then(self.loop.block(inverse.creep)) for inverse in inverses])
+        # The mounts' inputs come as foot, stroke, ground of each; the law's as all feet, all strokes, all ground.
+        order = np.kron(np.eye(3), np.eye(N_MOUNTS)).reshape(3, N_MOUNTS, 3 * N_MOUNTS).transpose(1, 0, 2)
+        pattern = np.array(WARP)[:, None]
+        shared = np.eye(N_MOUNTS)
+        if self.balance.crossing:
+            shared = shared - pattern @ pattern.T / N_MOUNTS
+        law = mounts.between(order.reshape(3 * N_MOUNTS, 3 * N_MOUNTS), volts @ shared)
+        balance: Block = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
+        return self.digital(joined([law, balance]), FEET + STROKES + GROUND + PRESSURES, plant, self.windup)
