@@ -22,6 +22,7 @@ from ehamj.model import build_spec
 from ehamj.replay import attenuation, open_viewer, plots, scene, write_replay
 from ehamj.replay.about import page
 from ehamj.replay.names import nanoseconds
+from ehamj.replay.recording import check_whole
 from ehamj.result import Result
 
 
@@ -292,7 +293,7 @@ def test_a_truncated_recording_is_an_error(sliding: Result, tmp_path: Path) -> N
     write_replay(path, {"run": sliding})
     path.write_bytes(path.read_bytes()[:-2000])
     with pytest.warns(match="footer"), pytest.raises(OSError, match="disk full"):
-        replay._check_whole(path)
+        check_whole(path)
 
 
 def test_page_speaks_of_what_is_missing_without_nonsense(sliding: Result) -> None:

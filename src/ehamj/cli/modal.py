@@ -3,6 +3,7 @@
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -26,6 +27,9 @@ VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes on
 
 KINDS = ("ring-down", "random", "sweep")
 """Measurements that `ehamj.analysis.modal_test` makes; named here so that --help need not load it."""
+
+SHORT = {"modes": "valves held", "closed_loop": "closed loop", "bypassed": "membranes only"}
+"""What the replay calls them, in its order."""
 
 NOTABLE = 0.005
 """Share, or slope, below which a table leaves a part out."""
@@ -57,6 +61,11 @@ def modes(
     noise: Annotated[
         float, typer.Option("--noise", help="Noise of the measurement's sensors, as a share of each signal's RMS.")
     ] = 0.0,
+    replay: Annotated[
+        Path | None,
+        typer.Option("--replay", metavar="FILE.rrd", help="Also write the modes as an animated Rerun recording."),
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
@@ -67,6 +76,8 @@ def modes(
 
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
     `ring-down` a jolt of the floor and free decay, `random` periodic noise and `sweep` a sine sweep of the floor.
+
+    With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
     from ehamj.analysis.linear import linear_model
     from ehamj.analysis.modal_test import kind_of, modal_test
@@ -74,6 +85,8 @@ def modes(
     from ehamj.analysis.sensitivity import sensitivities
     from ehamj.scenario import load_scenario
 
+    if replay is not None:
+        _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     places = {**loaded.points, **_points(points or [])}
     model, controller = linear_model(loaded), loaded.controller()
@@ -86,6 +99,11 @@ def modes(
     if measured is not None:
         with log.status(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
+    if replay is not None:
+        from ehamj.studies.mode_replay import replay_modes
+
+        with log.status("drawing"):
+            replay_modes(replay, loaded, {SHORT[key]: found[key] for key in SHORT if key in found})
     slopes = {}
     if sensitivity:
         with log.status("changing every parameter"):
@@ -96,6 +114,8 @@ def modes(
             content["sensitivity"] = {key: _plain(slope) for key, slope in slopes.items()}
         if test is not None:
             content["measured"] = test.to_dict()
+        if replay is not None:
+            content["replay"] = str(replay)
         print_json(content)
         return
     for key, modes in found.items():
@@ -112,6 +132,18 @@ def modes(
         out.print(f"measured: {test.words}", highlight=False, soft_wrap=True)
         for name in test.missed:
             out.print(f"note: {name} was not found in the signals", highlight=False, soft_wrap=True)
+    if replay is not None:
+        out.print(f"modes, animated: {replay}  (open it with: rerun {replay})", markup=False, soft_wrap=True)
+
+
+def _check_recording(path: Path, overwrite: bool) -> None:
+    """Raise InputError unless a recording may be written there; called before anything is computed."""
+    if path.suffix != ".rrd":
+        raise InputError(f"--replay {str(path)!r}: must end in .rrd")
+    if path.exists() and not (overwrite and path.is_file()):
+        raise InputError(f"--replay {str(path)!r}: exists already; name another file or add --overwrite")
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"--replay {str(path)!r}: {str(path.parent)!r} is no folder")
 
 
 def _points(given: Sequence[str]) -> dict[str, tuple[float, float, float]]:

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 import rerun as rr
-from rerun.chunk import RrdReader
 from rerun.error_utils import catch_and_log_exceptions
 
 from ehamj.replay.about import page
@@ -22,6 +21,7 @@ from ehamj.replay.blueprint import make_blueprint, playback_speed
 from ehamj.replay.marks import arrow_scale, log_marks
 from ehamj.replay.names import result_color
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
+from ehamj.replay.recording import check_whole
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
 from ehamj.result import Result, written_whole
 
@@ -72,15 +72,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
             log_attenuation(recording, curves, tuple(results))
         finally:
             recording.disconnect()
-        _check_whole(temporary)
-
-
-def _check_whole(path: Path) -> None:
-    """Read the file's end: Rerun writes on a thread of its own, and what goes wrong there it only prints."""
-    try:
-        RrdReader(path).store()
-    except (OSError, RuntimeError, ValueError) as error:
-        raise OSError(f"recording not written whole; is the disk full, or Rerun off (RERUN=off)? {error}") from error
+        check_whole(temporary)
 
 
 def _application(title: str, labels: Iterable[str], factor: float) -> str:

@@ -44,6 +44,6 @@ def nanoseconds(time: Array) -> NDArray[np.int64]:
     return np.round(time * 1e9).astype(np.int64)
 
 
-def time_column(stamps: NDArray[np.int64]) -> rr.TimeColumn:
+def time_column(stamps: NDArray[np.int64], timeline: str = TIMELINE) -> rr.TimeColumn:
     """The timeline's column for stamps in nanoseconds."""
-    return rr.TimeColumn(TIMELINE, duration=stamps.view("timedelta64[ns]"))
+    return rr.TimeColumn(timeline, duration=stamps.view("timedelta64[ns]"))

@@ -78,7 +78,7 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
         factor: exaggeration of translations and rotations.
     """
     model = drawn_model(result)
-    _log_shapes(recording, label, model)
+    log_shapes(recording, label, model)
     rows = pose_rows(result)
     stamps = nanoseconds(result.dataset.time.values[rows])
     for body, pose in poses(result, model, factor, rows).items():
@@ -178,7 +178,7 @@ def _largest_motion(result: Result) -> float:
     return largest
 
 
-def _log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:
+def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:
     """The model's geoms, static, below their bodies; the machine and its plates once more as a ghost that stays."""
     recording.log(entity(label, "world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
     for geom in range(model.ngeom):

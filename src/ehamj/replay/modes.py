@@ -1,0 +1,325 @@
+"""Replay of modes: the machine swings in each of them, exaggerated, about a ghost of itself at rest.
+
+One page shows all modes at once, swinging steadily; on a page of its own each mode is let go and rings down, the
+variants of the machine beside each other and on one clock.
+"""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import mujoco
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+from rerun.error_utils import catch_and_log_exceptions
+
+from ehamj.layout import MOUNTS
+from ehamj.model import build_spec
+from ehamj.parameters import Plant
+from ehamj.replay.blueprint import BACKGROUND
+from ehamj.replay.names import Array, Color, entity, nanoseconds, result_color, time_column
+from ehamj.replay.recording import check_whole
+from ehamj.replay.scene import FLOOR, GHOST, log_shapes, quaternion
+from ehamj.result import written_whole
+
+ComplexArray = NDArray[np.complex128]
+
+TIMELINE: Final = "viewing_time"
+"""Time of the viewer [s]: every mode is slowed to the same pace, and its frequency stands in its title."""
+
+LENGTH, RATE = 8.0, 50.0
+"""Duration of the recording [s], poses per second [Hz]."""
+RINGINGS: Final = "ringing"
+"""Where the curves of the ring-downs are logged."""
+SWINGS: Final = 4
+"""Whole swings of the steady picture in the recording."""
+RINGING: Final = 1.0
+"""Pace of a ring-down: swings of the first variant's mode per second [Hz]."""
+
+LARGEST, FOOT_LARGEST = 0.28, 0.16
+"""Largest motion drawn of any corner of the machine, and vertically of a foot, whose plate dips into its pad [m]."""
+
+HEAD: Final = 0.11
+"""Length of the arrows' heads [m]."""
+
+NEAR: Final = 3.0
+"""Distance of an axis from the machine's middle [m] up to which it is drawn; beyond, the machine all but translates."""
+
+PATH_COLOR: Final[Color] = (255, 214, 64)
+AXIS_COLOR: Final[Color] = (255, 72, 72)
+PARTS: Final = ("bed", "column")
+"""Parts of the drawing whose upper corners show their paths."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """One mode to draw: its name, natural frequency [Hz] and damping ratio [-], and how the machine moves in it.
+
+    ``shape`` is the complex motion of the mount plane's centre (6,) [m, rad], largest at t = 0; ``axis`` the point [m]
+    and direction of the axis that it turns about, None where it translates.
+    """
+
+    name: str
+    frequency: float
+    damping_ratio: float
+    shape: ComplexArray
+    axis: tuple[Array, Array] | None
+
+    @property
+    def title(self) -> str:
+        """Name, frequency and damping as a person reads them."""
+        return f"{self.name}: {self.frequency:.4g} Hz, damping {100 * self.damping_ratio:.2g} %"
+
+
+def write_mode_replay(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
+    """Write the recording of a machine's modes.
+
+    Args:
+        path: file to write, ``*.rrd``; it appears when it is whole.
+        title: the machine's name.
+        plant: what is drawn.
+        variants: modes by variant (``valves held``, ``closed loop``, …); those of one name are shown beside each other.
+
+    Raises:
+        ValueError: if there is no mode to show.
+        OSError: if the file cannot be written.
+    """
+    if not variants or not all(variants.values()):
+        raise ValueError(f"variants {list(variants)}: each needs a mode to show")
+    model = build_spec(plant, 1e-4, drawn=True).compile()
+    first, swings = next(iter(variants.items()))
+    names = [swing.name for swing in swings]
+    beside = {name: {label: s for label, own in variants.items() for s in own if s.name == name} for name in names}
+    with written_whole(Path(path)) as temporary, catch_and_log_exceptions(strict=True):
+        recording = rr.RecordingStream(f"ehamj modes {re.sub(r'[^A-Za-z0-9]+', '-', title).strip('-')}")
+        try:
+            temporary.touch()
+            recording.save(temporary, default_blueprint=_blueprint(plant, first, beside))
+            recording.send_recording_name(f"{title}: modes")
+            _log_table(recording, title, variants)
+            for name, shown in beside.items():
+                _log_swing(recording, entity_of("all", name), plant, model, shown[first], steady=True)
+                pace = RINGING / shown[first].frequency
+                for index, (label, swing) in enumerate(shown.items()):
+                    _log_swing(recording, entity_of(label, name), plant, model, swing, steady=False, pace=pace)
+                    _log_ringing(recording, entity(RINGINGS, name, f"{index}-{label}"), label, swing, pace, index)
+        finally:
+            recording.disconnect()
+        check_whole(temporary)
+
+
+def entity_of(page: str, name: str) -> str:
+    """Label of a scene: the first part of all its paths."""
+    return f"{page} - {name}"
+
+
+def drawn_scale(plant: Plant, swing: Swing, points: Array) -> float:
+    """Factor on a shape that draws it as large as `LARGEST` and `FOOT_LARGEST` allow."""
+    feet = np.array([(*position, 0.0) for position in plant.positions])
+    reach = float(np.abs(_displacement(swing.shape, points)).max())
+    lift = float(np.abs(_displacement(swing.shape, feet)[:, 2]).max())
+    return min(LARGEST / reach, FOOT_LARGEST / lift if lift > 0.0 else math.inf)
+
+
+def motion_of(swing: Swing, times: Array, steady: bool, pace: float = 0.0) -> Array:
+    """Motion of the mount plane's centre at viewing times [s], (n, 6) [m, rad], of the shape as it is.
+
+    Steady: `SWINGS` in the recording. Otherwise the free decay Re(v e^{λ t·pace}), ``pace`` being machine seconds per
+    viewing second.
+    """
+    if steady:
+        turn = np.exp(2j * np.pi * SWINGS / LENGTH * times)
+    else:
+        zeta, omega = swing.damping_ratio, 2 * np.pi * swing.frequency
+        turn = np.exp(complex(-zeta * omega, omega * math.sqrt(max(0.0, 1 - zeta**2))) * pace * times)
+    return np.asarray((turn[:, None] * swing.shape).real)
+
+
+def _displacement(shape: ComplexArray, points: Array) -> ComplexArray:
+    """Complex displacement of points (n, 3) in a small motion of the mount plane's centre, (n, 3)."""
+    return np.asarray(shape[:3] + np.cross(np.broadcast_to(shape[3:], points.shape), points))
+
+
+def _corners(model: mujoco.MjModel) -> Array:
+    """Upper corners of the parts that show their paths, (n, 3) [m]."""
+    found = []
+    for name in PARTS:
+        geom = model.geom(name)
+        for sx, sy in ((1, 1), (1, -1), (-1, -1), (-1, 1)):
+            found.append(geom.pos + geom.size * (sx, sy, 1.0))
+    return np.array(found)
+
+
+def _log_swing(
+    recording: rr.RecordingStream,
+    label: str,
+    plant: Plant,
+    model: mujoco.MjModel,
+    swing: Swing,
+    steady: bool,
+    pace: float = 0.0,
+) -> None:
+    """Log one scene: shapes and ghost, the moving machine, the paths of its corners, the axis it turns about."""
+    log_shapes(recording, label, model)
+    points = _corners(model)
+    drawn = replace(swing, shape=drawn_scale(plant, swing, points) * swing.shape)
+    times = np.arange(0.0, LENGTH + 0.5 / RATE, 1.0 / RATE)
+    motion = motion_of(drawn, times, steady, pace)
+    stamps = time_column(nanoseconds(times), TIMELINE)
+    poses = {"machine": (motion[:, :3], quaternion(motion[:, 3:]))}
+    if plant.plates == "sliding":
+        upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(times), 1))
+        for mount, position in zip(MOUNTS, plant.positions, strict=True):
+            foot = motion[:, :3] + np.cross(motion[:, 3:], (*position, 0.0))
+            poses[f"plate {mount}"] = (model.body(f"plate {mount}").pos + foot, upright)
+    for body, (translation, turned) in poses.items():
+        columns = rr.Transform3D.columns(translation=translation, quaternion=turned)
+        recording.send_columns(entity(label, "world", body), [stamps], columns, strict=True)
+    for mount in MOUNTS:
+        where = rr.Transform3D(translation=model.body(f"pad {mount}").pos)
+        recording.log(entity(label, "world", f"pad {mount}"), where, static=True, strict=True)
+    _log_paths(recording, label, drawn, points)
+    _log_axis(recording, label, plant, model, drawn)
+
+
+def _log_paths(recording: rr.RecordingStream, label: str, drawn: Swing, points: Array) -> None:
+    """The closed path of each corner in the steady motion, with an arrow's head where it turns back."""
+    phase = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 49))
+    moved = _displacement(drawn.shape, points)
+    paths = [points[k] + (phase[:, None] * moved[k]).real for k in range(len(points))]
+    strips = rr.LineStrips3D(paths, radii=0.012, colors=[PATH_COLOR])
+    recording.log(entity(label, "world", "paths"), strips, static=True, strict=True)
+    origins, vectors = [], []
+    for point, move in zip(points, moved, strict=True):
+        far = move * np.exp(-0.5j * np.angle(np.sum(move**2)))  # the ellipse's longer half axis
+        length = float(np.linalg.norm(far.real))
+        if length > 0.02:
+            for sign in (1.0, -1.0):
+                origins.append(point + sign * (1.0 - HEAD / max(length, HEAD)) * far.real)
+                vectors.append(sign * min(HEAD, length) / length * far.real)
+    if origins:
+        arrows = rr.Arrows3D(origins=origins, vectors=vectors, radii=0.03, colors=[PATH_COLOR])
+        recording.log(entity(label, "world", "turning"), arrows, static=True, strict=True)
+
+
+def drawn_axis(plant: Plant, swing: Swing) -> tuple[Array, Array] | None:
+    """Middle [m] and direction of the axis as it is drawn; None where it is too far away, or there is none."""
+    if swing.axis is None:
+        return None
+    point, direction = swing.axis
+    middle = np.array([0.0, 0.0, 0.5 * plant.machine.size[2]])
+    nearest = point + direction * float(direction @ (middle - point))
+    return (nearest, direction) if float(np.linalg.norm(nearest - middle)) <= NEAR else None
+
+
+def _log_axis(recording: rr.RecordingStream, label: str, plant: Plant, model: mujoco.MjModel, swing: Swing) -> None:
+    """The axis that the machine turns about, sticking out of it, with balls at its ends.
+
+    Where it lies below the floor, the floor is drawn as lines, so that it shows.
+    """
+    axis = drawn_axis(plant, swing)
+    if axis is None:
+        return
+    nearest, direction = axis
+    reach = 0.5 * float(np.abs(direction) @ np.array(plant.machine.size)) + 0.3
+    ends = np.array([nearest - reach * direction, nearest + reach * direction])
+    path = entity(label, "world", "axis")
+    recording.log(path, rr.LineStrips3D([ends], radii=0.022, colors=[AXIS_COLOR]), static=True, strict=True)
+    balls = rr.Points3D(ends, radii=0.07, colors=[AXIS_COLOR])
+    recording.log(entity(label, "world", "axis", "ends"), balls, static=True, strict=True)
+    if ends[:, 2].min() < FLOOR and abs(direction[2]) < 0.5:
+        floor = model.geom("floor")
+        lines = rr.Boxes3D(half_sizes=[floor.size], centers=[floor.pos], colors=[GHOST], fill_mode="majorwireframe")
+        recording.log(entity(label, "world", "floor", "geoms", "floor"), lines, static=True, strict=True)
+
+
+def _log_ringing(recording: rr.RecordingStream, path: str, label: str, swing: Swing, pace: float, index: int) -> None:
+    """The ring-down as a curve: motion over its beginning."""
+    times = np.arange(0.0, LENGTH + 0.5 / RATE, 1.0 / RATE)
+    largest = int(np.argmax(np.abs(swing.shape)))
+    curve = motion_of(swing, times, False, pace)[:, largest] / abs(swing.shape[largest])
+    style = rr.SeriesLines(names=[label], colors=[result_color(index)], widths=[2.0])
+    recording.log(path, style, static=True, strict=True)
+    stamps = time_column(nanoseconds(times), TIMELINE)
+    recording.send_columns(path, [stamps], rr.Scalars.columns(scalars=curve), strict=True)
+
+
+# --- layout --------------------------------------------------------------------------------------------------------
+
+
+def _blueprint(plant: Plant, first: str, beside: Mapping[str, Mapping[str, Swing]]) -> rrb.Blueprint:
+    together = [
+        _view(plant, entity_of("all", name), shown[first].title, shown[first]) for name, shown in beside.items()
+    ]
+    columns = 3 if len(together) > 4 else 2
+    pages: list[rrb.Container | rrb.View] = [rrb.Grid(*together, grid_columns=columns, name=f"all modes, {first}")]
+    for name, shown in beside.items():
+        views = [
+            _view(plant, entity_of(label, name), f"{label}, {swing.title}", swing, away=1.2)
+            for label, swing in shown.items()
+        ]
+        curves = rrb.TimeSeriesView(
+            origin=entity(RINGINGS, name),
+            name="ring-down, over its beginning",
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+        )
+        pages.append(rrb.Vertical(rrb.Horizontal(*views), curves, row_shares=[3, 1], name=name))
+    pages.append(rrb.TextDocumentView(origin="/table", name="table"))
+    return rrb.Blueprint(
+        rrb.Tabs(*pages, active_tab=0),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=1.0, play_state="playing", loop_mode="all"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _view(plant: Plant, label: str, title: str, swing: Swing, away: float = 1.08) -> rrb.Spatial3DView:
+    """A scene, seen from where its motion shows best."""
+    size = np.array(plant.machine.size)
+    turn = np.abs(swing.shape[3:]) * 0.5 * math.hypot(*size)
+    shift = np.abs(swing.shape[:3])
+    kind = int(np.argmax([max(turn[0], shift[1]), max(turn[1], shift[0]), turn[2], shift[2]]))
+    eye = np.array([(0.95, -0.34, 0.22), (0.34, -0.95, 0.22), (0.55, -0.55, 0.85), (0.80, -0.62, 0.16)][kind])
+    axis = drawn_axis(plant, swing)
+    lowest = min(FLOOR, axis[0][2] - 0.1) if axis is not None and kind < 2 else FLOOR
+    target = np.array([0.0, 0.0, 0.36 * size[2] + 0.5 * (lowest - FLOOR)])
+    away *= 1.0 + 0.6 * (FLOOR - lowest) / math.hypot(*size)
+    return rrb.Spatial3DView(
+        origin=entity(label, "world"),
+        name=title,
+        background=rrb.Background(color=BACKGROUND),
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(
+            kind="orbital",
+            position=target + away * math.hypot(*size) * eye / np.linalg.norm(eye),
+            look_target=target,
+            eye_up=[0, 0, 1],
+        ),
+    )
+
+
+def _log_table(recording: rr.RecordingStream, title: str, variants: Mapping[str, Sequence[Swing]]) -> None:
+    lines = [
+        f"# {title}: modes",
+        "",
+        "| variant | mode | natural frequency [Hz] | damping ratio [%] |",
+        "|---|---|---|---|",
+    ]
+    for label, swings in variants.items():
+        lines += [f"| {label} | {s.name} | {s.frequency:.2f} | {100 * s.damping_ratio:.2f} |" for s in swings]
+    lines += [
+        "",
+        "Motions are drawn far larger than they are, and slowed. On the first page every mode swings at the same pace; "
+        "on the others a mode is let go and rings down, all variants on one clock.",
+        "",
+        "Yellow: paths of corners. Red: the axis that the machine turns about. Grey lines: the machine at rest.",
+    ]
+    document = rr.TextDocument("\n".join(lines) + "\n", media_type="text/markdown")
+    recording.log("table", document, static=True, strict=True)
