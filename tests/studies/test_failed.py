@@ -8,6 +8,7 @@ from ehamj.errors import InputError
 from ehamj.parameters import FIRST_GENERATION
 from ehamj.scenario import parse_scenario
 from ehamj.studies import failed as study
+from ehamj.studies.floors import Loop
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied", "control": {"kind": "feedforward"}})
 STUDY = study.FailedStudy(MACHINE)
@@ -43,7 +44,7 @@ def test_a_stuck_valve_ignores_its_command() -> None:
 @pytest.mark.parametrize("failure", ["valve stuck fully open", "membrane only"])
 def test_the_run_agrees_with_the_linear_residual(failure: str) -> None:
     """1e-3 of the floor's motion, the law's 16 bit and the valve's root law; the residual itself is 250 of that."""
-    scenario, law = study.failed(STUDY, failure), MACHINE.controller()
+    scenario, law = study.failed(STUDY, failure), Loop.of(MACHINE)
     linear = study.residual(linear_model(scenario), law, LINES)
     simulated = study.simulated_residual(STUDY, scenario, law)
     assert np.abs(simulated - linear)[:, 0].max() < 1e-3
@@ -68,7 +69,7 @@ def test_a_valve_that_runs_away_ends_where_the_stuck_one_stands() -> None:
 
 def test_three_actuators_leave_a_quarter() -> None:
     """Far below the modes the stiff machine heaves with the mean of its corners, of which one follows the floor."""
-    gain = np.abs(study.residual(linear_model(study.failed(STUDY, "valve stuck centred")), MACHINE.controller(), LINES))
+    gain = np.abs(study.residual(linear_model(study.failed(STUDY, "valve stuck centred")), Loop.of(MACHINE), LINES))
     assert gain[:3, 0] == pytest.approx(np.full(3, 0.25), rel=0.01)
 
 

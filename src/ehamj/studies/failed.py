@@ -12,14 +12,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
-from ehamj.studies.floors import floor_response, rigid_floor
+from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, still, with_actuators
@@ -131,17 +130,18 @@ def _stroke(model: LinearModel, mount: int) -> float:
 OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displacement ry")
 
 
-def residual(model: LinearModel, law: LinearController | None, hertz: Array) -> ComplexArray:
+def residual(model: LinearModel, loop: Loop | None, hertz: Array) -> ComplexArray:
     """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
-    return floor_response(model, law, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
+    return floor_response(model, loop, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
 
 
-def simulated_residual(study: FailedStudy, scenario: Scenario, law: LinearController | None) -> ComplexArray:
+def simulated_residual(study: FailedStudy, scenario: Scenario, loop: Loop | None) -> ComplexArray:
     """As `residual`, at the study's lines, from a nonlinear run of 5 s of which the last is evaluated."""
     f = np.array(study.lines)
     phases = -np.pi * np.arange(f.size) * (np.arange(f.size) + 1) / f.size
     ground = {"kind": "multisine", "dof": "z", "frequencies": f.tolist(), "velocities": (study.velocity,)}
     ground |= {"phases": phases.tolist(), "fade_in": 1.0}
+    law = None if loop is None else loop.law
     run = simulate(still(scenario, ground=ground, duration=5.0, record_rate=2000.0), controller=law)
     part = run.dataset.sel(time=slice(4.0 + 1e-9, None))
     time = part["time"].values
@@ -177,7 +177,7 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
     Raises:
         InputError: if a machine with a failed actuator has no operating point.
     """
-    law = study.scenario.controller()
+    loop = Loop.of(study.scenario)
     cases = ("sound", *FAILURES)
     models, answers = {}, {}
     for case in cases:
@@ -185,15 +185,15 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
         scenario = failed(study, case)
         models[case] = linear_model(scenario)
         answers[case] = (
-            residual(models[case], law, np.array(study.lines)),
-            simulated_residual(study, scenario, law),
+            residual(models[case], loop, np.array(study.lines)),
+            simulated_residual(study, scenario, loop),
         )
     progress("a valve runs away")
     static, event = static_forces(models[f"valve stuck {100 * STUCK:.0f} % open"]), simulated_event(study, STUCK)
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)
     isolation = _isolation_table(study, answers)
-    curves = _curves_table(models, law)
+    curves = _curves_table(models, loop)
     largest = float(isolation["difference"].max())
     return Outcome(
         title="One actuator failed",
@@ -248,9 +248,9 @@ def _isolation_table(study: FailedStudy, answers: "dict[str, tuple[ComplexArray,
     )
 
 
-def _curves_table(models: dict[str, LinearModel], law: LinearController | None) -> xr.Dataset:
+def _curves_table(models: dict[str, LinearModel], loop: Loop | None) -> xr.Dataset:
     f = np.geomspace(0.5, 300.0, 201)
-    values = np.array([residual(model, law, f) for model in models.values()])
+    values = np.array([residual(model, loop, f) for model in models.values()])
     over = ("case", "frequency")
     return xr.Dataset(
         {

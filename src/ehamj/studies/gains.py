@@ -1,6 +1,6 @@
 """Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -8,13 +8,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.analysis.modes import FORGOTTEN, modes, sampled_loop
+from ehamj.analysis.modes import eigen_of, modes, sampled_loop
 from ehamj.controllers import Controller, LinearController
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.parameters import Plant
 from ehamj.plots.charts import Line, lines_chart, locus_chart
 from ehamj.scenario import Scenario
+from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 
 if TYPE_CHECKING:
@@ -79,42 +80,44 @@ def feeds_back(law: LinearController | None) -> bool:
     return law is not None and any(not name.startswith("ground_") for name in law.inputs)
 
 
-def radius(model: LinearModel, law: LinearController) -> float:
+def scaled(loop: Loop, factor: float) -> Loop:
+    """The loop with all gains of its law multiplied."""
+    return replace(loop, law=loop.law.scaled(factor))
+
+
+def radius(model: LinearModel, loop: Loop) -> float:
     """Spectral radius of the sampled loop: stable below one."""
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, law).A)).max())
+    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop.law, loop.sensors, loop.seed).A)).max())
 
 
-def highest_factor(model: LinearModel, law: LinearController) -> float:
+def highest_factor(model: LinearModel, loop: Loop) -> float:
     """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
 
     Raises:
         InputError: if even a thousandth of the gain is unstable.
     """
     low = 1e-3
-    if radius(model, law.scaled(low)) > STABLE:
+    if radius(model, scaled(loop, low)) > STABLE:
         raise InputError("control: the loop is unstable even with a thousandth of its gain")
     high = low
-    while radius(model, law.scaled(high)) <= STABLE:
+    while radius(model, scaled(loop, high)) <= STABLE:
         low, high = high, 3.0 * high
         if high > UNLIMITED:
             return float("inf")
     while high / low > 1.0 + 1e-3:
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if radius(model, law.scaled(middle)) <= STABLE else (low, middle)
+        low, high = (middle, high) if radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
     return float(np.sqrt(low * high))
 
 
-def root_locus(model: LinearModel, law: LinearController, factors: Array) -> ComplexArray:
+def root_locus(model: LinearModel, loop: Loop, factors: Array) -> ComplexArray:
     """Poles [1/s] of the sampled loop in continuous time, (factor, pole); NaN for delays, gone after a sample."""
     found = []
     for factor in factors:
-        loop = sampled_loop(model, law.scaled(float(factor)))
-        z = np.linalg.eigvals(loop.A)
-        poles = np.full(z.size, np.nan + 0j)
-        kept = np.abs(z) > FORGOTTEN
-        poles[kept] = np.log(z[kept]) / loop.period
-        found.append(poles)
-    return np.array(found)
+        one = scaled(loop, float(factor))
+        found.append(eigen_of(model, one.law, sensors=one.sensors, seed=one.seed)[0].values)
+    most = max(map(len, found))
+    return np.array([np.append(poles, np.full(most - len(poles), np.nan + 0j)) for poles in found])
 
 
 def loop_gains(study: GainStudy, progress: Progress = silent) -> Outcome:
@@ -124,14 +127,14 @@ def loop_gains(study: GainStudy, progress: Progress = silent) -> Outcome:
         InputError: if the loop is unstable even with a thousandth of its gain.
     """
     progress("root locus")
-    model, own = linear_model(study.scenario), study.scenario.controller()
-    ours = not feeds_back(own)
-    law = own if own is not None and not ours else inertial_position(study.scenario.plant, study.crossover)
-    limit = highest_factor(model, law)
+    model, own = linear_model(study.scenario), Loop.of(study.scenario)
+    ours = own is None or not feeds_back(own.law)
+    loop = Loop(inertial_position(study.scenario.plant, study.crossover)) if own is None or ours else own
+    limit = highest_factor(model, loop)
     highest = study.highest or (1.25 * limit if np.isfinite(limit) else 3.0)
     factors = np.linspace(0.0, highest, study.points)
-    poles = root_locus(model, law, factors)
-    table = _modes_over_gain(model, law, factors[:: max(1, study.points // 20)])
+    poles = root_locus(model, loop, factors)
+    table = _modes_over_gain(model, loop, factors[:: max(1, study.points // 20)])
     span = 1.2 * max(mode.frequency for mode in modes(model) if mode.machine_moves)
     which = (
         f"feedback of each foot's absolute position, crossing {study.crossover:g} Hz" if ours else "the scenario's law"
@@ -157,18 +160,21 @@ def loop_gains(study: GainStudy, progress: Progress = silent) -> Outcome:
             ),
         },
         notes=(
-            "The loop is sampled: hold, computation delay and the law's states are in it; sensors are ideal, the "
-            "machine "
-            "is linear about its equilibrium.",
+            "The loop is sampled: hold, computation delay, the law's and the sensors' states are in it; the machine is "
+            "linear about its equilibrium.",
             *((OWN_LAW,) if ours else ()),
         ),
         numbers={"highest_factor": limit if np.isfinite(limit) else None, "own_law": ours},
     )
 
 
-def _modes_over_gain(model: LinearModel, law: LinearController, factors: Array) -> xr.Dataset:
+def _modes_over_gain(model: LinearModel, loop: Loop, factors: Array) -> xr.Dataset:
     """Frequency [Hz] and damping of the machine's own modes over the factor, by name."""
-    steps = [{m.name: m for m in modes(model, law.scaled(float(f))) if m.machine_moves} for f in factors]
+    steps = []
+    for factor in factors:
+        one = scaled(loop, float(factor))
+        found = modes(model, one.law, sensors=one.sensors, seed=one.seed)
+        steps.append({mode.name: mode for mode in found if mode.machine_moves})
     names = list(dict.fromkeys(name for step in steps for name in step))
     frequency, damping = np.full((2, len(factors), len(names)), np.nan)
     for i, step in enumerate(steps):

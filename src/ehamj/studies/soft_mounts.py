@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import AXES
 from ehamj.native import hydraulics
@@ -24,7 +23,7 @@ from ehamj.parameters import Actuator, Plant
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
-from ehamj.studies.floors import floor_response, rigid_floor
+from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, positions, preset, resized, still, with_every_actuator
@@ -157,7 +156,7 @@ def soft_mounts(study: SoftMountStudy, progress: Progress = silent) -> Outcome:
             ),
         },
         notes=(
-            "Transmissibility is that of the linear model with ideal sensors: a floor that drives valves to their "
+            "Transmissibility is that of the linear model: a floor that drives valves to their "
             "limits is isolated less (`ehamj run`).",
             "The presets elastic-mount (a spring of 5 Hz under 4 t) and pneumatic-mount (an air spring with damping "
             "chamber, 2 Hz) are assumed, typical values; levelling valves are not modelled.",
@@ -221,21 +220,21 @@ def tipping_table(study: SoftMountStudy) -> xr.Dataset:
     )
 
 
-Systems = Mapping[str, tuple[LinearModel, LinearController | None]]
+Systems = Mapping[str, tuple[LinearModel, Loop | None]]
 
 
 def compared_systems(study: SoftMountStudy) -> Systems:
     """The machine on each kind of soft mount and on its own actuators: valves held, and under its control if any."""
     scenario = study.scenario
-    found: dict[str, tuple[LinearModel, LinearController | None]] = {}
+    found: dict[str, tuple[LinearModel, Loop | None]] = {}
     for name in study.presets:
         passive = still(scenario)
         found[name] = (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None)
     own = linear_model(scenario)
     found["its own, valves held"] = (own, None)
-    law = scenario.controller()
-    if law is not None:
-        found["its own, controlled"] = (own, law)
+    loop = Loop.of(scenario)
+    if loop is not None:
+        found["its own, controlled"] = (own, loop)
     return found
 
 
@@ -245,10 +244,10 @@ def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.D
     values = np.array(
         [
             [
-                np.abs(floor_response(model, law, f, (f"cg_displacement {axis}",), _floor(model, axis))[:, 0])
+                np.abs(floor_response(model, loop, f, (f"cg_displacement {axis}",), _floor(model, axis))[:, 0])
                 for axis in AXES
             ]
-            for model, law in systems.values()
+            for model, loop in systems.values()
         ]
     )
     return xr.Dataset(

@@ -14,6 +14,7 @@ from ehamj.errors import InputError
 from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
+from ehamj.studies.floors import Loop
 from ehamj.studies.gains import highest_factor, inertial_position
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed
@@ -98,8 +99,8 @@ def fastest_loops(study: ValveOilStudy, progress: Progress = silent) -> xr.Datas
         progress(f"loops: {name}")
         for j, factor in enumerate(study.loops):
             scenario = _scaled(study.scenario, name, factor)
-            law = inertial_position(scenario.plant, TRIED)
-            crossover[i, j] = TRIED * highest_factor(linear_model(scenario), law)
+            loop = Loop(inertial_position(scenario.plant, TRIED))
+            crossover[i, j] = TRIED * highest_factor(linear_model(scenario), loop)
     return xr.Dataset(
         {"crossover": labelled(("parameter", "factor"), crossover, "Hz", "crossover at the limit of stability")},
         {

@@ -13,14 +13,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.linear import LinearModel, linear_model
-from ehamj.analysis.transmissibility import ground_response
-from ehamj.controllers import LinearController
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate
-from ehamj.studies.floors import floor_response, rigid_floor
+from ehamj.studies.floors import Loop, floor_response, ground_to, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed, positions, still
 
@@ -76,11 +74,11 @@ def largest_turn(rx: ComplexArray, ry: ComplexArray) -> Array:
     return np.asarray(np.sqrt(0.5 * (total + np.abs(rx**2 + ry**2))))
 
 
-def rocking(study: WaveStudy, model: LinearModel, law: LinearController | None) -> Array:
+def rocking(study: WaveStudy, model: LinearModel, loop: Loop | None) -> Array:
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
     f, places = np.array(study.frequencies), positions(study.scenario)
     k = AXES.index(study.axis)
-    transfer = ground_response(model, f, TURNS, law)[:, :, k :: len(AXES)]  # (frequency, output, mount)
+    transfer = ground_to(model, loop, f, TURNS)[:, :, k :: len(AXES)]  # (frequency, output, mount)
     found = np.empty((len(study.directions), len(study.speeds), f.size))
     for i, direction in enumerate(study.directions):
         for j, speed in enumerate(study.speeds):
@@ -97,8 +95,8 @@ def waves(study: WaveStudy, progress: Progress = silent) -> Outcome:
         InputError: if the machine has no operating point.
     """
     progress("linear response")
-    model, law = linear_model(study.scenario), study.scenario.controller()
-    systems: dict[str, LinearController | None] = {"valves held": None} | ({} if law is None else {"controlled": law})
+    model, loop = linear_model(study.scenario), Loop.of(study.scenario)
+    systems: dict[str, Loop | None] = {"valves held": None} | ({} if loop is None else {"controlled": loop})
     table = rocking_table(study, {name: rocking(study, model, one) for name, one in systems.items()})
     worst = {name: worst_wave(table, name) for name in systems}
     coupling = coupling_table(model, np.array(study.frequencies))
