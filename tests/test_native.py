@@ -4,6 +4,7 @@ import ctypes
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
@@ -12,6 +13,7 @@ from typing import Any
 
 import mujoco
 import mujoco.batch
+import numba
 import numpy as np
 import pytest
 from mujoco.introspect import structs
@@ -20,6 +22,7 @@ from oracles import linear, machine
 from ehamj.layout import COLUMN, CUBICS, DOF_OF_JOINT, N_INPUTS, N_MOUNTS, N_STATES, STEP_RATE, STEP_START
 from ehamj.model import build_model
 from ehamj.native import ForeignCallbackError, hydraulics
+from ehamj.native.cache import compiled_here, folder
 from ehamj.native.callbacks import callbacks
 from ehamj.native.hold import default_timer, installed, library
 from ehamj.native.offsets import LayoutError, Offsets, offsets
@@ -417,3 +420,27 @@ def test_everything_works_where_no_cache_can_be_written(tmp_path: Path) -> None:
     )
     assert (done.returncode, done.stdout.strip()) == (0, "True"), done.stderr
     assert blocked.read_text() == "not a folder"
+
+
+def test_threads_that_compile_do_not_take_the_folder_from_each_other() -> None:
+    before = numba.config.CACHE_DIR
+    seen: list[str] = []
+
+    def compile_something(begun: threading.Event, finish: threading.Event) -> None:
+        with compiled_here():
+            begun.set()
+            finish.wait(10.0)
+            seen.append(numba.config.CACHE_DIR)
+
+    first, second, go = threading.Event(), threading.Event(), threading.Event()
+    threads = [threading.Thread(target=compile_something, args=(begun, go)) for begun in (first, second)]
+    threads[0].start()
+    assert first.wait(10.0)
+    threads[1].start()
+    assert not second.wait(0.2)  # it waits for the first to leave
+    go.set()
+    for thread in threads:
+        thread.join()
+    assert len(seen) == 2
+    assert seen[0] == seen[1] == str(folder())
+    assert before == numba.config.CACHE_DIR

@@ -8,6 +8,7 @@ import contextlib
 import hashlib
 import os
 import tempfile
+import threading
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -46,14 +47,19 @@ def folder() -> Path | None:
         return None
 
 
+_one_at_a_time = threading.Lock()
+"""Numba's folder is the process's: of two threads that set it, one would take it from the other in mid-compilation."""
+
+
 @contextlib.contextmanager
 def compiled_here() -> Iterator[bool]:
     """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
     path = folder()
-    before = numba.config.CACHE_DIR
-    try:
-        if path is not None:
-            numba.config.CACHE_DIR = str(path)
-        yield path is not None
-    finally:
-        numba.config.CACHE_DIR = before
+    with _one_at_a_time:
+        before = numba.config.CACHE_DIR
+        try:
+            if path is not None:
+                numba.config.CACHE_DIR = str(path)
+            yield path is not None
+        finally:
+            numba.config.CACHE_DIR = before
