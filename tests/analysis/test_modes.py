@@ -207,9 +207,9 @@ def test_damping_ratios_are_the_sum_of_what_is_lost(table: dict[str, Any]) -> No
     for mode in modes(linear_model(parse_scenario(table))):
         if mode.energies is None:
             continue
-        # 1e-5: the differentiated model's tilt at rest, which the energies do not know.
-        assert sum(mode.energies.damping.values()) == pytest.approx(mode.damping_ratio, rel=1e-5), mode.name
-        assert sum(mode.energies.damping_by.values()) == pytest.approx(mode.damping_ratio, rel=1e-5), mode.name
+        # 1e-7: the differences that the linear model is made of.
+        assert sum(mode.energies.damping.values()) == pytest.approx(mode.damping_ratio, rel=1e-7), mode.name
+        assert sum(mode.energies.damping_by.values()) == pytest.approx(mode.damping_ratio, rel=1e-7), mode.name
         for shares in (mode.energies.kinetic, mode.energies.strain, mode.energies.strain_by):
             assert sum(shares.values()) == pytest.approx(1.0, abs=1e-12)
 

@@ -17,6 +17,9 @@ from ehamj.parameters import Plant
 
 Array = NDArray[np.float64]
 
+NEWTON_STEPS = 3
+"""From level to the static equilibrium; micro-radians need one."""
+
 _X, _Y, _Z, _RX, _RY, _RZ = (JOINTS.index(dof) for dof in ("x", "y", "z", "rx", "ry", "rz"))
 
 MACHINE_VALUES = ("mass", "inertia.0", "inertia.1", "inertia.2", "cg.0", "cg.1", "cg.2")
@@ -83,7 +86,8 @@ class Elements:
 
     Motions per coordinate: ``along``, ``across`` (…, 4, n) of each foot in x and y, ``plate`` (…, 4, n) of each plate
     in z, ``foot`` (…, 4, n) of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of the
-    centre of gravity and the machine's rotation.
+    centre of gravity and the machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in those of
+    the machine, which stands tilted where its centre of gravity is off the centre.
     """
 
     values: Values
@@ -96,10 +100,14 @@ class Elements:
     plate: Array
     foot: Array
     cg: Array
+    spin: Array
 
     @classmethod
-    def of(cls, values: Values) -> "Elements":
-        """Build them; a foot is flexible where its stiffness is finite, which must be so in all designs or in none."""
+    def of(cls, values: Values, tilt: Array | None = None) -> "Elements":
+        """Build them about a ``tilt`` (…, 2), rx and ry at rest [rad]; level without.
+
+        A foot is flexible where its stiffness is finite, which must be so in all designs or in none.
+        """
         common, at = values.common, values.mounts
         shape = np.broadcast_shapes(*(value.shape for value in common.values()), *(v.shape[:-1] for v in at.values()))
         flexible = np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)
@@ -115,18 +123,29 @@ class Elements:
         plate[...] = up
         plate[..., soft, :] = 0.0
         plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
-        cx, cy, cz = (np.broadcast_to(common[f"cg.{k}"], shape) for k in range(3))
-        cg = np.zeros((*shape, 6, n))
-        cg[..., range(6), [_X, _Y, _Z, _RX, _RY, _RZ]] = 1.0
-        cg[..., 0, _RY], cg[..., 0, _RZ] = cz, -cy
-        cg[..., 1, _RX], cg[..., 1, _RZ] = -cz, cx
-        cg[..., 2, _RX], cg[..., 2, _RY] = cy, -cx
+        cg, spin, lift = _turning(common, shape, n, np.zeros((*shape, 2)) if tilt is None else tilt)
         weights = [common["mass"]] * 3 + [common[f"inertia.{k}"] for k in range(3)]
         own = np.stack([np.broadcast_to(weight, shape) for weight in weights], axis=-1)
-        mass = _quadratic(cg, own) + _quadratic(plate, at["plate_mass"])
+        mass = _quadratic(cg[..., :3, :], own[..., :3]) + _quadratic(spin, own[..., 3:])
+        mass = mass + _quadratic(plate, at["plate_mass"])
         toppling = np.zeros((*shape, n, n))
-        toppling[..., _RX, _RX] = toppling[..., _RY, _RY] = common["mass"] * common["gravity"] * cz
-        return cls(values, mass, toppling, along, across, plate, up - plate, cg)
+        rocking = np.array([_RX, _RY])
+        toppling[..., rocking[:, None], rocking] = -(common["mass"] * common["gravity"])[..., None, None] * lift
+        return cls(values, mass, toppling, along, across, plate, up - plate, cg, spin)
+
+    @classmethod
+    def at_rest(cls, values: Values) -> tuple["Elements", Array]:
+        """About the static equilibrium under gravity, and the stroke of each mount there, (…, 4) [m].
+
+        Level, and NaN, where the stiffness is singular.
+        """
+        found = cls.of(values)
+        rest = found._rest(np.zeros(found.mass.shape[:-1]))
+        for _ in range(NEWTON_STEPS):
+            tilt = np.nan_to_num(rest[..., [_RX, _RY]], nan=0.0, posinf=0.0, neginf=0.0)
+            found = cls.of(values, tilt)
+            rest = found._rest(rest)
+        return found, np.asarray(np.einsum("...in,...n->...i", found.plate, rest))
 
     @property
     def stiffness(self) -> Array:
@@ -144,13 +163,38 @@ class Elements:
         sideways = _quadratic(self.along, at[lateral]) + _quadratic(self.across, at[lateral])
         return sideways + _quadratic(self.plate, at[vertical]) + _quadratic(self.foot, own)
 
-    def strokes_at_rest(self) -> Array:
-        """Stroke of each mount under gravity, (…, 4) [m]; NaN where the stiffness is singular."""
+    def _rest(self, near: Array) -> Array:
+        """Static equilibrium under gravity and the oil's mean pressure, (…, n): one step of Newton's from ``near``, at
+        whose tilt these elements are."""
         at, common = self.values.mounts, self.values.common
         oil = at["piston_area"] * (1.0 - at["area_ratio"]) * self.values.middle[..., None]
         load = np.einsum("...in,...i->...n", self.plate, oil - at["plate_mass"] * common["gravity"][..., None])
         load = load - (common["mass"] * common["gravity"])[..., None] * self.cg[..., 2, :]
-        return np.asarray(np.einsum("...in,...n->...i", self.plate, solve(self.stiffness, load[..., None])[..., 0]))
+        return solve(self.stiffness, (load - np.einsum("...nm,...m->...n", self.toppling, near))[..., None])[..., 0]
+
+
+def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, tilt: Array) -> tuple[Array, Array, Array]:
+    """``cg`` and ``spin`` of `Elements` at a tilt, and the CG's height over rx and ry in second order, (…, 2, 2).
+
+    The joints turn in the order rz, rx, ry, each about an axis that those before have turned; rz is zero at rest.
+    """
+    sx, sy = np.sin(tilt[..., 0]), np.sin(tilt[..., 1])
+    qx, qy = np.cos(tilt[..., 0]), np.cos(tilt[..., 1])
+    one, zero = np.ones(shape), np.zeros(shape)
+    cx, cy, cz = (np.broadcast_to(common[f"cg.{k}"], shape) for k in range(3))
+    across, up = qy * cx + sy * cz, qy * cz - sy * cx  # after ry
+    place = np.stack([across, qx * cy - sx * up, sx * cy + qx * up], axis=-1)
+    axes = {_RZ: (zero, zero, one), _RX: (one, zero, zero), _RY: (zero, qx, sx)}
+    turned = {_RZ: (-qx * sy, sx, qx * qy), _RX: (qy, zero, sy), _RY: (zero, one, zero)}  # in the machine's axes
+    cg, spin = np.zeros((*shape, 6, n)), np.zeros((*shape, 3, n))
+    cg[..., range(3), [_X, _Y, _Z]] = 1.0
+    for joint, axis in axes.items():
+        about = np.stack(axis, axis=-1)
+        cg[..., :3, joint], cg[..., 3:, joint] = np.cross(about, place), about
+        spin[..., joint] = np.stack(turned[joint], axis=-1)
+    mixed = -sx * -across
+    lift = np.stack([np.stack([-place[..., 2], mixed], -1), np.stack([mixed, -qx * up], -1)], -2)
+    return cg, spin, lift
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@
 
 Everything is in closed form about the static equilibrium under gravity (`ehamj.analysis.elements`), so that 2,500
 designs take a second. `ehamj.analysis.linear.linear_model` differentiates the simulated model itself and gives the
-same, but for the tilt at rest (a CG off the centre, micro-radians on stiff mounts), whose effect on the mass matrix is
-left out here.
+same.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,7 +43,7 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     States and inputs are those of `ehamj.analysis.linear.linear_model` (`INPUTS`), deviations in SI, spools in mA,
     commands in V. NaN where a design has no static equilibrium inside its cylinders.
     """
-    elements, oil = _assembled(designs)
+    elements, oil, _ = _assembled(designs)
     at = designs.values.mounts
     n = elements.mass.shape[-1]
     motion, pressures = _oil_motion(elements, oil)
@@ -93,7 +92,7 @@ def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
         stiffness that gravity takes. ``rest_stroke`` (…, ``mount``) [m]: stroke under gravity. NaN in ``frequency`` and
         ``pole`` also where a design has no rest inside its cylinders (``stands`` false).
     """
-    elements, oil = _assembled(designs)
+    elements, oil, strokes = _assembled(designs)
     bad = _without_rest(designs, oil) if hydraulics else np.zeros(designs.shape, bool)
     n = elements.mass.shape[-1]
     matrix = np.concatenate(_oil_motion(elements, oil), axis=-2) if hydraulics else _motion(elements)
@@ -121,7 +120,7 @@ def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
         "pole": ((*dims, "pole_number"), poles, {"units": "1/s", "long_name": "eigenvalue λ"}),
         "growth_rate": (dims, poles.real.max(axis=-1), {"units": "1/s", "long_name": "largest real part of a pole"}),
         "tipping_margin": (dims, margin, {"units": "1", "long_name": "stiffness left by gravity, smallest share"}),
-        "rest_stroke": ((*dims, "mount"), elements.strokes_at_rest(), {"units": "m", "long_name": "stroke at rest"}),
+        "rest_stroke": ((*dims, "mount"), strokes, {"units": "m", "long_name": "stroke at rest"}),
         "stands": (
             dims,
             (margin > 0.0) & ~bad,
@@ -153,11 +152,12 @@ def floor_response(
         InputError: if ``motion`` is none of these.
     """
     frequency = np.atleast_1d(np.asarray(hertz, float))
-    elements, oil = _assembled(designs)
+    elements, oil, _ = _assembled(designs)
     ground = _floor(elements, motion, frequency.size)
     stiff, damp = (np.concatenate(_mount_loads(elements, kind), axis=-1) for kind in ("stiffness", "damping"))
     stiffness, damping = elements.stiffness, elements.damping
-    rows = [elements.cg, *(_point(elements, point) for point in (points or {}).values())]
+    # Motions of points are those of small rotations from level, as of `ehamj.channels`.
+    rows = [Elements.of(designs.values).cg, *(_point(elements, point) for point in (points or {}).values())]
     to_outputs = np.concatenate(rows, axis=-2)
     plate = elements.plate
     found = np.empty((*designs.shape, frequency.size, to_outputs.shape[-2]), complex)
@@ -182,9 +182,10 @@ def floor_response(
 # --- assembly -----------------------------------------------------------------------------------------------------
 
 
-def _assembled(designs: Designs) -> tuple[Elements, Oil]:
-    elements = Elements.of(designs.values)
-    return elements, Oil.of(designs.values, elements.strokes_at_rest())
+def _assembled(designs: Designs) -> tuple[Elements, Oil, Array]:
+    """What the designs are made of, their oil, and their strokes at rest."""
+    elements, strokes = Elements.at_rest(designs.values)
+    return elements, Oil.of(designs.values, strokes), strokes
 
 
 def _without_rest(designs: Designs, oil: Oil) -> NDArray[np.bool_]:

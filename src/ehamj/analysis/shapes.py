@@ -104,8 +104,8 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
         omega: |λ| [rad/s], over which the lost power counts as damping.
     """
     values = Values.of(plant)
-    parts = Elements.of(values)
     index = {name: k for k, name in enumerate(states)}
+    parts = Elements.of(values, equilibrium[[index["displacement rx"], index["displacement ry"]]])
     joints = [*JOINTS, *(f"plate {m}" for m, a in zip(MOUNTS, plant.actuators, strict=True) if not a.rigid_foot)]
     at = [index[f"displacement {joint}"] for joint in joints]
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
@@ -133,7 +133,8 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
         spring["oil"] = (oil.compliances[0] * np.abs(one) ** 2 + oil.compliances[1] * np.abs(two) ** 2) / oil.stretch
         leaks = 2.0 * oil.edge * (np.abs(one) ** 2 + np.abs(two) ** 2) + oil.cross * np.abs(one - two) ** 2
         lost["leakage"] = leaks / oil.stretch
-    own_kinetic = weights(plant.machine) * np.abs(parts.cg @ qd) ** 2
+    turning = np.concatenate([parts.cg[:3], parts.spin]) @ qd
+    own_kinetic = weights(plant.machine) * np.abs(turning) ** 2
     plates = float(np.sum(mounts["plate_mass"] * np.abs(up @ qd) ** 2))
     moving = float(own_kinetic.sum()) + plates
     kinetic = dict(zip((*DOFS, "plates"), (*own_kinetic / moving, plates / moving), strict=True))
