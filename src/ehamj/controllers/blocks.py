@@ -1,4 +1,4 @@
-"""Continuous linear blocks that laws are made of, and what turns them into a sampled law.
+"""Linear blocks that laws are made of, and what turns continuous ones into sampled ones, which join in the same ways.
 
 Filters are cascades of second-order sections: companion forms of poles from 0.02 Hz to 3 kHz together lose digits.
 """
@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, expm
 
 Array = NDArray[np.float64]
 TWO_PI = 2.0 * np.pi
@@ -69,6 +69,10 @@ class Block(NamedTuple):
         B, D = np.vstack([self.B, after.B @ self.D]), after.D @ self.D
         return type(self)(A, B, np.hstack([after.D @ self.C, after.C]), D)
 
+    def times(self, factor: float) -> Self:
+        """The block with another gain."""
+        return type(self)(self.A, self.B, factor * self.C, factor * self.D)
+
     def between(self, before: ArrayLike, after: ArrayLike) -> Self:
         """The block between two matrices: after·block·before."""
         first, last = np.asarray(before, float), np.asarray(after, float)
@@ -79,6 +83,17 @@ class Block(NamedTuple):
         return type(self)(
             self.A, np.pad(self.B, ((0, 0), (before, after))), self.C, np.pad(self.D, ((0, 0), (before, after)))
         )
+
+    def inserted(self, at: int, count: int) -> Self:
+        """The block with ``count`` inputs that it does not read between its own, before number ``at``."""
+        B, D = (np.insert(matrix, [at] * count, 0.0, axis=1) for matrix in (self.B, self.D))
+        return type(self)(self.A, B, self.C, D)
+
+    def held(self, period: float) -> Self:
+        """The block from input that is held over each ``period`` [s], exact; strictly proper ones stay so."""
+        n, p = self.A.shape[0], self.B.shape[1]
+        power = expm(period * np.block([[self.A, self.B], [np.zeros((p, n + p))]]))
+        return type(self)(power[:n, :n], power[:n, n:], self.C, self.D)
 
     def sampled(self, period: float) -> Self:
         """The block at a sampling ``period`` [s] by the trapezoidal rule (Tustin)."""

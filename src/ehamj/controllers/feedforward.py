@@ -56,7 +56,8 @@ class FeedforwardSettings(DigitalSettings):
     def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
         """The law for a plant, whose ground velocities are measured by ``sensors``."""
         sensor = sensors.of(INPUTS[0])
-        return self.digital(beside([self.block(actuator, sensor) for actuator in plant.actuators]), INPUTS, plant)
+        mounts = beside([self.block(actuator, sensor) for actuator in plant.actuators])
+        return self.digital(mounts.sampled(self.period), INPUTS, plant)
 
     def block(self, actuator: Actuator, sensor: Sensor | None = None) -> Block:
         """Command [V] over measured ground velocity [m/s] of one mount."""

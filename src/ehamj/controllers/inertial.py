@@ -90,7 +90,7 @@ class Blend(Settings):
         full = beside([Block.gain(np.eye(2)), moved]).then(Block.gain([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])).then(blend)
         if not isolate_from:
             return full
-        followed = moved.then(yielding(isolate_from)).then(Block.gain([[-1.0]]))
+        followed = moved.then(yielding(isolate_from)).times(-1.0)
         return added([full, followed.between([[0.0, 0.0, 1.0]], [[1.0]])])
 
     def ground(self, sensor: Sensor | None) -> Block:

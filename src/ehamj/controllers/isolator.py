@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
+from ehamj.controllers.blocks import Block
 from ehamj.controllers.sensors import Sensor
 from ehamj.parameters import Actuator
 
@@ -63,6 +64,19 @@ def instrument_poles(sensor: Sensor | None) -> tuple[ComplexArray, ComplexArray]
 def lag(poles: ArrayLike) -> float:
     """Delay at low frequency of a low-pass with these poles [s]: Σ −1/p."""
     return float(np.sum(-1.0 / np.asarray(poles, complex)).real)
+
+
+def answer(actuator: Actuator, late: float, period: float) -> Block:
+    """Sampled block: displacement of a piston as it is measured [m] over a command [V], ``late`` [s] in all.
+
+    A law that subtracts the answer to what the valves did not get sees a machine without limits (internal-model
+    anti-windup, Zheng, Kothare and Morari 1994): its integrals do not wind up, and what was lost decays as the isolator
+    itself forgets, 1/c (24 ms).
+    """
+    inverse = Inverse.of(actuator)
+    poles = np.concatenate([valve_poles(actuator), [-inverse.creep], np.full(2, -2.0 / late)])
+    gain = actuator.valve_frequency**2 * (2.0 / late) ** 2 / inverse.volts
+    return Block.filter([], poles, gain).held(period)
 
 
 def restoring(slow: ComplexArray, corner: float) -> tuple[ComplexArray, ComplexArray]:

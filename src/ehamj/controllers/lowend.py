@@ -10,7 +10,7 @@ from 1 to 80 Hz: least voltage for −27 dB from ``f`` = 5 Hz on, W ≤ 0.8 belo
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.controllers.blocks import Block
+from ehamj.controllers.blocks import Block, added
 
 FROM: float = 5.0
 """Frequency that the roots below are for [Hz]; they scale with the one asked for."""
@@ -32,8 +32,7 @@ def yielding(frequency: float) -> Block:
 
 def isolating(frequency: float) -> Block:
     """W = 1 − N."""
-    A, B, C, D = yielding(frequency)
-    return Block(A, B, -C, np.eye(1) - D)
+    return added([Block.gain([[1.0]]), yielding(frequency).times(-1.0)])
 
 
 def _roots(pairs: tuple[tuple[float, float], ...]) -> NDArray[np.complex128]:

@@ -15,13 +15,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+from scipy.linalg import block_diag
 
-from ehamj.controllers.blocks import TWO_PI, Block, added, pair
+from ehamj.controllers.blocks import TWO_PI, Block, added, joined, pair
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
 from ehamj.controllers.law import Controller
 from ehamj.controllers.sensors import IDEAL, Sensors
-from ehamj.controllers.settings import ISOLATE_FROM, WINDUP, DigitalSettings, NotNegative, Positive, per_mount
+from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
 from ehamj.layout import N_MOUNTS, WARP
 from ehamj.parameters import Plant, Settings
 
@@ -80,7 +81,6 @@ class ModalSettings(DigitalSettings):
     )
     blend: Blend = Blend()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
-    windup: Positive = Field(0.02, description=WINDUP)
     warp: WarpBalance = WarpBalance()
     sway_x: SwayDamping = SwayDamping(gain=2.0e-4, centre=68.9, width=0.16)
     sway_y: SwayDamping = SwayDamping(gain=3.2e-4, centre=65.6, width=0.22)
@@ -92,25 +92,30 @@ class ModalSettings(DigitalSettings):
         volts = np.diag([inverse.volts for inverse in inverses])
         creep = float(np.mean([inverse.creep for inverse in inverses]))
         columns, fit = plane(plant), np.linalg.pinv(plane(plant))
-        blend = self.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0]), self.isolate_from)
+        foot = sensors.of(FEET[0])
+        blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
+        late = self.hold + lag(instrument_poles(foot)[1])
+        lost = answer(plant.actuators[0], late, self.period).times(-1.0)
         blocks = []
         for k, motion in enumerate(MOTIONS):
             loop: MotionLoop = getattr(self, motion)
             if loop.crossing:
                 measured = np.vstack([_picked(names, group, fit[k]) for group in (FEET, STROKES, GROUND)])
-                blocks.append(blend.then(loop.block(creep)).between(measured, volts @ columns[:, [k]]))
+                one = joined([blend.sampled(self.period), lost]).then(loop.block(creep).sampled(self.period))
+                blocks.append(one.between(block_diag(measured, fit[k]), volts @ columns[:, [k]]))
         # A positive pitch moves what stands above the mounts along x, a positive roll against y.
         for sway, group, k, sign in ((self.sway_x, ALONG, 2, 1.0), (self.sway_y, ACROSS, 1, -1.0)):
             if sway.gain:
                 mean = _picked(names, group, np.full(N_MOUNTS, 1.0 / N_MOUNTS))
-                blocks.append(sway.block().between(mean, sign * volts @ columns[:, [k]]))
+                one = sway.block().sampled(self.period)
+                blocks.append(one.between(mean, sign * volts @ columns[:, [k]]).padded(0, N_MOUNTS))
         if self.warp.crossing:
             pattern = np.array(WARP)
             measured = _picked(names, PRESSURES, pattern / N_MOUNTS)
-            blocks.append(self.warp.block(plant).between(measured, pattern[:, None]))
+            blocks.append(self.warp.block(plant).between(measured, pattern[:, None]).padded(0, N_MOUNTS))
         if not blocks:
-            blocks = [Block.gain(np.zeros((N_MOUNTS, 0)))]
-        return self.digital(added(blocks), names, plant, self.windup)
+            blocks = [Block.gain(np.zeros((N_MOUNTS, N_MOUNTS)))]
+        return self.digital(added(blocks), names, plant)
 
     def _inputs(self) -> tuple[str, ...]:
         moves = any(getattr(self, motion).crossing for motion in MOTIONS)

@@ -43,7 +43,8 @@ class ResonantSettings(DigitalSettings):
         for motion in MOTIONS:
             answers = [self._answer(line, motion, actuator, sensor, beside_of) for line in self.lines]
             loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
-        return self.digital(beside(loops).between(fit, volts @ columns), FEET, plant)
+        law = beside(loops).between(fit, volts @ columns).sampled(self.period)
+        return self.digital(law, FEET, plant)
 
     def _answer(
         self, line: float, motion: str, actuator: Actuator, sensor: Sensor | None, modal: ModalSettings | None

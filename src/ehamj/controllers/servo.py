@@ -17,11 +17,11 @@ from pydantic import Field
 
 from ehamj.controllers.blocks import TWO_PI, Block, added, beside, joined
 from ehamj.controllers.inertial import GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
 from ehamj.controllers.law import Controller
 from ehamj.controllers.modal import PRESSURES, WarpBalance
 from ehamj.controllers.sensors import IDEAL, Sensors
-from ehamj.controllers.settings import WINDUP, DigitalSettings, NotNegative, Positive
+from ehamj.controllers.settings import DigitalSettings, NotNegative, Positive
 from ehamj.layout import N_MOUNTS, WARP
 from ehamj.parameters import Actuator, Plant, Settings
 
@@ -49,7 +49,6 @@ class StrokeServoSettings(DigitalSettings):
     blend: Blend = Blend()
     pressure: PressureFeedback = PressureFeedback()
     balance: WarpBalance = WarpBalance()
-    windup: Positive = Field(0.02, description=WINDUP)
 
     def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
@@ -58,13 +57,18 @@ class StrokeServoSettings(DigitalSettings):
         shared = np.eye(N_MOUNTS)
         if self.balance.crossing:  # what the servos would do in the warp pattern is left to the balance
             shared = shared - np.outer(WARP, WARP) / N_MOUNTS
-        loops = beside([self.loop.block(inverse.creep) for inverse in inverses])
-        total, names = loops.between(shared, volts), STROKES
+        late = self.hold + lag(instrument_poles(sensors.of(STROKES[0]))[1])
+        parts, names = [Block.gain(np.eye(N_MOUNTS))], STROKES
         if self.reference == "ground":
-            moved = beside([self.blend.ground(sensors.of(GROUND[0])) for _ in inverses])
-            total = joined([Block.gain(np.eye(N_MOUNTS)), moved]).then(total)
+            moved = self.blend.ground(sensors.of(GROUND[0])).sampled(self.period)
+            parts.append(beside([moved] * N_MOUNTS))
             names += GROUND
+        parts.append(beside([answer(actuator, late, self.period).times(-1.0) for actuator in plant.actuators]))
+        loops = beside([self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses])
+        total = joined(parts).then(loops.between(shared, volts))
         damping = beside([self.pressure.block(actuator) for actuator in plant.actuators])
         pattern = np.array(WARP)[:, None]
         balance = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
-        return self.digital(joined([total, added([damping, balance])]), names + PRESSURES, plant, self.windup)
+        pressures = added([damping.sampled(self.period), balance])
+        law = added([total.inserted(len(names), N_MOUNTS), pressures.padded(len(names), N_MOUNTS)])
+        return self.digital(law, names + PRESSURES, plant)

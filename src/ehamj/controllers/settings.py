@@ -19,8 +19,6 @@ ISOLATE_FROM = (
     "[Hz]; 0: everywhere"
 )
 
-WINDUP = "time in which an integral is taken back while its command is limited [s]"
-
 
 class DigitalSettings(Settings):
     """What every digital controller has; it alone commands the valves."""
@@ -45,13 +43,18 @@ class DigitalSettings(Settings):
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
 
-    def digital(self, block: Block, inputs: tuple[str, ...], plant: Plant, windup: float | None = None) -> Controller:
-        """The law that a continuous ``block`` from ``inputs`` to the four commands [V] becomes.
+    def digital(self, block: Block, inputs: tuple[str, ...], plant: Plant) -> Controller:
+        """The law that a sampled ``block`` from ``inputs`` to the four commands [V] becomes.
 
-        ``windup`` [s]: how fast its integrals are taken back while the commands are limited; without, they are not.
+        The block may have four inputs more, for what the valves did not get of the commands [V]; it must not answer
+        them at once.
         """
-        law = Controller(
-            *block.sampled(self.period),
+        measured = len(inputs)
+        return Controller(
+            block.A,
+            block.B[:, :measured],
+            block.C,
+            block.D[:, :measured],
             inputs,
             self.period,
             self.delay,
@@ -60,8 +63,8 @@ class DigitalSettings(Settings):
             switch_on=self.switch_on,
             fade=self.fade,
             from_rest=True,
+            anti_windup=block.B[:, measured:] if block.B.shape[1] > measured else None,
         )
-        return law if windup is None else law.with_anti_windup(windup)
 
 
 def per_mount(what: str, label: str = "") -> tuple[str, ...]:

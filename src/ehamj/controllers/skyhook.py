@@ -10,13 +10,13 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from ehamj.controllers.blocks import Block, beside, joined
+from ehamj.controllers.blocks import Block, added, beside, joined
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
 from ehamj.controllers.law import Controller
 from ehamj.controllers.modal import PRESSURES, WarpBalance
 from ehamj.controllers.sensors import IDEAL, Sensors
-from ehamj.controllers.settings import ISOLATE_FROM, WINDUP, DigitalSettings, NotNegative, Positive
+from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative
 from ehamj.layout import N_MOUNTS, WARP
 from ehamj.parameters import Plant
 
@@ -31,20 +31,26 @@ class SkyhookSettings(DigitalSettings):
     blend: Blend = Blend()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
     balance: WarpBalance = WarpBalance()
-    windup: Positive = Field(0.02, description=WINDUP)
 
     def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
         inverses = [Inverse.of(actuator) for actuator in plant.actuators]
         volts = np.diag([inverse.volts for inverse in inverses])
-        blend = self.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0]), self.isolate_from)
-        mounts = beside([blend.then(self.loop.block(inverse.creep)) for inverse in inverses])
-        # The mounts' inputs come as foot, stroke, ground of each; the law's as all feet, all strokes, all ground.
-        order = np.kron(np.eye(3), np.eye(N_MOUNTS)).reshape(3, N_MOUNTS, 3 * N_MOUNTS).transpose(1, 0, 2)
+        foot = sensors.of(FEET[0])
+        blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
+        late = self.hold + lag(instrument_poles(foot)[1])
+        measured = blend.sampled(self.period)
+        lost = [answer(actuator, late, self.period).times(-1.0) for actuator in plant.actuators]
+        loops = [self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses]
+        mounts = beside([joined([measured, one]).then(loop) for one, loop in zip(lost, loops, strict=True)])
+        # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
+        order = np.eye(4 * N_MOUNTS).reshape(4, N_MOUNTS, 4 * N_MOUNTS).transpose(1, 0, 2)
         pattern = np.array(WARP)[:, None]
         shared = np.eye(N_MOUNTS)
         if self.balance.crossing:
             shared = shared - pattern @ pattern.T / N_MOUNTS
-        law = mounts.between(order.reshape(3 * N_MOUNTS, 3 * N_MOUNTS), volts @ shared)
+        law = mounts.between(order.reshape(4 * N_MOUNTS, 4 * N_MOUNTS), volts @ shared)
+        names = FEET + STROKES + GROUND
         balance: Block = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
-        return self.digital(joined([law, balance]), FEET + STROKES + GROUND + PRESSURES, plant, self.windup)
+        total = added([law.inserted(len(names), N_MOUNTS), balance.padded(len(names), N_MOUNTS)])
+        return self.digital(total, names + PRESSURES, plant)
