@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -496,3 +497,52 @@ def test_transmissibility_of_a_stored_run_is_its_own(cli: Cli) -> None:
 def test_transmissibility_refuses_and_writes_nothing(cli: Cli, arguments: tuple[str, ...], expected: str) -> None:
     assert expected in message(cli("transmissibility", *arguments, "--out", "floor"))
     assert tree() == {}
+
+
+# --- report of stored results --------------------------------------------------------------------------------------
+
+WORKSHOP = ("run", "workshop", "--set", "duration=2", "--set", "plates=tied", "--no-replay", "--no-report")
+
+
+def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None:
+    assert cli(*WORKSHOP, "--out", "run").code == 0
+    before = tree()
+    said = cli("report", "run", "--json")
+    assert said.code == 0
+    assert one_json(said.out) == {"report": "run/report.html", "results": ["workshop", "workshop, passive"]}
+    after = tree()
+    assert {name: after[name] for name in before} == before
+    new = {Path(name).parts[1] for name in set(after) - set(before)}
+    assert new == {"report.html", "figures"}
+    page = Path("run/report.html").read_text()
+    assert cli("report", "run").code == 0
+    assert Path("run/report.html").read_text() == page
+    shutil.rmtree("run/passive")
+    alone = cli("report", "run", "--json")
+    assert one_json(alone.out)["results"] == ["workshop"]
+    assert "the variant run/passive is gone" in alone.err
+
+
+def test_a_comparison_has_a_page_of_its_own(cli: Cli) -> None:
+    assert cli(*WORKSHOP, "--set", "compare=[]", "--out", "a/run").code == 0
+    assert cli(*WORKSHOP, "--set", "compare=[]", "--set", "machine.mass=5000", "--out", "b/run").code == 0
+    assert cli("report", "a/run").code == 0
+    own = tree(Path("a/run"))
+    said = cli("report", "a/run", "--compare", "b/run", "--json")
+    here = Path.cwd()
+    labels = [f"workshop ({here / one / 'run'})" for one in ("a", "b")]
+    assert one_json(said.out) == {"report": "a/run/report-compare.html", "results": labels}
+    after = tree(Path("a/run"))
+    assert {name: after[name] for name in own} == own
+    assert {Path(name).parts[2] for name in set(after) - set(own)} == {"report-compare.html", "figures-compare"}
+    text = Path("a/run/report-compare.html").read_text()
+    assert "4000 kg" in text
+    assert "5000 kg" in text
+    assert "is named twice" in message(cli("report", "a/run", "--compare", "a/../a/run"))
+    assert tree(Path("a/run")) == after
+
+
+def test_a_report_of_no_result_is_refused(cli: Cli) -> None:
+    Path("empty").mkdir()
+    assert "is no result folder" in message(cli("report", "empty"))
+    assert tree() == {"empty": None}

@@ -31,6 +31,7 @@ from ehamj.commands import Passive
 from ehamj.controllers import LinearController
 from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.third_octave import Band, bands
+from ehamj.errors import InputError
 from ehamj.layout import DOFS
 from ehamj.parameters import Settings
 from ehamj.result import Result, written_whole
@@ -182,6 +183,12 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> 
     return Comparison(scenario, s, tuple(variants), lever_scale(model.plant))
 
 
+def runs_unknown_law(result: Result) -> bool:
+    """Whether a run's valves followed a law of which only the commands are kept, such as a function in Python."""
+    follows = result.scenario.control.kind not in ("passive", "open-loop") or bool(result.dataset.sizes.get("sensor"))
+    return result.controller is None and follows
+
+
 def compare_result(result: Result, settings: TransmissibilitySettings) -> Comparison:
     """Linear, passive and under the control that ran; measured from the stored run itself by Welch's method.
 
@@ -189,12 +196,14 @@ def compare_result(result: Result, settings: TransmissibilitySettings) -> Compar
         InputError: see `by_welch`.
     """
     s = settings
+    if runs_unknown_law(result):
+        raise InputError("result: ran under a law in Python, which has no linear response to compare with")
     model, outputs = linear_model(result.scenario), machine_channels(s.reference)
     pairs: list[tuple[Sequence[str], Sequence[str]]] = [([own_output(outputs, dof)], [dof]) for dof in s.dofs]
     if s.joint:
         pairs = [([own_output(outputs, dof) for dof in s.dofs], s.dofs)]
     measured = by_welch(result, pairs, s.segment, s.per_octave, s.estimator, s.confidence)
-    measured = [_within(one, s.first, s.last) for one in measured]
+    measured = [one.within(s.first, s.last) for one in measured]
     variants = [_linear("passive", model, None, s, result.scenario.sensors, result.scenario.seed)]
     if result.controller is not None:
         variants.append(
@@ -222,13 +231,6 @@ def _linear(
         rigid_floor(model, hertz, controller, outputs, s.dofs, sensors, seed),
         single_mounts(model, hertz, controller, (*outputs, *foot_channels()), sensors, seed),
     )
-
-
-def _within(measured: Measurement, first: float, last: float) -> Measurement:
-    e = measured.estimate
-    kept = (e.frequency >= first) & (e.frequency <= last)
-    arrays = {name: getattr(e, name)[kept] for name in ("frequency", "response", "radius", "multiple", "ordinary")}
-    return replace(measured, estimate=replace(e, **arrays))
 
 
 def _elements(measured: Sequence[Measurement]) -> Iterator[tuple[Measurement, str, str]]:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import modes
 from ehamj.analysis.response import PERIOD, channel, excited, line_amplitudes, lines
-from ehamj.analysis.spectra import Estimate, Estimator, Spectra, estimate
+from ehamj.analysis.spectra import Estimate, Estimator, Spectra, estimate, segments
 from ehamj.analysis.transmissibility import TURNS, lever_scale, machine_channels, slab_pattern
 from ehamj.controllers import LinearController
 from ehamj.controllers.sensors import IDEAL, Sensors
@@ -59,6 +59,13 @@ class Measurement:
     estimate: Estimate
     method: str
     """How it was measured, in words."""
+
+    def within(self, first: float, last: float) -> "Measurement":
+        """The part of it from ``first`` to ``last`` [Hz]."""
+        e = self.estimate
+        kept = (e.frequency >= first) & (e.frequency <= last)
+        arrays = {name: getattr(e, name)[kept] for name in ("frequency", "response", "radius", "multiple", "ordinary")}
+        return replace(self, estimate=replace(e, **arrays))
 
 
 def by_multisine(
@@ -178,6 +185,8 @@ def by_welch(
     Raises:
         InputError: if the run is too short for the segment, or an argument is not allowed.
     """
+    if result.dataset.time.size < 2:
+        raise InputError("result: nothing was recorded, so that there is nothing to measure")
     rate, duration = result.scenario.record_rate, float(result.dataset.time[-1])
     part = result.dataset.sel(time=slice(settled(duration) - 1e-9, None))
     length = part.time.size / rate
@@ -186,17 +195,18 @@ def by_welch(
     pattern = slab_pattern(result.scenario.plant)
     # Velocities: their spectra are flatter than those of displacements, and leak less; the ratio is the same.
     slab = part["ground_velocity"].values.reshape(part.time.size, -1) @ np.linalg.pinv(pattern).T
+    channels = list(dict.fromkeys(name for outputs, _ in pairs for name in outputs))
+    answers = np.array([channel(part, name.replace("_displacement ", "_velocity ")) for name in channels]).T
+    record = segments(np.hstack([slab, answers]), rate, segment)
     lever = np.where(np.isin(DOFS, TURNS), lever_scale(result.scenario.plant), 1.0)
-    whole = Spectra.welch(slab * lever, slab[:, :0], rate, segment)
-    power = np.einsum("fqq->fq", whole.xx).real
+    power = (np.abs(record.lines[:, :, : len(DOFS)]) ** 2).mean(axis=0) * lever**2
     moves = power > FAINT**2 * power.max(initial=0.0)
     found = []
     for outputs, inputs in pairs:
         columns = [DOFS.index(dof) for dof in inputs]
-        x = slab[:, columns]
-        y = np.array([channel(part, name.replace("_displacement ", "_velocity ")) for name in outputs]).T
-        spectra = _only(Spectra.welch(x, y, rate, segment), moves[:, columns]).merged(per_octave)
-        words = f"Welch, {spectra.averages[0]:.0f} averages of {segment:.3g} s or more, {estimator.upper()}"
+        rows = [len(DOFS) + channels.index(name) for name in outputs]
+        spectra = _only(Spectra.of_segments(record, columns, rows), moves[:, columns]).merged(per_octave)
+        words = f"Welch, {record.averages:.0f} averages of {segment:.3g} s or more, {estimator.upper()}"
         found.append(Measurement(tuple(outputs), tuple(inputs), estimate(spectra, estimator, confidence), words))
     return found
 

@@ -4,6 +4,7 @@ Notation and formulas of Bendat & Piersol, Random Data (4th ed., 2010), chapters
 densities, H1 = G_yx G_xx⁻¹, H2 = G_yy G_xy⁻¹ and Hv of Rocklin, Crowley & Vold (IMAC 1985), the total least squares.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal, Self
 
@@ -49,31 +50,17 @@ class Spectra:
 
     @classmethod
     def welch(cls, x: Array, y: Array, rate: float, segment: float) -> Self:
-        """Welch's spectra (Hann, half overlapping, linear trend taken out) of x (time, q) and y (time, p).
+        """Welch's spectra of inputs x (time, q) and outputs y (time, p), see `segments`."""
+        parts = segments(np.hstack([x, y]), rate, segment)
+        q = x.shape[1]
+        return cls.of_segments(parts, range(q), range(q, q + y.shape[1]))
 
-        Args:
-            x: inputs.
-            y: outputs.
-            rate: sampling rate [Hz].
-            segment: length of a segment [s]; lines are 1/``segment`` apart.
-
-        Raises:
-            InputError: if the record is shorter than two segments, or a segment than 16 samples.
-        """
-        n = round(segment * rate)
-        if n < 16 or x.shape[0] < 2 * n:
-            raise InputError(
-                f"segment = {segment:g} s: must be at least {16 / rate:g} s (16 samples) and at most half of the "
-                f"record, {0.5 * x.shape[0] / rate:g} s"
-            )
-        window, step = signal.get_window("hann", n), n - int(OVERLAP * n)
-        transform = signal.ShortTimeFFT(window, step, rate, fft_mode="onesided", scale_to="psd")
-        whole = transform.lower_border_end[1], transform.upper_border_begin(x.shape[0])[1]
-        lines = transform.stft_detrend(np.hstack([x, y]).T, "linear", *whole)  # (channel, f, segment)
-        records = lines[:, 1:].transpose(2, 1, 0)
-        found = cls.of_lines(transform.f[1:], records[..., : x.shape[1]], records[..., x.shape[1] :])
-        count = independent_averages(window, step, records.shape[0])
-        return replace(found, averages=np.full(found.frequency.size, count))
+    @classmethod
+    def of_segments(cls, parts: "Segments", inputs: Sequence[int], outputs: Sequence[int]) -> Self:
+        """Welch's spectra of some channels of a record."""
+        x, y = (parts.lines[:, :, list(channels)] for channels in (inputs, outputs))
+        found = cls.of_lines(parts.frequency, x, y)
+        return replace(found, averages=np.full(found.frequency.size, parts.averages))
 
     def merged(self, per_octave: float) -> Self:
         """Neighbouring lines averaged in bins of 1/``per_octave`` octave, which trades resolution for confidence.
@@ -98,6 +85,39 @@ class Spectra:
             yy=mean(self.yy),
             averages=averages,
         )
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Spectral lines (segment, f, channel) of a record's overlapping segments, and how many averages they are worth."""
+
+    frequency: Array
+    lines: ComplexArray
+    averages: float
+
+
+def segments(record: Array, rate: float, segment: float) -> Segments:
+    """Segments of a record (time, channel): Hann's window, half overlapping, each about its mean.
+
+    Args:
+        record: samples.
+        rate: sampling rate [Hz].
+        segment: length of a segment [s]; lines are 1/``segment`` apart, without the one at 0 Hz.
+
+    Raises:
+        InputError: if the record is shorter than two segments, or a segment than 16 samples.
+    """
+    n = 2 * round(0.5 * segment * rate)
+    if n < 16 or record.shape[0] < 2 * n:
+        raise InputError(
+            f"segment = {segment:g} s: must be at least {16 / rate:g} s (16 samples) and at most half of the "
+            f"record, {0.5 * record.shape[0] / rate:g} s"
+        )
+    window, step = signal.get_window("hann", n), n - int(OVERLAP * n)
+    transform = signal.ShortTimeFFT(window, step, rate, fft_mode="onesided", scale_to="psd")
+    whole = transform.lower_border_end[1], transform.upper_border_begin(record.shape[0])[1]
+    lines = transform.stft_detrend(record.T, "constant", *whole)[:, 1:].transpose(2, 1, 0)
+    return Segments(transform.f[1:], lines, independent_averages(window, step, lines.shape[0]))
 
 
 def independent_averages(window: Array, step: int, count: int) -> float:

@@ -100,10 +100,21 @@ def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Pat
 
 
 def distinct(names: list[str], folders: list[Path]) -> list[str]:
-    """Labels for results: their scenario's name, and the folder's where that is not enough."""
-    if len(set(names)) == len(names):
-        return names
-    return [f"{name} ({folder.resolve().name})" for name, folder in zip(names, folders, strict=True)]
+    """Labels for results: their scenario's name, with the folder's name or path where that is not enough.
+
+    Raises:
+        InputError: if a folder is named twice.
+    """
+    paths = [folder.resolve() for folder in folders]
+    twice = [str(folder) for folder, path in zip(folders, paths, strict=True) if paths.count(path) > 1]
+    if twice:
+        raise InputError(f"result {twice[0]!r}: is named twice; each result is shown once")
+    labels = names
+    for wheres in ([path.name for path in paths], [str(path) for path in paths]):
+        if len(set(labels)) == len(labels):
+            break
+        labels = [f"{name} ({where})" for name, where in zip(names, wheres, strict=True)]
+    return labels
 
 
 def print_json(content: dict[str, Any]) -> None:

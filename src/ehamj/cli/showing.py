@@ -1,11 +1,15 @@
 """Commands that show stored results."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ehamj.cli.frame import JsonOption, app, distinct, out, print_json
+from ehamj.cli.frame import JsonOption, app, distinct, log, out, print_json
+from ehamj.errors import InputError
+
+if TYPE_CHECKING:
+    from ehamj.result import Result
 
 
 @app.command()
@@ -20,16 +24,63 @@ def replay(
     RESULT/replay-compare.rrd.
     """
     from ehamj.replay import open_viewer, write_replay
-    from ehamj.result import load_result
 
     folders = [folder, *(compare or [])]
-    loaded = [load_result(one) for one in folders]
-    labels = distinct([result.scenario.name for result in loaded], folders)
+    shown = _side_by_side(folders)
     path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
-    write_replay(path, dict(zip(labels, loaded, strict=True)), loaded[0].scenario.output.exaggeration)
+    write_replay(path, shown, next(iter(shown.values())).scenario.output.exaggeration)
     opened = open_viewer(path)
     if as_json:
         print_json({"replay": str(path), "opened": opened})
     else:
         hint = "" if opened else f"  (no screen here; open it with: rerun {path})"
         out.print(f"replay: {path}{hint}", markup=False, highlight=False, soft_wrap=True)
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
+    compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Build the report of a stored result anew, variants that ran with it beside it, as RESULT/report.html.
+
+    With `--compare` (repeatable) the page shows RESULT and the others named, side by side, without RESULT's own
+    variants; it is RESULT/report-compare.html, its figures are in RESULT/figures-compare/.
+    """
+    from ehamj.report import write_report
+
+    variants = [] if compare else _variants(folder)
+    shown = _side_by_side([folder, *(compare or variants)])
+    empty = [label for label, result in shown.items() if not result.dataset.time.size]
+    if empty:
+        raise InputError(f"result {empty[0]!r}: failed before its first row, so that there is nothing to report")
+    name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
+    with log.status("drawing"):
+        write_report(folder, shown, name, figures)
+    path = folder / f"{name}.html"
+    if as_json:
+        print_json({"report": str(path), "results": list(shown)})
+    else:
+        out.print(f"report: {path}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _variants(folder: Path) -> list[Path]:
+    """Folders of the variants that ran with a result, those that are still there."""
+    from ehamj.result import load_result
+
+    found = []
+    for name in load_result(folder).scenario.compare:
+        if (folder / name).is_dir():
+            found.append(folder / name)
+        else:
+            log.print(f"note: the variant {folder / name} is gone, and left out", markup=False, highlight=False)
+    return found
+
+
+def _side_by_side(folders: list[Path]) -> "dict[str, Result]":
+    """Stored results by a label of each."""
+    from ehamj.result import load_result
+
+    loaded = [load_result(one) for one in folders]
+    return dict(zip(distinct([result.scenario.name for result in loaded], folders), loaded, strict=True))

@@ -14,6 +14,7 @@ from ehamj.plots.style import (
     BLUE,
     FLOOR_COLOR,
     GREEN,
+    GREY,
     INK,
     LIMIT_COLOR,
     MOUNT_STYLES,
@@ -26,8 +27,8 @@ from ehamj.plots.style import (
 )
 
 __all__ = [
-    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE", "QUIETEST",
-    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Mark", "Response", "Trace", "attenuation",
-    "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side", "response",
+    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE",
+    "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Mark", "Response", "Trace",
+    "attenuation", "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side", "response",
     "response_matrix", "shown", "svg", "thinned",
 ]  # fmt: skip

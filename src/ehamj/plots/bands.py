@@ -125,13 +125,13 @@ def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "t
 
 def _level_axis(axes: "Axes", bottom: float, top: float, quantity: str) -> None:
     """A logarithmic axis of levels, with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     axes.set_yscale("log")
     axes.set_ylim(bottom, top)
     axes.yaxis.set_major_locator(LogLocator(10))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_locator(NullLocator())  # ticks without names cost a tenth of a page's time
     axes.set_ylabel(quantity)
 
 
@@ -151,8 +151,9 @@ def _band_axis(axes: "Axes", curves: Sequence[Levels], across: str = "third-octa
 
     axes.set_xscale("log")
     frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
-    axes.set_xlim(float(frequency.min()) / 1.12, float(frequency.max()) * 1.12)
-    axes.xaxis.set_major_locator(FixedLocator(list(BAND_TICKS)))
+    low, high = float(frequency.min()) / 1.12, float(frequency.max()) * 1.12
+    axes.set_xlim(low, high)
+    axes.xaxis.set_major_locator(FixedLocator([tick for tick in BAND_TICKS if low <= tick <= high]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel(across)

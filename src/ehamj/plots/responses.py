@@ -9,7 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.plots.bands import BAND_TICKS
-from ehamj.plots.style import BELOW, GREY, INCH, LEFT, MARKERS, Array, arrange, new_figure, shown, styled
+from ehamj.plots.style import (
+    BELOW,
+    GREY,
+    INCH,
+    LEFT,
+    MARKERS,
+    WIDTH,
+    Array,
+    arrange,
+    legend_columns,
+    new_figure,
+    shown,
+    styled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -65,19 +78,26 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
         above.set_ylabel(f"magnitude [dB re 1 {unit}]")
         middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
         if below:
+            several = False
             for curve in curves:
                 if curve.multiple is not None and curve.ordinary is not None:
                     below[0].plot(curve.frequency, curve.multiple, color=curve.color, linewidth=1.5)
-                    below[0].plot(curve.frequency, curve.ordinary, color=curve.color, linewidth=0.9, linestyle=":")
+                    if not np.allclose(curve.multiple, curve.ordinary, equal_nan=True):
+                        several = True
+                        below[0].plot(curve.frequency, curve.ordinary, color=curve.color, linewidth=0.9, linestyle=":")
             below[0].set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
-            entries["multiple coherence"] = Line2D([], [], color=GREY, linewidth=1.5)
-            entries["ordinary coherence"] = Line2D([], [], color=GREY, linewidth=0.9, linestyle=":")
+            if several:
+                entries["multiple coherence"] = Line2D([], [], color=GREY, linewidth=1.5)
+                entries["ordinary coherence"] = Line2D([], [], color=GREY, linewidth=0.9, linestyle=":")
             entries[f"{100 * confidence:g} % confidence"] = Patch(color=GREY, alpha=0.35)
         panels = [(above, 120.0), (middle, 70.0), *((axes, 56.0) for axes in below)]
         for axes, _ in panels:
             _frequency_axis(axes, curves)
             axes.set_xlabel("frequency [Hz]")
-        arrange(figure, panels, entries)
+            if axes is not panels[-1][0]:  # they share it
+                axes.tick_params(labelbottom=False)
+                axes.xaxis.label.set_visible(False)
+        arrange(figure, panels, entries, gap=10.0)
     return figure
 
 
@@ -117,13 +137,16 @@ def response_matrix(
         figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
         figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
         size = 78.0
-        width, height = LEFT + 12.0 + size * len(columns), 60.0 + BELOW + size * len(rows)
+        width = max(WIDTH, LEFT + 12.0 + size * len(columns))
+        beside = legend_columns(list(entries), width - LEFT)
+        head = 50.0 + 12.0 * -(-len(entries) // beside)
+        height = head + BELOW + size * len(rows)
         figure.set_size_inches(width / INCH, height / INCH)
         figure.suptitle(title, x=6.0 / width, y=1.0 - 6.0 / height, ha="left", va="top")
-        figure.subplots_adjust(left=LEFT / width, right=1 - 12.0 / width, bottom=BELOW / height, top=1 - 62.0 / height,
+        figure.subplots_adjust(left=LEFT / width, right=1 - 12.0 / width, bottom=BELOW / height, top=1 - head / height,
                                wspace=0.08, hspace=0.08)  # fmt: skip
         figure.legend(
-            list(entries.values()), list(entries), loc="upper left", ncols=4, borderaxespad=0.0,
+            list(entries.values()), list(entries), loc="upper left", ncols=beside, borderaxespad=0.0,
             bbox_to_anchor=(LEFT / width, 1.0 - 24.0 / height),
         )  # fmt: skip
     return figure
@@ -177,7 +200,7 @@ def _frequency_axis(axes: "Axes", curves: Sequence[Response], few: bool = False)
     ends = [(curve.frequency.min(), curve.frequency.max()) for curve in curves if curve.frequency.size]
     low, high = (min(low for low, _ in ends), max(high for _, high in ends)) if ends else (1.0, 300.0)
     axes.set_xlim(low / 1.03, high * 1.03)
-    ticks = [tick for tick in BAND_TICKS if not few or math.log10(tick) % 1 == 0]
+    ticks = [tick for tick in BAND_TICKS if low <= tick <= high and (not few or math.log10(tick) % 1 == 0)]
     axes.xaxis.set_major_locator(FixedLocator(ticks))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -85,7 +85,11 @@ def new_figure(title: str) -> "Figure":
 
 
 def arrange(
-    figure: "Figure", panels: Sequence[tuple["Axes", float]], entries: Mapping[str, "Artist"], right: float = 14.0
+    figure: "Figure",
+    panels: Sequence[tuple["Axes", float]],
+    entries: Mapping[str, "Artist"],
+    right: float = 14.0,
+    gap: float = BELOW,
 ) -> None:
     """Place title, legend and axes below each other, the same margins in every figure.
 
@@ -96,11 +100,12 @@ def arrange(
         panels: axes from top to bottom, each with its height [pt].
         entries: of the legend, which stands between title and axes, over no data.
         right: margin on the right [pt].
+        gap: room below all axes but the last [pt].
     """
-    columns = _columns(list(entries), WIDTH - LEFT)
+    columns = legend_columns(list(entries), WIDTH - LEFT)
     rows = -(-len(entries) // columns)
     title, legend = 24.0, 12.0 * rows + 8.0
-    height = title + legend + sum(panel for _, panel in panels) + BELOW * len(panels)
+    height = title + legend + sum(panel for _, panel in panels) + gap * (len(panels) - 1) + BELOW
     figure.set_size_inches(WIDTH / INCH, height / INCH)
     figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
     if entries:
@@ -111,10 +116,10 @@ def arrange(
     for axes, panel in panels:
         axes.set_position((LEFT / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
         axes.yaxis.set_label_coords(-44.0 / width, 0.5)
-        top -= panel + BELOW
+        top -= panel + gap
 
 
-def _columns(names: Sequence[str], room: float) -> int:
+def legend_columns(names: Sequence[str], room: float) -> int:
     """How many columns of a legend fit into ``room`` [pt]; it is filled column by column."""
     for columns in range(min(len(names), 4), 1, -1):
         widths = [max(map(len, part)) for part in np.array_split(np.array(names, object), columns)]

@@ -34,8 +34,9 @@ def write_page(
     pictures: Sequence[Picture],
     page: Callable[[Mapping[str, str]], str],
     families: tuple[str, ...] = (),
+    figures_folder: str = "figures",
 ) -> None:
-    """Write a page and its figures as ``figures/*.svg``.
+    """Write a page and its figures as SVG files.
 
     Args:
         folder: existing folder.
@@ -43,9 +44,10 @@ def write_page(
         pictures: of the page.
         page: the page as HTML, from the SVG of each picture by name.
         families: how the names of this page's figures begin; those that an earlier page left behind are removed.
+        figures_folder: name of the figures' folder beside the page.
     """
     drawings = {picture.name: plots.svg(picture.figure, picture.name) for picture in pictures}
-    figures = folder / "figures"
+    figures = folder / figures_folder
     figures.mkdir(exist_ok=True)
     for old in figures.glob("*.svg"):
         if families and old.stem not in drawings and old.stem.startswith(families):

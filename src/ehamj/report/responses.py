@@ -1,21 +1,32 @@
 """Transmissibilities as figures and tables: on a page of their own, and as a section of a run's report."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from ehamj import plots
-from ehamj.analysis.comparison import COHERENT, Comparison, Variant, own_output
-from ehamj.analysis.transmissibility import ZERO, unit
+from ehamj.analysis.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
+from ehamj.analysis.linear import linear_model
+from ehamj.analysis.measured import Measurement, by_welch
+from ehamj.analysis.transmissibility import ZERO, Transfer, machine_channels, rigid_floor, unit
+from ehamj.errors import InputError
 from ehamj.plots import Response
 from ehamj.report.document import render, write_page
-from ehamj.report.parts import Picture, Table
+from ehamj.report.parts import Picture, Results, Table
 from ehamj.report.words import AXIS_NAMES, decibel, exact, number
+from ehamj.result import Result
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"
+FREQUENCIES: Final = np.geomspace(1.0, 315.0, 300)
+"""At which a report's linear responses are computed [Hz]."""
+USABLE: Final = 0.4
+"""Share of the recording rate up to which a run's own transmissibility is shown."""
 
 
 def write_transmissibility(folder: Path, found: Comparison) -> None:
@@ -38,7 +49,85 @@ def _page(found: Comparison, pictures: Sequence[Picture], drawings: Mapping[str,
     )
 
 
-def colors(variants: Sequence[Variant]) -> dict[str, str]:
+def transmissibility(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
+    """Floor to machine of stored runs: linear, and measured from each run by Welch's method.
+
+    The vertical, and what else the floor of a run excites. A run that is too short shows the linear response alone.
+    """
+    responses = {label: own for label, result in results.items() if (own := _own(result)) is not None}
+    if not responses:
+        return
+    passive = any(result.scenario.control.kind == "passive" for result in results.values())
+    for dof in AXIS_NAMES:
+        shown = (
+            [] if passive else [_linear("valves held, linear", next(iter(responses.values())).held, dof, plots.GREY)]
+        )
+        shown += [
+            _linear(f"{label}, linear", own.linear, dof, colors[label])
+            for label, own in responses.items()
+            if own.linear is not None
+        ]
+        measured = [
+            _measured(f"{label}, measured", own.measured[dof], colors[label])
+            for label, own in responses.items()
+            if dof in own.measured
+        ]
+        if measured or dof == "z":
+            output = own_output(machine_channels(), dof)
+            figure = plots.response(f"Transmissibility, {AXIS_NAMES[dof]}", [*shown, *measured], unit(output, dof))
+            methods = dict.fromkeys(own.measured[dof].method for own in responses.values() if dof in own.measured)
+            caption = f"Measured: {'; '.join(methods)}." if methods else "Not measured: the run is too short."
+            yield Picture(f"transmissibility-{dof}", "transmissibility", figure, caption)
+
+
+@dataclass(frozen=True)
+class _Own:
+    """What a run's floor does to its machine."""
+
+    held: Transfer
+    linear: Transfer | None
+    """None under a law of which only its commands are known."""
+    measured: dict[str, Measurement]
+
+
+def _own(result: Result) -> _Own | None:
+    """Linear responses with valves held and as controlled, and measured by degree of freedom; None: not linearised."""
+    try:
+        model = linear_model(result.scenario)
+        held: Transfer = rigid_floor(model, FREQUENCIES)
+        law, scenario = result.controller, result.scenario
+        linear: Transfer | None = (
+            held if law is None else rigid_floor(model, FREQUENCIES, law, sensors=scenario.sensors, seed=scenario.seed)
+        )
+        if runs_unknown_law(result):
+            linear = None
+    except InputError:
+        return None
+    measured = {}
+    with suppress(InputError):  # too short for a spectrum: there is nothing to measure
+        outputs = machine_channels()
+        for one in by_welch(result, [([own_output(outputs, dof)], [dof]) for dof in AXIS_NAMES]):
+            usable = result.summary.get("analysis", {}).get("usable_to_hz") or math.inf
+            last = min(float(FREQUENCIES[-1]), usable, USABLE * result.scenario.record_rate)
+            within = one.within(float(FREQUENCIES[0]), last)
+            if np.isfinite(within.estimate.response).any():
+                measured[one.inputs[0]] = within
+    return _Own(held, linear, measured)
+
+
+def _linear(label: str, found: Transfer, dof: str, color: str) -> Response:
+    values = found.response[:, found.outputs.index(own_output(found.outputs, dof)), found.inputs.index(dof)]
+    return Response(label, found.frequency, values, color)
+
+
+def _measured(label: str, found: Measurement, color: str) -> Response:
+    e = found.estimate
+    return Response(
+        label, e.frequency, e.response[:, 0, 0], color, e.radius[:, 0, 0], e.multiple[:, 0], e.ordinary[:, 0, 0]
+    )
+
+
+def _colors(variants: Sequence[Variant]) -> dict[str, str]:
     """Colour of each variant; passive always has the same."""
     others = iter((plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.ORANGE) * len(variants))
     return {one.name: plots.VERMILLION if one.name == "passive" else next(others) for one in variants}
@@ -55,7 +144,7 @@ def elements(found: Comparison, section: str = "responses") -> Iterator[Picture]
 
 def curves(found: Comparison, output: str, source: str) -> Iterator[Response]:
     """One element of the matrix: linear and measured, of each variant."""
-    color = colors(found.variants)
+    color = _colors(found.variants)
     for variant in found.variants:
         one = variant.linear
         values = one.response[:, one.outputs.index(output), one.inputs.index(source)]

@@ -16,6 +16,13 @@ from ehamj.result import Result
 
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
+TRANSMISSIBILITY: Final = (
+    "Displacement of the machine (translation of its centre of gravity, rotation) over that of the floor, of which a "
+    "rigid slab is fitted to the mounts. Lines: linear, about the equilibrium, with the sampled control loop. Marks or "
+    "broken lines: measured from the run, each direction by itself; coherence below one tells of other directions that "
+    "move the machine as well, of noise, and of the valves' nonlinearity."
+)
+
 PROCESSING: Final = re.compile(
     r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
     r"|mounts move with Luco-Wong"
@@ -117,7 +124,7 @@ def notes(results: Results) -> dict[str, list[str]]:
             quiet.append(AXIS_NAMES[axis])
     if quiet:
         criterion.append(f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}.")
-    beside = {"spectra": spectra_note(results)}
+    beside = {"spectra": spectra_note(results), "transmissibility": [TRANSMISSIBILITY]}
     if first.dataset.time.size < 2:
         return {**beside, "attenuation": attenuation, "criterion": criterion, "histories": ["Nothing was recorded."]}
     histories = [f"What belongs to single mounts is that of {label}."] if len(results) > 1 else []
