@@ -13,7 +13,7 @@ RANKS = (
     ("errors", "layout", "compiled", "signals", "kinematics", "plots"),
     ("parameters", "hydraulics"),
     ("criteria",),
-    ("ground", "commands", "channels", "points"),
+    ("ground", "commands", "channels", "points", "forces"),
     ("controllers", "model"),
     ("scenario", "native", "chambers"),
     ("isolation", "operating_point"),

@@ -1,4 +1,4 @@
-"""Timings as ratios within one process: what the hydraulics, the recording and the engine cost.
+"""Timings as ratios within one process: what the hydraulics, the recording, the engine and a controller cost.
 
 The benchmark case is integrated by the engine with its callbacks and by the same equations in bare compiled RK4
 without any multibody engine, which is the ceiling of what is possible. Each figure is the median of interleaved
@@ -8,7 +8,7 @@ repetitions, so that a busy machine disturbs both sides alike.
 import time as clock
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import mujoco
@@ -16,18 +16,21 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.controllers import Controller
+from ehamj.controllers.sensors import Sensors
 from ehamj.hydraulics.cylinder import chamber_flows
 from ehamj.hydraulics.fluid import pressure_rate
 from ehamj.hydraulics.valve import spool_acceleration, spool_target
-from ehamj.layout import COLUMN, N_MOUNTS, N_STATES
+from ehamj.layout import COLUMN, MOUNTS, N_MOUNTS, N_STATES
 from ehamj.model import build_model
 from ehamj.native import hydraulics
 from ehamj.native.hold import default_timer
-from ehamj.native.stepping import N_TALLY, advance, row_size
+from ehamj.native.loop import NO_LOOP, make_loop
+from ehamj.native.stepping import N_TALLY, NOT_LOADED, advance, row_size
 from ehamj.operating_point import Inputs, equilibrium
 from ehamj.parameters import Plant
-from ehamj.scenario import Scenario, load_scenario
-from ehamj.simulate import choose_timestep, sample_inputs, simulate
+from ehamj.scenario import Scenario, load_scenario, parse_scenario
+from ehamj.simulate import choose_timestep, sample_inputs, sample_load, simulate
 
 Array = NDArray[np.float64]
 
@@ -53,6 +56,7 @@ def bench(repetitions: int = 5) -> dict[str, Any]:
         "benchmark_case": case,
         "recorded_over_bare_engine": case["engine_us_per_step"] / (1e6 * tied["bare"]),
         "two_threads_over_one": thread_scaling(scenario, repetitions),
+        "step_over_step_without": {"sliding": additions(load_scenario("recorded"), repetitions)},
     }
 
 
@@ -121,6 +125,62 @@ def thread_scaling(scenario: Scenario, repetitions: int, batch: int = 8) -> floa
             together = _seconds(lambda: list(double.map(one, range(batch))))
             ratios.append(alone / together)
     return float(np.median(ratios[1:]))
+
+
+CONTROLLER_STATES, CONTROLLER_INPUTS = 80, 24
+"""Size of the controller that is timed, at 10 kHz."""
+
+
+def additions(scenario: Scenario, repetitions: int, steps: int = 4000) -> dict[str, float]:
+    """Time of a step with a large controller, with its sensors too, and with a force, over a step without any.
+
+    Each at 10 kHz with one step per sample, so that the controller weighs most.
+    """
+    step = 1e-4
+    plant, controller = scenario.plant, _large_controller()
+    table = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}, "stroke": {}, "pressure": {}}
+    loops = {
+        "nothing": NO_LOOP,
+        "controller": make_loop(controller, plant, step),
+        "controller_and_sensors": make_loop(controller, plant, step, Sensors.model_validate(table)),
+        "force": NO_LOOP,
+    }
+    pushed = parse_scenario({"force": [{"kind": "sine", "amplitude": 1.0, "frequency": 20.0}]}).load()
+    forces = dict.fromkeys(loops, NOT_LOADED) | {"force": sample_load(pushed, 0, steps, step)}
+    model = build_model(plant, step)
+    inputs = sample_inputs(scenario.motion(), scenario.commands(), 0, steps, step)
+    times: dict[str, list[float]] = {name: [] for name in loops}
+    with hydraulics():
+        start = mujoco.MjData(model)
+        equilibrium(model, start, Inputs.rest())
+
+        def one(name: str) -> None:
+            data, loop = mujoco.MjData(model), loops[name]
+            data.qpos[:], data.act[:] = start.qpos, start.act
+            noise = np.zeros((loop.samples(0, steps)[1], loop.readings))
+            rows = np.empty((steps // 10 + 1, row_size(model, loop)))
+            advance(model, data, 0, steps, inputs, 10, rows, np.zeros(N_TALLY), False, loop, noise, forces[name])
+
+        for _ in range(2 * repetitions + 1):
+            for name in loops:
+                times[name].append(_seconds(partial(one, name)))
+    plain = np.array(times.pop("nothing")[1:])
+    return {name: float(np.median(np.array(values[1:]) / plain)) for name, values in times.items()}
+
+
+def _large_controller() -> Controller:
+    """A law of many states that hardly commands anything, with anti-windup."""
+    draw = np.random.default_rng(0).normal
+    names = [f"{what} {mount} z" for what in ("ground_velocity", "foot_velocity") for mount in MOUNTS]
+    names += [f"{what} {mount}" for what in ("stroke", "load_pressure") for mount in MOUNTS]
+    names += [f"foot_velocity {mount} {axis}" for mount in MOUNTS for axis in "xy"]
+    n, p = CONTROLLER_STATES, CONTROLLER_INPUTS
+    A = draw(size=(n, n))
+    A *= 0.9 / np.abs(np.linalg.eigvals(A)).max()
+    law = Controller(
+        A, 1e-9 * draw(size=(n, p)), 1e-6 * draw(size=(N_MOUNTS, n)), np.zeros((N_MOUNTS, p)), tuple(names)
+    )
+    return law.with_anti_windup()
 
 
 def channels(result: Any) -> Array:

@@ -125,7 +125,12 @@ STAGE_FLOW: Final = STAGE_COMMAND + N_MOUNTS  # flow into chamber 1 and 2 of eac
 STAGE_DRAWN: Final = STAGE_FLOW + 2 * N_MOUNTS  # flow that each mount draws from the supply [m³/s]
 STAGE_FORCE: Final = STAGE_DRAWN + N_MOUNTS  # force of each actuator on its plate, ground's share included [N]
 METERING: Final = STAGE_FORCE + N_MOUNTS  # where the metering edges of each valve stood at the last step [mA]
-N_USERDATA: Final = METERING + N_MOUNTS
+LOADED: Final = METERING + N_MOUNTS  # 1: forces act on the machine itself
+LOAD: Final = LOADED + 1  # per degree of freedom: force at the CG as a cubic, as above [N, N m]
+N_USERDATA: Final = LOAD + 4 * len(DOFS)
+
+MACHINE_BODY: Final = 1
+"""Number of the machine's body in the model."""
 
 WARP: Final = (1.0, -1.0, -1.0, 1.0)
 """Pattern of the four mounts that moves nothing and only builds pressure."""

@@ -17,6 +17,7 @@ from ehamj.layout import (
     CURVE_POINTS,
     LEDGER,
     LEDGER_STATES,
+    MACHINE_BODY,
     MOUNTS,
     N_MOUNTS,
     N_STATES,
@@ -155,6 +156,8 @@ def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.Mj
     """The compiled model; see `build_spec`."""
     spec = build_spec(plant, timestep, drawn)
     model = spec.compile()
+    if model.body("machine").id != MACHINE_BODY:
+        raise RuntimeError(f"the machine is body {model.body('machine').id} of the model, not {MACHINE_BODY}")
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
     return model
 

@@ -69,6 +69,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "supplied_energy": ((), "J", "energy drawn from the supply since the start"),
     "throttled_energy": ((), "J", "energy lost over edges and leaks since the start"),
     "oil_energy": ((), "J", "energy stored in the oil by compression"),
+    "external_force": (("dof",), "N (rx, ry, rz: N m)", "force on the machine itself, at its centre of gravity"),
     "measured": (("sensor",), "SI, as the channel", "what the controller last read of each channel"),
     "controller_state": (("law_state",), "1", "states of the controller"),
 }

@@ -28,6 +28,8 @@ from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
+from ehamj.forces import Force, Load
+from ehamj.forces.settings import check_forces, load_of
 from ehamj.ground import Motion, Start
 from ehamj.ground.broadband import BroadbandGround, BurstGround
 from ehamj.ground.combined import Combined
@@ -191,6 +193,7 @@ class Scenario(Settings):
     relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
     criteria: CriteriaSettings = CriteriaSettings()
     sensors: Sensors = Sensors()
+    force: tuple[Force, ...] = Field((), description="forces on the machine itself, which add up")
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -199,6 +202,7 @@ class Scenario(Settings):
             object.__setattr__(self, "points", default_points(self.machine))
         check_points(self.points, self.machine)
         check_relatives(self.relative, self.points)
+        check_forces(self.force, self.points)
         spectrum = self.criteria.response_spectrum
         if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:
             raise ValueError(
@@ -264,6 +268,10 @@ class Scenario(Settings):
     def commands(self) -> tuple[Signal, ...]:
         """The open-loop command of each mount [V]."""
         return self.control.commands()
+
+    def load(self) -> Load:
+        """The forces on the machine itself."""
+        return load_of(self.force, self.points, self.machine.cg, self.duration, self.seed)
 
     def controller(self) -> LinearController | None:
         """The digital controller, if there is one.

@@ -18,6 +18,7 @@ from ehamj.commands import Passive
 from ehamj.controllers import AnyController, Controller, PythonController, as_controller
 from ehamj.controllers.sensors import ReadingNoise
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.kinematics import points_motion
 from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
@@ -30,6 +31,7 @@ from ehamj.native.stepping import (
     DONE,
     LAW_FAILED,
     N_TALLY,
+    NOT_LOADED,
     Stopped,
     advance,
     columns,
@@ -74,6 +76,7 @@ class _Prepared:
     data: mujoco.MjData
     motion: Motion
     commands: tuple[Signal, ...]
+    load: Load
     controller: AnyController | None
     loop: Loop
     noise: ReadingNoise | None
@@ -163,7 +166,8 @@ def simulate_many(
 def choose_timestep(scenario: Scenario, controller: AnyController | None = None) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
-    It divides the recording period, and the controller's sampling period and delay. Call it with the hydraulics
+    It divides the recording period, and the controller's sampling period and delay, and follows the shortest force on
+    the machine. Call it with the hydraulics
     installed.
 
     Raises:
@@ -187,6 +191,7 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None)
         first = next(iter(periods.values()))
         return first / round(first / scenario.timestep)
     fastest = float(np.abs(_modes(scenario.plant)).max())
+    fastest = max(fastest, STEP_PER_TIME_CONSTANT / scenario.load().longest_step)
     period = _common_divisor(periods.values())
     if period < SHORTEST_STEP:
         times = ", ".join(f"{name} = {value:.9g} s" for name, value in periods.items())
@@ -238,7 +243,7 @@ def _model(plant: Plant, timestep: float) -> mujoco.MjModel:
 
 
 def _prepare(scenario: Scenario, controller: AnyController | None) -> _Prepared:
-    motion, commands = scenario.motion(), scenario.commands()
+    motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
     if controller is None:
         controller = scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
@@ -264,7 +269,7 @@ def _prepare(scenario: Scenario, controller: AnyController | None) -> _Prepared:
     if controller is not None:
         made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.base * timestep)
         noise = None if made.silent else made
-    return _Prepared(scenario, model, data, motion, commands, controller, loop, noise, every, steps)
+    return _Prepared(scenario, model, data, motion, commands, load, controller, loop, noise, every, steps)
 
 
 def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, Stopped, float]:
@@ -301,6 +306,7 @@ def _run(prepared: _Prepared, progress: Progress | None) -> tuple[Array, Array, 
             last,
             loop,
             noise,
+            NOT_LOADED if prepared.load.absent else sample_load(prepared.load, done, steps + last, timestep),
         )
         wall += clock.perf_counter() - began
         done += stopped.steps
@@ -329,6 +335,14 @@ def sample_inputs(
     starts[:, :, 1] *= timestep
     ends[:, :, 1] *= timestep
     return starts, ends
+
+
+def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array]:
+    """Force on the machine in some steps: value and slope·timestep at start and end, (steps, 6, 2) each."""
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
+    scale = np.array([1.0, timestep])
+    starts, ends = load.sample(times[:-1]), load.sample(times[1:], left=True)
+    return np.stack(starts, axis=2) * scale, np.stack(ends, axis=2) * scale
 
 
 def _recorded_times(prepared: _Prepared, rows: Array) -> Array:
@@ -386,6 +400,8 @@ def _channels(prepared: _Prepared, rows: Array) -> dict[str, Array]:
         "supply_pressure": supply,
     }
     found |= _observed(prepared.scenario, found, points)
+    if not prepared.load.absent:
+        found["external_force"] = prepared.load.sample(times)[0]
     if prepared.loop.readings:
         found["measured"] = rows[:, slice(*at.readings)]
     if prepared.loop.states:

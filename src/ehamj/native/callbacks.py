@@ -27,9 +27,13 @@ from ehamj.layout import (
     COLUMN,
     CUBICS,
     CURVE_POINTS,
+    DOFS,
     JOINTS,
     LEDGER,
     LEDGER_STATES,
+    LOAD,
+    LOADED,
+    MACHINE_BODY,
     METERING,
     N_MOUNTS,
     N_STATES,
@@ -106,6 +110,14 @@ def stage_inputs(time, shared, table, force):  # type: ignore[no-untyped-def]
         force[X] += pull_x
         force[Y] += pull_y
         force[RZ] += own[MOUNT_X] * pull_y - own[MOUNT_Y] * pull_x
+
+
+@kernel
+def stage_load(time, shared, applied):  # type: ignore[no-untyped-def]
+    """Evaluate the force on the machine itself at ``time`` into ``applied``, the machine's part of xfrc_applied."""
+    s = (time - shared[STEP_START]) * shared[STEP_RATE]
+    for dof in range(len(DOFS)):
+        applied[dof] = hermite(shared, LOAD + 4 * dof, s)[0]
 
 
 @kernel
@@ -287,11 +299,15 @@ def callbacks() -> Callbacks:
     time_at, user_at = at.time, at.actuator_user
     shared_at, act_at, act_dot_at, ctrl_at = at.userdata, at.act, at.act_dot, at.ctrl
     length_at, velocity_at, passive_at = at.actuator_length, at.actuator_velocity, at.qfrc_passive
+    applied_at = at.xfrc_applied
 
     def passive(model, data):  # type: ignore[no-untyped-def]
         shared = carray(doubles_at(data, shared_at), N_USERDATA)
         table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
         stage_inputs(load_double(data, time_at), shared, table, carray(doubles_at(data, passive_at), len(JOINTS)))
+        if shared[LOADED] != 0.0:  # the engine adds it to the accelerations after its passive forces
+            applied = carray(doubles_at(data, applied_at), len(DOFS) * (MACHINE_BODY + 1))
+            stage_load(load_double(data, time_at), shared, applied[len(DOFS) * MACHINE_BODY :])
 
     def act_dyn(model, data, actuator):  # type: ignore[no-untyped-def]
         # MuJoCo clears and asks actuator by actuator; answering for all valves at the last one halves the cost.

@@ -40,6 +40,7 @@ class Offsets(NamedTuple):
     actuator_length: int
     actuator_velocity: int
     qfrc_passive: int
+    xfrc_applied: int
     actuator_user: int
 
 

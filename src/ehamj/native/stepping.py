@@ -16,6 +16,9 @@ from ehamj.compiled import kernel
 from ehamj.hydraulics.valve import play, spool_target
 from ehamj.layout import (
     CUBICS,
+    DOFS,
+    LOAD,
+    LOADED,
     METERING,
     N_INPUTS,
     N_MOUNTS,
@@ -62,6 +65,10 @@ TALLY_FLOW: Final = len(TALLY) * N_MOUNTS
 N_TALLY: Final = TALLY_FLOW + 3
 
 
+NOT_LOADED: Final = (np.zeros((0, len(DOFS), 2)), np.zeros((0, len(DOFS), 2)))
+"""No force on the machine itself."""
+
+
 class Stopped(NamedTuple):
     """How a stretch ended: steps done, why (`DONE`, `NOT_FINITE`, …), and at which mount (−1: the machine)."""
 
@@ -79,6 +86,16 @@ def write_inputs(shared, time, rate, start, end):  # type: ignore[no-untyped-def
         offset = CUBICS + 4 * channel
         shared[offset], shared[offset + 1] = start[channel, 0], start[channel, 1]
         shared[offset + 2], shared[offset + 3] = end[channel, 0], end[channel, 1]
+
+
+@kernel
+def write_load(shared, start, end):  # type: ignore[no-untyped-def]
+    """Hand a step the force on the machine: (dof, 2) value and slope·step at its start and end."""
+    shared[LOADED] = 1.0
+    for dof in range(len(DOFS)):
+        offset = LOAD + 4 * dof
+        shared[offset], shared[offset + 1] = start[dof, 0], start[dof, 1]
+        shared[offset + 2], shared[offset + 3] = end[dof, 0], end[dof, 1]
 
 
 @kernel
@@ -194,6 +211,7 @@ def _advance() -> Any:
 
     def advance(  # type: ignore[no-untyped-def]
         forward, runge_kutta, model, data, nq, nv, na, nuserdata, first, steps, h, last, start, end, every, rows, tally,
+        pushed, released,
         parts, matrices, inputs_of, terms, weights, filters, feedthrough, zeroed, grid, converter, base, n_states,
         readings_at, memory, noise, noise_first,
     ):  # fmt: skip
@@ -217,6 +235,8 @@ def _advance() -> Any:
             time = number * h
             store_double(data, time_at, time)
             write_inputs(shared, time, 1.0 / h, start[k], end[k])
+            if pushed.shape[0] > 0:
+                write_load(shared, pushed[k], released[k])
             release(number, parts, converter, memory, control)
             call_on_state(forward, model, data)
             status, mount = check(act, act_dot, qacc, length, shared, table)
@@ -270,6 +290,7 @@ def _advance() -> Any:
         types.int64,
         floats2,
         floats1,
+        *(inputs3,) * 2,
         integers2,
         floats1,
         types.int64[::1],
@@ -301,6 +322,7 @@ def advance(
     last: bool = False,
     loop: Loop = NO_LOOP,
     noise: Array | None = None,
+    load: tuple[Array, Array] = NOT_LOADED,
 ) -> tuple[Stopped, int]:
     """Take ``steps`` steps from step number ``first``; call it with the hydraulics installed.
 
@@ -317,12 +339,14 @@ def advance(
         last: also evaluate (and record) the state after the last step; ``inputs`` then have one row more.
         loop: digital controller, whose memory is advanced.
         noise: noise of its readings at the samples among these steps (`Loop.samples`), (samples, channels).
+        load: force on the machine itself, value and slope·timestep at the start and at the end of each step,
+            (steps (+1), 6, 2) each.
 
     Returns:
         How it stopped, and the number of rows recorded.
     """
-    start, end = (np.ascontiguousarray(part) for part in inputs)
-    for part in (start, end):
+    start, end, pushed, released = (np.ascontiguousarray(part) for part in (*inputs, *load))
+    for part in (start, end, pushed, released):
         part.flags.writeable = False
     steps_done, status, mount, recorded = _advance()(
         *_engine(),
@@ -341,6 +365,8 @@ def advance(
         every,
         rows,
         tally,
+        pushed,
+        released,
         loop.parts,
         loop.matrices,
         loop.inputs_of,

@@ -50,6 +50,14 @@ def facts(result: Result) -> list[tuple[str, str]]:
                 + f", ±{exact(law.voltage_limit)} V, {bits}",
             ),
         )
+    instruments = [(name, getattr(scenario.sensors, name)) for name in type(scenario.sensors).model_fields]
+    if law is not None:
+        named = [f"{name} {sensor.kind}" for name, sensor in instruments if sensor is not None]
+        facts.append(("sensors", ", ".join(named) or "exact"))
+    if scenario.force:
+        places = (force.point if isinstance(force.point, str) else str(list(force.point)) for force in scenario.force)
+        pushed = [f"{force.kind} at {place}" for force, place in zip(scenario.force, places, strict=True)]
+        facts.append(("forces on the machine", ", ".join(pushed)))
     analysis = result.summary.get("analysis")
     if analysis:
         facts.append(("levels taken", f"from {exact(analysis['from_s'])} to {exact(analysis['to_s'])} s"))

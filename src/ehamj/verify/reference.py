@@ -278,12 +278,14 @@ def simulate_reference(scenario: Scenario, rtol: float = 1e-9, controller: Contr
 
     Raises:
         ValueError: for what this model does not have: feet with stiffness, channels other than of ground and pressure,
-            laws of several rates, sensors.
+            laws of several rates, sensors, forces on the machine.
         RuntimeError: if SciPy gives up, or no equilibrium is found.
     """
     law = scenario.controller() if controller is None else controller
     if law is not None and not isinstance(law, Controller):
         raise ValueError("the reference model has laws of one rate only")
+    if scenario.force:
+        raise ValueError("the reference model has no forces on the machine itself")
     if scenario.sensors != IDEAL:
         raise ValueError("the reference model has no sensors: it measures exactly")
     return _Run(scenario, law, rtol).run()
