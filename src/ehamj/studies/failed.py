@@ -80,6 +80,8 @@ class FailedStudy:
 
     scenario: Scenario
     mount: str = "front-left"
+    failures: tuple[str, ...] = tuple(FAILURES)
+    """Which of `FAILURES`."""
     lines: tuple[float, ...] = (2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
     """Frequencies of the heaving floor in the runs, whole numbers [Hz]."""
     velocity: float = 1e-6
@@ -88,6 +90,9 @@ class FailedStudy:
     def __post_init__(self) -> None:
         if self.mount not in MOUNTS:
             raise InputError(f"mount = {self.mount!r}: must be one of {', '.join(MOUNTS)}")
+        for name in self.failures:
+            if name not in FAILURES:
+                raise InputError(f"failures: {name!r} must be one of {', '.join(FAILURES)}")
 
 
 def failed(study: FailedStudy, failure: str) -> Scenario:
@@ -178,7 +183,7 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
         InputError: if a machine with a failed actuator has no operating point.
     """
     loop = Loop.of(study.scenario)
-    cases = ("sound", *FAILURES)
+    cases = ("sound", *study.failures)
     models, answers = {}, {}
     for case in cases:
         progress(f"{case}: linear model and run")
@@ -189,7 +194,8 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
             simulated_residual(study, scenario, loop),
         )
     progress("a valve runs away")
-    static, event = static_forces(models[f"valve stuck {100 * STUCK:.0f} % open"]), simulated_event(study, STUCK)
+    static = static_forces(linear_model(failed(study, f"valve stuck {100 * STUCK:.0f} % open")))
+    event = simulated_event(study, STUCK)
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)
     isolation = _isolation_table(study, answers)

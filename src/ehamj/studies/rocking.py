@@ -8,12 +8,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.designs import Designs
+from ehamj.analysis.identification import realise
 from ehamj.analysis.many import modes_of
-from ehamj.analysis.ringdown import ring_down
+from ehamj.analysis.ringdown import JOLTS, PULSE
 from ehamj.errors import InputError
+from ehamj.layout import DOFS
 from ehamj.native import hydraulics
 from ehamj.plots.charts import Line, map_chart
 from ehamj.scenario import Scenario
+from ehamj.simulate import simulate
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
 
@@ -24,6 +27,9 @@ Array = NDArray[np.float64]
 
 LOWER = ("lower about x", "lower about y")
 """The two modes in which a machine sways and rocks slowest."""
+
+SAMPLES, ORDER = 320, 22
+"""Samples of a ring-down, and eigenvalues looked for in it."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +115,18 @@ def _identified(scenario: Scenario, height: float, width: float, slowest: float,
     """Frequencies [Hz] of a design's ring-down that are nearest to those wanted."""
     cg = (*scenario.machine.cg[:2], height)
     one = still(scenario, plates="tied", **resized(scenario, cg, width * positions(scenario)))
-    found = np.abs(ring_down(one, duration=max(0.12, 5.0 / slowest))) / (2 * np.pi)
+    duration = max(0.12, 5.0 / slowest)
+    rate = float(np.ceil(SAMPLES / duration))
+    jolts = [
+        {"kind": "shock", "dof": dof, "velocity": v, "pulse_time": PULSE, "begin": 1e-3, "return_time": 1e6}
+        for dof, v in JOLTS.items()
+    ]
+    table = {"ground": {"kind": "sum", "parts": jolts}, "duration": duration, "record_rate": rate}
+    motion = simulate(still(one, timestep=1.0 / rate / np.ceil(1e4 / rate), **table)).dataset["machine_displacement"]
+    moved = np.array([JOLTS[dof] * 2 * PULSE / np.pi for dof in DOFS])  # where the floor has come to rest
+    decay = (motion - motion[0]).sel(time=slice(1e-3 + PULSE + 0.5 / rate, None)).values - moved
+    ((poles, _),) = realise(decay / np.abs(decay).max(axis=0), rate, (ORDER,))
+    found = np.abs(poles[poles.imag > 0.0]) / (2 * np.pi)
     return np.array([found[np.argmin(np.abs(found - frequency))] for frequency in wanted])
 
 
