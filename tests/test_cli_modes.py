@@ -42,20 +42,24 @@ def test_tables_say_the_modes_and_what_moves(cli: Cli) -> None:
 
 
 def test_json_holds_every_variant(cli: Cli) -> None:
-    code, said, _ = cli("passing-wave", "--json", "--point", "spindle=0.2,0,1.4", "--sensitivity")
+    code, said, _ = cli("passing-wave", "--json", "--point", "spindle=0.2,0,1.4")
     assert code == 0
     table: dict[str, Any] = json.loads(said)
-    assert set(table) == {"modes", "bypassed", "closed_loop", "sensitivity"}
+    assert set(table) == {"modes", "bypassed", "closed_loop"}
     heave = next(mode for mode in table["modes"] if mode["name"] == "heave")
     assert heave["frequency_hz"] == pytest.approx(528.0, rel=1e-3)
     assert heave["points"]["spindle"]["z"] == pytest.approx([1.0, 0.0], abs=1e-9)
     assert heave["centre_of_rotation"] is None
     assert sum(heave["energy"]["damping_ratio_per_actuator"].values()) == pytest.approx(heave["damping_ratio"])
+
+
+def test_json_holds_the_sensitivity_of_every_mode(cli: Cli) -> None:
+    table: dict[str, Any] = json.loads(cli("benchmark", "--json", "--sensitivity")[1])
     slopes = table["sensitivity"]["modes"]["machine.inertia.2"]
     assert (slopes["value"], slopes["unit"]) == (4000.0, "kg m²")
     yaw = [mode["name"] for mode in table["modes"]].index("yaw")
     assert slopes["frequency"][yaw] == pytest.approx(-0.5, abs=1e-5)
-    assert len(table["sensitivity"]["closed_loop"]["machine.mass"]["damping"]) == len(table["closed_loop"])
+    assert len(table["sensitivity"]["bypassed"]["machine.mass"]["damping"]) == len(table["bypassed"])
 
 
 def test_a_passive_scenario_has_no_closed_loop(cli: Cli) -> None:
@@ -88,8 +92,14 @@ def test_identified_modes_stand_beside_the_computed(cli: Cli) -> None:
 def test_an_unknown_measurement_is_refused(cli: Cli) -> None:
     code, said, error = cli("benchmark", "--measured", "shaker")
     assert (code, said) == (2, "")
-    assert "must be one of ring-down, random, sweep" in error
+    assert "must be one of ring-down, random, sweep, hammer" in error
 
 
 def test_help_names_every_measurement() -> None:
     assert KINDS == modal_test.KINDS
+
+
+def test_noise_without_a_measurement_is_refused(cli: Cli) -> None:
+    code, said, error = cli("benchmark", "--noise", "0.01")
+    assert (code, said) == (2, "")
+    assert "--noise 0.01: belongs to a measurement" in error

@@ -21,7 +21,7 @@ MODES = {
 """Natural frequency |λ|/2π [Hz] and damping ratio from an independent model (docs/physics.md, section 3)."""
 
 
-@pytest.fixture(scope="module", params=["ring-down", "random", "sweep"])
+@pytest.fixture(scope="module", params=["ring-down", "random", "sweep", "hammer"])
 def tested(request: pytest.FixtureRequest) -> ModalTest:
     return modal_test(parse_scenario({}), request.param)
 
@@ -75,7 +75,7 @@ def test_a_test_as_plain_data_is_strict_json(noisy: ModalTest) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"kind": "shaker"}, "measured = 'shaker': must be one of ring-down, random, sweep"),
+        ({"kind": "shaker"}, "measured = 'shaker': must be one of ring-down, random, sweep, hammer"),
         ({"kind": "sweep", "noise": 1.0}, "noise = 1: must be from 0"),
         ({"kind": "sweep", "realisations": 0}, "realisations = 0: must be at least 1"),
     ],
@@ -90,3 +90,20 @@ def test_modes_too_far_apart_are_refused() -> None:
     light = {"lateral_stiffness": 1e4, "lateral_damping": 1.0}
     with pytest.raises(InputError, match="one measurement has up to"):
         modal_test(parse_scenario({"actuators": {"isolator": light}}), "random")
+
+
+def test_a_machine_that_falls_over_is_refused() -> None:
+    # m g h = 71 kN m against 4 K_L b² = 6; the oil lets it go slowly.
+    isolator = {"membrane_stiffness": 4e3, "moving_volume": False}
+    tall = parse_scenario({"machine": {"cg": [0.0, 0.0, 1.8]}, "actuators": {"isolator": isolator}})
+    with pytest.raises(InputError, match="unstable with its valves held"):
+        modal_test(tall, "ring-down")
+
+
+def test_a_fast_machine_is_followed_with_a_shorter_step() -> None:
+    # Modes up to 1.5 kHz, at which a step of 1e-4 s costs 0.5 % of the frequency.
+    found = modal_test(parse_scenario({"actuators": {"isolator": {"preset": "recommended"}}}), "ring-down")
+    for mode in found.modes:
+        assert mode.computed is not None
+        assert mode.frequency == pytest.approx(mode.computed.frequency, rel=2e-4)
+        assert mode.damping_ratio == pytest.approx(mode.computed.damping_ratio, rel=1e-3)

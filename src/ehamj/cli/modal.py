@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
 """What modes are given of, by the key in the JSON object."""
 
-KINDS = ("ring-down", "random", "sweep")
+KINDS = ("ring-down", "random", "sweep", "hammer")
 """Measurements that `ehamj.analysis.modal_test` makes; named here so that --help need not load it."""
 
 SHORT = {"modes": "valves held", "closed_loop": "closed loop", "bypassed": "membranes only"}
@@ -75,7 +75,8 @@ def modes(
     part one. A feedforward does not move modes, so its closed loop adds only the controller's own.
 
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
-    `ring-down` a jolt of the floor and free decay, `random` periodic noise and `sweep` a sine sweep of the floor.
+    `ring-down` jolts of the floor and free decays, `random` periodic noise and `sweep` a sine sweep of the floor,
+    `hammer` blows on an upper corner of the machine.
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
@@ -85,6 +86,8 @@ def modes(
     from ehamj.analysis.sensitivity import sensitivities
     from ehamj.scenario import load_scenario
 
+    if noise != 0.0 and measured is None:
+        raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
     if replay is not None:
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
