@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from ehamj.controllers import Controller
+from ehamj.controllers import Controller, PythonController
 from ehamj.controllers.sensors import (
     Accelerometer,
     Geophone,
@@ -44,7 +44,7 @@ def noise_of(sensor: Geophone, seconds: float, channel: str = "cg_velocity z", s
 
 def test_the_noise_has_its_density_above_the_corner_and_rises_as_one_over_f_below() -> None:
     # 3 nm/s/√Hz above 1 Hz, rising as 1/f below; typed from the benchmark, with the corner rounded as √(1 + 1/f²).
-    found = noise_of(Geophone(kind="geophone", low=0.01), 400.0)
+    found = noise_of(Geophone(kind="geophone", low=0.01, high=np.inf), 400.0)
     hertz, power = signal.welch(found, RATE, nperseg=2**19, detrend="linear")
     for low, high in ((0.08, 0.25), (0.25, 0.7), (0.7, 1.5), (1.5, 5.0), (5.0, 50.0), (50.0, 4900.0)):
         band = (hertz >= low) & (hertz < high)
@@ -54,8 +54,21 @@ def test_the_noise_has_its_density_above_the_corner_and_rises_as_one_over_f_belo
         assert np.mean(power[band] / expected) == pytest.approx(1.0, abs=4.0 / np.sqrt(averages)), (low, high)
 
 
+def test_the_noise_leaves_through_the_low_pass() -> None:
+    sensor = Geophone(kind="geophone", low=0.01)
+    hertz, power = signal.welch(noise_of(sensor, 60.0), RATE, nperseg=2**12)
+    for low, high in ((50.0, 200.0), (450.0, 550.0), (970.0, 1030.0)):
+        band = (hertz >= low) & (hertz < high)
+        # Half the power at 1 kHz; the bilinear low-pass is steeper beyond. 290 averages of at least 24 lines.
+        expected = 9e-18 / (1.0 + (hertz[band] / 1000.0) ** 4)
+        assert np.mean(power[band] / expected) == pytest.approx(1.0, abs=0.06), (low, high)
+        np.testing.assert_allclose(sensor.noise_density(hertz[band]) ** 2, expected, rtol=1e-3)
+    beyond = (hertz > 2900.0) & (hertz < 3100.0)
+    assert np.mean(power[beyond]) < 9e-18 / (1.0 + 3.0**4)
+
+
 def test_below_the_pass_band_the_noise_stays_bounded() -> None:
-    sensor = Geophone(kind="geophone", noise=1.0, noise_corner=100.0, low=10.0)
+    sensor = Geophone(kind="geophone", noise=1.0, noise_corner=100.0, low=10.0, high=np.inf)
     # White to 5 kHz, and 1/f noise that ends at 10 Hz: n²·f_n²·π/(2·f_l); correlated over 16 ms, so 3 % in 30 s.
     assert np.var(noise_of(sensor, 30.0)) == pytest.approx(5000.0 + 100.0**2 * np.pi / 20.0, rel=0.1)
 
@@ -197,6 +210,25 @@ def test_noise_reaches_the_readings_sample_by_sample() -> None:
     expected = ReadingNoise((name,), case.sensors, 5, 2e-4).take(read.size)[:, 0]
     np.testing.assert_array_equal(read, expected)
     assert np.std(read) > 0
+
+
+def test_a_function_and_the_law_read_the_same_noisy_limited_tilted_sensors() -> None:
+    names = ("ground_velocity front-left z", "stroke rear-right", "load_pressure front-right", "cg_velocity x")
+    table = {
+        "ground": {**GEOPHONE, "misalignment": 3.0, "resolution": 1e-8},
+        "inertial": {**GEOPHONE, "range": 1e-5, "drift": 1e-7},
+        "stroke": {"noise": 1e-9},
+        "pressure": {"random_walk": 1e3},
+    }
+    D = np.random.default_rng(0).normal(size=(4, 4)) * [3e3, 1e4, 1e-7, 1e3]
+    law = Controller(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((4, 0)), D, names, bits=None)
+    function = PythonController(lambda time, measured, limited: D @ measured, names, bits=None)
+    native, python = (
+        simulate(scenario(sensors=table, seed=9), controller=one).dataset["valve_command"].values
+        for one in (law, function)
+    )
+    assert np.abs(native).max() > 0.05
+    np.testing.assert_allclose(python, native, rtol=0, atol=1e-12)
 
 
 def test_a_tilted_sensor_reads_the_other_axes_by_the_sine_of_its_angle() -> None:

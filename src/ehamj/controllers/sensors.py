@@ -5,9 +5,10 @@ What a controller measures is
     round(clip(G(s)·(channel along the sensor's own axis) + noise + drift))
 
 with G a Butterworth high-pass at ``low`` and low-pass at ``high``, each of ``order``. The noise has the one-sided
-amplitude density n(f) = noise·√(1 + (noise_corner/f)²), which bends over to flat below ``low``; it is added to what
-leaves the instrument, sample by sample. Between integration steps the input is taken as straight (ramp-invariant
-discretisation), so that the filter's phase has no error of its own.
+amplitude density n(f) = noise·√(1 + (noise_corner/f)²), which bends over to flat below ``low`` and falls with the
+low-pass, through which it leaves the instrument (at the sampling rate, by the bilinear transform, so that it falls to
+nothing at half of it; a corner that the rate does not carry lets all of it pass). Between integration steps the input
+is taken as straight (ramp-invariant discretisation), so that the filter's phase has no error of its own.
 """
 
 import math
@@ -89,7 +90,8 @@ class Sensor(Parameters):
     def noise_density(self, hertz: ArrayLike) -> Array:
         """One-sided amplitude density of the noise at ``hertz`` > 0 [unit/√Hz]."""
         f = np.asarray(hertz, float)
-        return np.asarray(self.noise * np.sqrt(1.0 + self.noise_corner**2 / (f**2 + self.low**2)))
+        passed = 1.0 / np.sqrt(1.0 + (f / self.high) ** (2 * self.order))
+        return np.asarray(self.noise * passed * np.sqrt(1.0 + self.noise_corner**2 / (f**2 + self.low**2)))
 
     def state_space(self) -> StateSpace:
         """G(s), high-pass before low-pass, states of the size of the signal."""
@@ -336,9 +338,10 @@ class ReadingNoise:
         self._sensors = [sensors.of(name) for name in channels]
         self._random = [_random(seed, name, NOISE) for name in channels]
         self._period, self._done = period, 0
+        self._passes = [None if sensor is None else self._low_pass(sensor) for sensor in self._sensors]
         self._signs = [float(random.choice((-1.0, 1.0))) for random in self._random]
         self._states = [
-            np.zeros(3) if sensor is None else self._start(sensor, random)
+            np.zeros(2) if sensor is None else self._start(sensor, random)
             for sensor, random in zip(self._sensors, self._random, strict=True)
         ]
 
@@ -356,7 +359,9 @@ class ReadingNoise:
                 drawn = random.standard_normal((samples, 3))
                 slow, walked, self._states[k] = self._accumulate(sensor, drawn, self._states[k])
                 white = sensor.noise * math.sqrt(0.5 / self._period) * drawn[:, 0]
-                found[:, k] = white + slow + walked + self._signs[k] * sensor.drift * times
+                low_pass = self._passes[k]
+                electronic = white + slow if low_pass is None else low_pass.take(white + slow)
+                found[:, k] = electronic + walked + self._signs[k] * sensor.drift * times
         self._done += samples
         return found
 
@@ -364,7 +369,12 @@ class ReadingNoise:
         """State before the first sample: of the rising noise drawn from its long-run spread, of the walk zero."""
         decay = math.exp(-2.0 * np.pi * sensor.low * self._period)
         spread = self._kick(sensor) / math.sqrt(1.0 - decay**2) if decay < 1.0 else 0.0
-        return np.array([spread * random.standard_normal(), 0.0, 0.0])
+        return np.array([spread * random.standard_normal(), 0.0])
+
+    def _low_pass(self, sensor: Sensor) -> "_LowPass | None":
+        """The instrument's low-pass at the sampling rate, where that carries it."""
+        corner = 2.0 * sensor.high * self._period
+        return _LowPass(sensor.order, corner) if corner < 1.0 else None
 
     def _kick(self, sensor: Sensor) -> float:
         """Spread of what a sample adds to the rising noise: its density is then noise·noise_corner/f."""
@@ -376,5 +386,20 @@ class ReadingNoise:
         walked, _ = signal.lfilter(
             [1.0], [1.0, -1.0], sensor.random_walk * math.sqrt(self._period) * drawn[:, 2], zi=[state[1]]
         )
-        last = np.array([slow[-1], walked[-1], 0.0]) if drawn.shape[0] else state
+        last = np.array([slow[-1], walked[-1]]) if drawn.shape[0] else state
         return slow, walked, last
+
+
+class _LowPass:
+    """A Butterworth low-pass of ``order`` at ``corner`` (share of half the sampling rate), fed piece by piece."""
+
+    def __init__(self, order: int, corner: float) -> None:
+        self._sections = signal.butter(order, corner, output="sos")
+        self._state = np.zeros((self._sections.shape[0], 2))
+
+    def take(self, values: Array) -> Array:
+        """The filtered values, (n,)."""
+        if values.size == 0:
+            return values
+        filtered, self._state = signal.sosfilt(self._sections, values, zi=self._state)
+        return np.asarray(filtered)
