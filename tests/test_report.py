@@ -288,7 +288,7 @@ def is_linear(line: Any, color: str) -> bool:
 def test_the_runs_own_transmissibility_is_drawn(results: dict[str, Result], pictures: list[Picture]) -> None:
     """By SciPy's csd of the run's own velocities: the same lines before neighbours are averaged, below 5 Hz."""
     figure = {picture.name: picture for picture in pictures}["transmissibility-z"]
-    assert "Measured: Welch, 28 averages of 0.225 s or more, H1." in figure.caption
+    assert "Measured: Welch, 28 averages of 0.225 s or more, H1; left out where" in figure.caption
     data = results["passive"].dataset.isel(time=slice(400, None))
     floor, machine = data.ground_velocity.sel(axis="z").mean("mount").values, data.cg_velocity.sel(axis="z").values
     settings = {"nperseg": 226, "detrend": "constant"}
@@ -560,6 +560,23 @@ def test_the_notes_of_a_floor_are_told_apart() -> None:
     notes = load_scenario("seismic-site").ground.motion(start).notes
     (limit,) = (note for note in notes if not PROCESSING.match(note))
     assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands above 10 Hz are undecided"
+
+
+def test_defects_of_a_record_are_warnings(tmp_path: Path) -> None:
+    """Clipped, with a gap, sampled too slowly and in a unit that no floor has: each is named on top of the page."""
+    time = np.delete(np.arange(1000) / 100.0, slice(400, 420))
+    samples = np.clip(np.sin(2 * np.pi * 3.0 * time), -0.5, 0.5)
+    lines = [f"{t:.2f}, {v!r}" for t, v in zip(time, samples.tolist(), strict=True)]
+    (tmp_path / "bad.csv").write_text("time [s], z [m/s]\n" + "\n".join(lines))
+    ground = {"kind": "record", "file": str(tmp_path / "bad.csv"), "gaps": "interpolate"}
+    run = simulate(parse_scenario({**BASE, "duration": 2.0, "ground": ground}))
+    seen = text_of({"run": run})
+    told = [item.text_content() for item in seen.xpath('//*[@id="warnings"]//li')]
+    for part in ("looks clipped", "1 gap", "which no floor does", "too slowly for the vibration criteria"):
+        assert any(part in text for text in told), part
+    assert set(told) <= set(run.summary["warnings"])
+    processed = [item.text_content() for item in seen.xpath('//*[@id="inputs"]//ul/li')]
+    assert set(told) | set(processed) == set(run.summary["warnings"])
 
 
 def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:

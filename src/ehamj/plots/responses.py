@@ -37,7 +37,10 @@ DEEPEST: Final = -100.0
 
 @dataclass(frozen=True)
 class Response:
-    """One curve: complex response over frequency [Hz]; what was measured has coherences and a confidence radius."""
+    """One curve: complex response over frequency [Hz]; what was measured has coherences and a confidence radius.
+
+    Where the radius reaches zero, nothing but coherence is drawn: neither magnitude nor phase is known there.
+    """
 
     label: str
     frequency: Array
@@ -51,6 +54,13 @@ class Response:
     def measured(self) -> bool:
         """Whether it was measured."""
         return self.multiple is not None
+
+    @property
+    def known(self) -> NDArray[np.complex128]:
+        """The response where it is known to differ from zero, NaN elsewhere."""
+        if self.radius is None:
+            return self.response
+        return np.where(self.radius < np.abs(self.response), self.response, np.nan)
 
 
 def response(title: str, curves: Sequence[Response], unit: str, confidence: float = 0.95) -> "Figure":
@@ -72,7 +82,7 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
         entries: dict[str, Artist] = {}
         for place, curve in enumerate(curves):
             entries[shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
-            _line(middle, curve, np.degrees(np.angle(curve.response)), 3.0 - 0.1 * place)
+            _line(middle, curve, np.degrees(np.angle(curve.known)), 3.0 - 0.1 * place)
         _decibels(above, curves)
         above.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
         above.set_ylabel(f"magnitude [dB re 1 {unit}]")
@@ -153,10 +163,10 @@ def response_matrix(
 
 
 def _magnitude(axes: "Axes", curve: Response, order: float, small: bool = False) -> "Artist":
-    size = np.abs(curve.response)
+    size = np.abs(curve.known)
     if curve.radius is not None:
-        low, high = _in_decibels(np.maximum(size - curve.radius, 1e-12)), _in_decibels(size + curve.radius)
-        axes.fill_between(curve.frequency, low, high, color=curve.color, alpha=0.25, linewidth=0.0, zorder=order - 1)
+        low, high = _in_decibels(size - curve.radius), _in_decibels(size + curve.radius)
+        axes.fill_between(curve.frequency, low, high, color=curve.color, alpha=0.22, linewidth=0.0, zorder=order - 1)
     return _line(axes, curve, _in_decibels(size), order, small)
 
 
@@ -166,7 +176,7 @@ def _line(axes: "Axes", curve: Response, values: Array, order: float, small: boo
     if not curve.measured:
         style |= {"linewidth": 1.0 if small else 1.5}
     elif curve.frequency.size > MANY:
-        style |= {"linewidth": 0.9, "linestyle": (0, (4, 1.5))}
+        style |= {"linewidth": 1.2, "linestyle": (0, (4, 1.2))}
     else:
         marker = MARKERS.get(curve.color, "o")
         style |= {"linestyle": "none", "marker": marker, "markersize": 2.0 if small else 4.0, "fillstyle": "none"}
@@ -184,7 +194,7 @@ def _decibels(axes: "Axes", curves: Sequence[Response]) -> None:
     """Limits at multiples of 10 dB around everything that is known."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-    parts = [_in_decibels(np.abs(curve.response)) for curve in curves]
+    parts = [_in_decibels(np.abs(curve.known)) for curve in curves]
     values = np.concatenate([part[np.isfinite(part)] for part in parts] or [np.zeros(0)])
     bottom = max(DEEPEST, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
     top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))

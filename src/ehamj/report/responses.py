@@ -25,6 +25,7 @@ NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"
 FREQUENCIES: Final = np.geomspace(1.0, 315.0, 300)
 """At which a report's linear responses are computed [Hz]."""
+UNKNOWN: Final = "left out where the confidence circle reaches zero"
 USABLE: Final = 0.4
 """Share of the recording rate up to which a run's own transmissibility is shown."""
 
@@ -45,6 +46,7 @@ def _page(found: Comparison, pictures: Sequence[Picture], drawings: Mapping[str,
         scenario=found.scenario,
         point=point,
         methods=methods,
+        unknown=UNKNOWN,
         tables=[*attenuation_tables(found), *agreement_table(found)],
     )
 
@@ -76,7 +78,9 @@ def transmissibility(results: Results, colors: Mapping[str, str]) -> Iterator[Pi
             output = own_output(machine_channels(), dof)
             figure = plots.response(f"Transmissibility, {AXIS_NAMES[dof]}", [*shown, *measured], unit(output, dof))
             methods = dict.fromkeys(own.measured[dof].method for own in responses.values() if dof in own.measured)
-            caption = f"Measured: {'; '.join(methods)}." if methods else "Not measured: the run is too short."
+            caption = (
+                f"Measured: {'; '.join(methods)}; {UNKNOWN}." if methods else "Not measured: the run is too short."
+            )
             yield Picture(f"transmissibility-{dof}", "transmissibility", figure, caption)
 
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, Final
 
 from ehamj.layout import MOUNTS
 from ehamj.report.parts import Results, Table, ground_parts
@@ -22,6 +22,9 @@ from ehamj.report.words import (
     scaled,
 )
 from ehamj.result import Result
+
+OF_THE_LAW: Final = ("measured", "controller_state")
+"""Variables that repeat what the controller saw and how it counts; they stand in the result, not in the table."""
 
 
 def facts(result: Result) -> list[tuple[str, str]]:
@@ -91,6 +94,8 @@ def levels(results: Results) -> Table:
     rows: list[list[str]] = []
     data = next(iter(results.values())).dataset
     for name in data.data_vars:
+        if name in OF_THE_LAW:
+            continue
         channel = str(name).replace("_", " ").replace("cg", "CG").replace("ground", "floor")
         for part in _parts(results, str(name)):
             factor, unit = _unit(str(data[name].attrs.get("units", "")), part)
