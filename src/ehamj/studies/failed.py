@@ -298,13 +298,14 @@ def _failure_answers(study: FailedStudy, isolation: xr.Dataset, forces: xr.Datas
         heave, turn = float(one["heave"].sel(case=case)), float(one["rotation"].sel(case=case))
         carried = forces["membrane"].sel(case=case) + forces["oil"].sel(case=case)
         words = f"{case.capitalize()}: a heaving floor of {at:g} Hz reaches the CG with {20 * np.log10(heave):.0f} dB"
-        words += f" and turns the machine by {turn:.2g} rad per m"
+        words += f" and turns the machine by {turn:.2g} rad per m" if turn > 1e-6 else " and does not turn the machine"
         if case != "sound":
             low, high = float(carried.min()), float(carried.max())
-            words += f"; at rest the mounts carry {1e-3 * low:.1f} to {1e-3 * high:.1f} kN"
+            spread = f"{1e-3 * low:.1f} to {1e-3 * high:.1f}" if high - low > 1.0 else f"{1e-3 * low:.1f}"
+            words += f"; at rest each mount carries {spread} kN"
             oil = float(forces["oil"].sel(case=case, mount=study.mount))
             words += f", the oil there {1e-3 * oil:.1f} kN" if abs(oil) > 1.0 else ""
-        found.append(words + ".")
+        found.append(words.replace(" -", " −") + ".")
     return found
 
 
