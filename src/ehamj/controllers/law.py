@@ -168,8 +168,8 @@ class Controller:
         f = np.atleast_1d(np.asarray(hertz, float))
         omega = 2.0 * np.pi * f
         z = np.exp(1j * omega * self.period)
-        identity = np.eye(self.states)
-        plain = np.array([self.C @ np.linalg.solve(p * identity - self.A, self.B) + self.D for p in z])
+        systems = z[:, None, None] * np.eye(self.states) - self.A
+        plain = self.C @ np.linalg.solve(systems, np.broadcast_to(self.B, (f.size, *self.B.shape))) + self.D
         hold = np.sinc(f * self.period) * np.exp(-1j * omega * (0.5 * self.period + self.latency))
         return np.asarray(hold[:, None, None] * plain.reshape(f.size, *self.D.shape))
 

@@ -1,0 +1,73 @@
+"""What a design must hold, and on which machines."""
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from pydantic import Field
+
+from ehamj.analysis.linear import LinearModel, linear_model
+from ehamj.parameters import Settings
+from ehamj.scenario import Scenario
+
+Factor = Annotated[float, Field(gt=0)]
+
+
+class Requirements(Settings):
+    """Margins that practitioners ask for, at every place where the loop can be broken."""
+
+    gain_margin: Annotated[float, Field(ge=0)] = Field(6.0, description="least gain margin [dB]")
+    phase_margin: Annotated[float, Field(ge=0, lt=90)] = Field(45.0, description="least phase margin [deg]")
+    disk_margin: Annotated[float, Field(ge=0, lt=2)] = Field(
+        0.5, description="least disk margin, all valves at once [-]"
+    )
+
+
+class Variations(Settings):
+    """Machines that the same law must hold on, each changed in one respect from the one it is designed for."""
+
+    mass: tuple[Factor, ...] = Field((0.7, 1.3), description="factors on the machine's mass")
+    oil: tuple[Factor, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
+    flow: tuple[Factor, ...] = Field((1.5,), description="factors on the valves' flow gain")
+    cg: tuple[float, ...] = Field((), description="sideways shifts of the centre of gravity along x and y [m]")
+
+    def scenarios(self, scenario: Scenario) -> dict[str, Scenario]:
+        """The machine as it is, then each variation, by name."""
+        found = {"as designed": scenario}
+        for factor in self.mass:
+            found[f"mass × {factor:g}"] = with_factors(scenario, mass=factor)
+        for factor in self.oil:
+            found[f"oil stiffness × {factor:g}"] = with_factors(scenario, oil=factor)
+        for factor in self.flow:
+            found[f"flow gain × {factor:g}"] = with_factors(scenario, flow=factor)
+        for shift in self.cg:
+            x, y, z = scenario.machine.cg
+            machine = scenario.machine.with_values({"cg": (x + shift, y + shift, z)})
+            found[f"centre of gravity off by {shift:g} m"] = scenario.model_copy(update={"machine": machine})
+        return found
+
+
+def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: float = 1.0) -> Scenario:
+    """A scenario whose machine's mass, oil stiffness and valves' flow gain are multiplied."""
+    actuators = {
+        name: actuator.with_values(
+            {"bulk_modulus": oil * actuator.bulk_modulus, "flow_gain": flow * actuator.flow_gain}
+            | ({"rated_flow": flow * actuator.rated_flow} if actuator.rated_flow else {})
+        )
+        for name, actuator in scenario.actuators.items()
+    }
+    machine = scenario.machine.with_values({"mass": mass * scenario.machine.mass})
+    return scenario.model_copy(update={"actuators": actuators, "machine": machine})
+
+
+@dataclass(frozen=True)
+class Machines:
+    """A scenario's variations with their linear models."""
+
+    scenarios: dict[str, Scenario]
+    models: dict[str, LinearModel] = field(repr=False)
+
+    @classmethod
+    def of(cls, scenario: Scenario, variations: Variations | None = None) -> "Machines":
+        """Linearise the machine and its variations about their equilibria."""
+        scenarios = (variations or Variations()).scenarios(scenario)
+        return cls(scenarios, {name: linear_model(one) for name, one in scenarios.items()})
