@@ -190,7 +190,7 @@ def disk_margin(sensitivity: ComplexArray) -> float:
     return 1.0 / max(mu, 0.5)
 
 
-def margins(hertz: Array, loop: ComplexArray) -> Margins:
+def margins(hertz: Array, loop: NDArray[Any]) -> Margins:
     """Margins of one loop gain (n,) at frequencies (n,) [Hz], interpolated between them."""
     size, turn = np.abs(loop), np.unwrap(np.angle(loop))
     sensitivity = 1.0 / (1.0 + loop)

@@ -1,9 +1,9 @@
 """Automatic gains: the highest crossings that leave the required margins on a machine and all its variations.
 
 The loop gain is linear in the crossings, L = Σ f_k L_k + L_0, so that one frequency response per loop and machine
-serves every trial. Each crossing in turn is the highest that leaves its motion the margins, twice round; then all come down
-together until the disk margin of all valves at once suffices. The law that comes out is judged again as a whole, with
-the eigenvalues of its sampled loop.
+serves every trial. Each crossing in turn is the highest that leaves its motion the margins, twice round; then all come
+down together until the disk margin of all valves at once suffices. The law that comes out is judged again as a whole,
+with the eigenvalues of its sampled loop.
 """
 
 from collections.abc import Mapping
@@ -79,8 +79,8 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     tunable = [part for part in parts if isinstance(part, Tunable)]
     if len(tunable) != 1:
         raise InputError(
-            f"control.kind = {control.kind!r}: there must be one loop to tune, modal, skyhook or stroke-servo, alone or "
-            "as one part of combined"
+            f"control.kind = {control.kind!r}: there must be one loop to tune, modal, skyhook or stroke-servo, "
+            "alone or as one part of combined"
         )
     shaped = fitted(tunable[0], machines) if isinstance(tunable[0], ModalSettings) else tunable[0]
     tuned = _raised(shaped, scenario, machines, wanted)
@@ -105,7 +105,7 @@ def _plain(settings: object) -> dict[str, object]:
 
 
 def fitted(settings: ModalSettings, machines: Machines) -> ModalSettings:
-    """The shapes of modal loops moved to a machine's own resonances: notches by the oil's, sway damping by the sway's."""
+    """Modal loops moved to a machine's own resonances: notches by the oil's, sway damping by the sway's."""
     model = machines.models["as designed"]
     found = {mode.name: mode for mode in modes(model)}
     names = {
@@ -114,8 +114,8 @@ def fitted(settings: ModalSettings, machines: Machines) -> ModalSettings:
     }  # fmt: skip
     ratio = {}
     for key, name in names.items():
-        mode = next((mode for label, mode in found.items() if label.endswith(name)), None)
-        ratio[key] = mode.frequency / REFERENCE[key] if mode is not None else 1.0
+        matching = [m for label, m in found.items() if label.endswith(name) and ("sway" in label) == ("sway" in name)]
+        ratio[key] = matching[0].frequency / REFERENCE[key] if matching else 1.0
     changed: dict[str, object] = {}
     for motion in MOTIONS:
         loop: MotionLoop = getattr(settings, motion)

@@ -1,0 +1,239 @@
+"""What limits the isolation: contributions to the machine's vertical motion per third-octave band, and which binds.
+
+Linear contributions come from the closed loop: what law, delay and valve leave of the floor's heave, and what each
+class of instruments adds by its noise. Two more are estimates: rounding of the commands as white noise of Δ²/12, and
+the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)): an error of command of the relative size
+rms(P_L)/(2(P_s − P_t)), which the feedback reduces by its sensitivity. The voltage is judged by the command's RMS: a
+Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erfc
+
+from ehamj.analysis.linear import LinearModel
+from ehamj.analysis.loops import feeds_back, loop_gain
+from ehamj.analysis.transmissibility import ground_response, slab_pattern
+from ehamj.controllers import LinearController
+from ehamj.controllers.isolator import instrument_poles, lag, valve_poles
+from ehamj.controllers.law import OUTPUTS
+from ehamj.controllers.sensors import Sensors
+from ehamj.criteria.third_octave import Band, band_rms, bands
+from ehamj.layout import AXES, N_MOUNTS
+from ehamj.scenario import Scenario
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+BANDS: Final = bands(1.0, 315.0)
+PER_BAND: Final = 6
+"""Frequencies at which a band is looked at."""
+UNSTATED: Final = 12.5e-6
+"""Level per band that is taken where the scenario's floor rests: VC-C's [m/s]."""
+FLOOR_TIME: Final = 20.0
+FLOOR_RATE: Final = 1000.0
+OUTPUT: Final = ("cg_velocity z",)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """RMS velocity of the machine's CG, vertical, per band [m/s], by what causes it; and of the floor.
+
+    ``command`` is the RMS of one valve's command by the floor and by noise [V], ``limit`` its range [V].
+    """
+
+    bands: tuple[Band, ...]
+    floor: Array
+    contributions: Mapping[str, Array]
+    command: Mapping[str, float]
+    limit: float
+    phases: Mapping[str, float]
+    """Lags at the crossing of heave [deg], by cause, and the crossing [Hz]; empty without feedback."""
+
+    @property
+    def total(self) -> Array:
+        """All contributions together [m/s]; they are taken as independent."""
+        return np.asarray(np.sqrt(sum(part**2 for part in self.contributions.values())))
+
+    @property
+    def binding(self) -> tuple[str, ...]:
+        """The largest contribution in each band."""
+        names = list(self.contributions)
+        return tuple(names[k] for k in np.argmax(np.array(list(self.contributions.values())), axis=0))
+
+    @property
+    def saturated(self) -> float:
+        """Share of the time at which a Gaussian command of this RMS is beyond its range."""
+        sigma = float(np.hypot(*self.command.values()))
+        return float(erfc(self.limit / (np.sqrt(2.0) * sigma))) if sigma > 0 else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data, SI."""
+        names = [band.name for band in self.bands]
+        per_band = {key: dict(zip(names, map(float, part), strict=True)) for key, part in self.contributions.items()}
+        return {
+            "floor_m_s": dict(zip(names, map(float, self.floor), strict=True)),
+            "machine_m_s": dict(zip(names, map(float, self.total), strict=True)),
+            "contributions_m_s": per_band,
+            "binding": dict(zip(names, self.binding, strict=True)),
+            "command_rms_v": dict(self.command),
+            "command_limit_v": self.limit,
+            "saturated_share": self.saturated,
+            "phase_at_crossing": dict(self.phases),
+        }
+
+
+def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Budget:
+    """The budget of a law on a scenario's machine and floor.
+
+    Args:
+        scenario: its floor gives the levels (mean of the mounts, vertical; VC-C where it rests), its sensors the noise.
+        model: the linearised machine.
+        law: digital controller.
+    """
+    sensors, seed = scenario.sensors, scenario.seed
+    floor = floor_levels(scenario)
+    edges = np.array([band.edges for band in BANDS])
+    f = np.concatenate([low * (high / low) ** ((np.arange(PER_BAND) + 0.5) / PER_BAND) for low, high in edges])
+    widths = np.repeat((edges[:, 1] - edges[:, 0]) / PER_BAND, PER_BAND)
+
+    opened, closed = _closed(model, law, sensors, seed, f)
+    drive = model.response(f, OUTPUT, OUTPUTS)
+    answer = closed @ _readings_of_heave(model, law, sensors, seed, f)  # commands over the floor's heave
+    heave = slab_pattern(model.plant, ("z",))
+    passed = (
+        ground_response(model, f, ("cg_displacement z",)) @ heave + drive @ answer / (2j * np.pi * f)[:, None, None]
+    )
+    left = np.sqrt(_per_band(np.abs(passed[:, 0, 0]) ** 2)) * floor
+    moved = (drive @ closed)[:, 0, :]
+    contributions = {"law, delay and valve": left}
+    for table, members in _classes(law.inputs).items():
+        density = np.array([_density(sensors, law.inputs[k], f) for k in members]).T
+        motion = np.sum(np.abs(moved[:, members]) ** 2 * density**2, axis=1)
+        if np.any(density):
+            contributions[f"noise of {table} sensors"] = np.sqrt(_per_band(motion * widths) * PER_BAND)
+    shaken = np.sum(np.abs((drive @ opened)[:, 0, :]) ** 2, axis=1)
+    step = 0.0 if law.bits is None else 2.0 * law.voltage_limit / 2**law.bits
+    nyquist = 0.5 / min(part.period for part in law.parts)
+    contributions["rounding of commands"] = np.sqrt(_per_band(shaken * step**2 / 12.0 / nyquist * widths) * PER_BAND)
+    contributions["turbulent flow"] = _turbulence(scenario, floor, opened)
+    per_velocity = np.abs(answer[:, 0, 0]) / (2 * np.pi * f)
+    of_floor = float(np.sqrt(np.sum(_per_band(per_velocity**2) * floor**2)))
+    command = {"floor": of_floor, "noise": _noise_command(model, law, sensors, seed, nyquist)}
+    phases = _phases(model, law, sensors, seed, scenario) if feeds_back(law) else {}
+    return Budget(BANDS, floor, contributions, command, law.voltage_limit, phases)
+
+
+def floor_levels(scenario: Scenario) -> Array:
+    """Third-octave velocity of the floor's heave (mean of the mounts) in `BANDS` [m/s]."""
+    motion = scenario.motion()
+    if motion.at_rest:
+        return np.full(len(BANDS), UNSTATED)
+    time = np.arange(0.0, min(FLOOR_TIME, scenario.duration), 1.0 / FLOOR_RATE)
+    heave = motion.sample(time).velocity[:, :, AXES.index("z")].mean(axis=1)
+    levels = band_rms(heave, FLOOR_RATE, BANDS)
+    return np.asarray(np.nan_to_num(levels))
+
+
+def _per_band(values: Array) -> Array:
+    """Mean over the frequencies of each band."""
+    return np.asarray(values.reshape(len(BANDS), PER_BAND).mean(axis=1))
+
+
+def _classes(inputs: tuple[str, ...]) -> dict[str, list[int]]:
+    """Numbers of the readings by class of instrument."""
+    found: dict[str, list[int]] = {}
+    for k, name in enumerate(inputs):
+        first = name.partition("_")[0].partition(" ")[0]
+        table = {"ground": "ground", "stroke": "stroke", "load": "pressure", "chamber": "pressure"}.get(
+            first, "inertial"
+        )
+        found.setdefault(table, []).append(k)
+    return found
+
+
+def _density(sensors: Sensors, channel: str, f: Array) -> Array:
+    sensor = sensors.of(channel)
+    return np.zeros(f.size) if sensor is None else sensor.noise_density(f)
+
+
+def _turbulence(scenario: Scenario, floor: Array, opened: ComplexArray) -> Array:
+    """What varying flow gain leaves: the relative error of command times the floor, reduced by the sensitivity."""
+    actuator, supply = scenario.plant.actuators[0], scenario.supply
+    centres = np.array([band.centre for band in BANDS])
+    stroke = float(np.sqrt(np.sum((floor / (2 * np.pi * centres)) ** 2)))
+    pressure = actuator.membrane_stiffness * stroke / actuator.piston_area
+    share = pressure / (2.0 * (supply.pressure - supply.tank_pressure))
+    common = np.abs(opened.mean(axis=2).sum(axis=1))  # sensitivity of heave
+    return np.asarray(share * floor * np.sqrt(_per_band(common**2)))
+
+
+def _closed(
+    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, f: Array
+) -> tuple[ComplexArray, ComplexArray]:
+    """Sensitivity at the valves (f, 4, 4), and commands over what is added to the readings (f, 4, readings)."""
+    names, shares = sensors.mixtures(law.inputs, seed)
+    read = sensors.response(law.inputs, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
+    commands = law.response(f)
+    opened = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ read), complex)
+    return opened, np.asarray(opened @ commands, complex)
+
+
+def _readings_of_heave(
+    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, f: Array
+) -> ComplexArray:
+    """Readings over the displacement of a floor that heaves, valves held, (f, readings, 1)."""
+    names, shares = sensors.mixtures(law.inputs, seed)
+    seen = np.zeros((f.size, len(names), 1), complex)
+    machine = [name for name in names if not name.startswith("ground_")]
+    if machine:
+        own = [names.index(name) for name in machine]
+        seen[:, own] = ground_response(model, f, machine) @ slab_pattern(model.plant, ("z",))
+    for k, name in enumerate(names):
+        if name.startswith("ground_") and name.endswith(" z"):
+            order = ("displacement", "velocity", "acceleration").index(name.partition(" ")[0].removeprefix("ground_"))
+            seen[:, k, 0] = (2j * np.pi * f) ** order
+    return np.asarray(sensors.response(law.inputs, f)[:, :, None] * (shares @ seen), complex)
+
+
+def _noise_command(model: LinearModel, law: LinearController, sensors: Sensors, seed: int, nyquist: float) -> float:
+    """RMS of the first valve's command by the instruments' noise, from 0.05 Hz to half the rate [V]."""
+    f = np.geomspace(0.05, 0.99 * nyquist, 300)
+    _, closed = _closed(model, law, sensors, seed, f)
+    # The hold belongs to what acts on the machine; the command itself jumps from sample to sample without it.
+    held = np.abs(np.sinc(0.5 * f / nyquist))
+    density = np.array([_density(sensors, name, f) for name in law.inputs]).T
+    return float(np.sqrt(np.trapezoid(np.sum(np.abs(closed[:, 0]) ** 2 * density**2, axis=1) / held**2, f)))
+
+
+def _phases(
+    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, scenario: Scenario
+) -> dict[str, float]:
+    """Lags of heave's loop where it last crosses one [deg]."""
+    f = np.geomspace(5.0, 400.0, 400)
+    gains = loop_gain(model, law, f, sensors, seed)
+    heave = gains.sum(axis=2).mean(axis=1)
+    above = np.flatnonzero((np.abs(heave[:-1]) >= 1.0) & (np.abs(heave[1:]) < 1.0))
+    if not above.size:
+        return {}
+    at = float(f[above[0]])
+    s = 2j * np.pi * at
+    poles = valve_poles(scenario.plant.actuators[0])
+    part = law.parts[0]
+    foot = sensors.of("foot_velocity front-left z") if any(n.startswith("foot_velocity") for n in law.inputs) else None
+    fast = instrument_poles(foot)[1]
+    degrees = 360.0 * at
+    plant = (model.response([at], ("foot_velocity front-left z",), OUTPUTS)[0, 0]).sum() / s
+    valve = float(np.degrees(np.angle(np.prod(poles) / np.prod(s - poles))))
+    return {
+        "crossing_hz": at,
+        "phase_margin_deg": float(180.0 - abs(np.degrees(np.angle(heave[above[0]])))),
+        "valve_deg": -valve,
+        "delay_and_hold_deg": degrees * (part.latency + 0.5 * part.period),
+        "instrument_deg": degrees * lag(fast),
+        "oil_and_membrane_deg": float(-(np.degrees(np.angle(plant)) + 90.0) + valve),
+    }
