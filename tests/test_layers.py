@@ -20,7 +20,8 @@ RANKS = (
     ("summary", "result"),
     ("replay", "simulate"),
     ("analysis",),
-    ("report", "design", "studies", "bench"),
+    ("report", "studies", "bench"),
+    ("design",),
     ("store", "verify"),
     ("cli", "__init__"),
 )

@@ -2,9 +2,9 @@
 
 Linear contributions come from the closed loop: what law, delay and valve leave of the floor's heave, and what each
 class of instruments adds by its noise. Two more are estimates: rounding of the commands as white noise of Δ²/12, and
-the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)): an error of command of the relative size
-rms(P_L)/(2(P_s − P_t)), which the feedback reduces by its sensitivity. The voltage is judged by the command's RMS: a
-Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
+the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)): an error of command of the relative
+size rms(P_L)/(2(P_s − P_t)), which the feedback reduces by its sensitivity. The voltage is judged by the command's
+RMS: a Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
 """
 
 from collections.abc import Mapping
@@ -66,9 +66,14 @@ class Budget:
         return tuple(names[k] for k in np.argmax(np.array(list(self.contributions.values())), axis=0))
 
     @property
+    def command_rms(self) -> float:
+        """RMS of one valve's command by all causes [V]."""
+        return float(np.sqrt(sum(part**2 for part in self.command.values())))
+
+    @property
     def saturated(self) -> float:
         """Share of the time at which a Gaussian command of this RMS is beyond its range."""
-        sigma = float(np.hypot(*self.command.values()))
+        sigma = self.command_rms
         return float(erfc(self.limit / (np.sqrt(2.0) * sigma))) if sigma > 0 else 0.0
 
     def to_dict(self) -> dict[str, Any]:

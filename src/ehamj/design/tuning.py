@@ -17,6 +17,7 @@ from ehamj.analysis.loops import LoopReport, disk_margin, grid, loop_gain, margi
 from ehamj.analysis.modes import modes
 from ehamj.controllers import LinearController
 from ehamj.controllers.combined import CombinedSettings
+from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.controllers.inertial import MotionLoop
 from ehamj.controllers.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
 from ehamj.controllers.servo import StrokeServoSettings
@@ -44,7 +45,7 @@ REFERENCE: Final = {"heave": 528.0, "roll": 455.2, "pitch": 552.1, "sway x": 70.
 class Design:
     """A tuned law: its settings, and what it has in hand on each machine."""
 
-    settings: Tunable | CombinedSettings
+    settings: Tunable | CombinedSettings | FeedforwardSettings
     law: LinearController
     reports: Mapping[str, LoopReport]
     requirements: Requirements
@@ -92,7 +93,10 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
 
 
 def judged(
-    settings: Tunable | CombinedSettings, scenario: Scenario, machines: Machines, requirements: Requirements
+    settings: Tunable | CombinedSettings | FeedforwardSettings,
+    scenario: Scenario,
+    machines: Machines,
+    requirements: Requirements,
 ) -> Design:
     """The law of settings with its margins on every machine."""
     law = settings.controller(scenario.plant, scenario.sensors)

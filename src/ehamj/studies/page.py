@@ -3,7 +3,7 @@
 import csv
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -22,8 +22,13 @@ LONGEST_TABLE = 40
 """Rows up to which a table is shown on the page."""
 
 
-def write_outcome(folder: Path, name: str, outcome: Outcome, scenario: Scenario) -> None:
-    """Write a study into an existing folder: ``study.html``, ``study.json``, ``scenario.toml``, tables and figures."""
+def write_outcome(
+    folder: Path, name: str, outcome: Outcome, scenario: Scenario, page_name: Literal["study", "design"] = "study"
+) -> None:
+    """Write a study into an existing folder: ``study.html``, ``study.json``, ``scenario.toml``, tables and figures.
+
+    ``page_name`` is what page and JSON file are called.
+    """
     with written_whole(folder / "scenario.toml") as path:
         path.write_text(scenario.to_toml(), encoding="utf-8")
     for table, dataset in outcome.tables.items():
@@ -38,9 +43,9 @@ def write_outcome(folder: Path, name: str, outcome: Outcome, scenario: Scenario)
         with written_whole(folder / f"{drawing}.svg") as path:
             path.write_text(text, encoding="utf-8")
         pictures.append({"name": drawing, "svg": inline(text), "caption": one.caption})
-    with written_whole(folder / "study.html") as path:
-        path.write_text(page(name, outcome, scenario, pictures), encoding="utf-8")
-    with written_whole(folder / "study.json") as path:
+    with written_whole(folder / f"{page_name}.html") as path:
+        path.write_text(page(name, outcome, scenario, pictures, page_name), encoding="utf-8")
+    with written_whole(folder / f"{page_name}.json") as path:
         path.write_text(json.dumps(to_dict(name, outcome), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
@@ -81,7 +86,9 @@ def _shown(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def page(name: str, outcome: Outcome, scenario: Scenario, pictures: list[dict[str, str]]) -> str:
+def page(
+    name: str, outcome: Outcome, scenario: Scenario, pictures: list[dict[str, str]], page_name: str = "study"
+) -> str:
     """The page as one self-contained HTML file."""
     tables = []
     for table, dataset in outcome.tables.items():
@@ -95,4 +102,6 @@ def page(name: str, outcome: Outcome, scenario: Scenario, pictures: list[dict[st
     )
     template = environment.get_template("study.html")
     safe = [picture | {"svg": Markup(picture["svg"])} for picture in pictures]
-    return template.render(name=name, outcome=outcome, scenario=scenario, tables=tables, pictures=safe)
+    return template.render(
+        name=name, page_name=page_name, outcome=outcome, scenario=scenario, tables=tables, pictures=safe
+    )

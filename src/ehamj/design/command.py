@@ -1,0 +1,97 @@
+"""From a scenario to a designed controller and its files."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from ehamj.analysis.loops import feeds_back
+from ehamj.controllers.combined import CombinedSettings
+from ehamj.controllers.feedforward import FeedforwardSettings
+from ehamj.controllers.modal import ModalSettings
+from ehamj.controllers.servo import StrokeServoSettings
+from ehamj.controllers.skyhook import SkyhookSettings
+from ehamj.design.budget import budget
+from ehamj.design.outcome import outcome
+from ehamj.design.requirements import Machines, Requirements
+from ehamj.design.tuning import Design, judged, tune
+from ehamj.errors import InputError
+from ehamj.result import CONTROLLER_FILE, written_whole
+from ehamj.scenario import Scenario, load_scenario
+from ehamj.studies.outcome import Outcome
+from ehamj.studies.page import write_outcome
+
+DESIGN_FILES: Final = ("design.json", "design.html")
+"""Files without which a folder is no design."""
+
+ARCHITECTURES: Final = {
+    "combined": CombinedSettings,
+    "modal": ModalSettings,
+    "skyhook": SkyhookSettings,
+    "stroke-servo": StrokeServoSettings,
+    "feedforward": FeedforwardSettings,
+}
+"""What can be designed: the settings of each begin from their defaults."""
+
+
+@dataclass(frozen=True)
+class Designed:
+    """A scenario under its designed control, the design, and what it comes out with."""
+
+    scenario: Scenario
+    design: Design
+    outcome: Outcome
+
+
+def design_controller(
+    source: str,
+    overrides: Iterable[str] = (),
+    architecture: str | None = None,
+    gain_margin: float = 6.0,
+    phase_margin: float = 45.0,
+    disk_margin: float = 0.5,
+) -> Designed:
+    """Design a controller for a scenario.
+
+    Args:
+        source: scenario file or shipped name.
+        overrides: as `load_scenario`.
+        architecture: one of `ARCHITECTURES`; without, the scenario's own control where that can be designed, else
+            combined.
+        gain_margin: least gain margin [dB].
+        phase_margin: least phase margin [deg].
+        disk_margin: least disk margin.
+
+    Raises:
+        InputError: if the scenario or an argument cannot be used, or no law leaves the margins.
+    """
+    for name, value, low, high in (
+        ("gain-margin", gain_margin, 0.0, 60.0),
+        ("phase-margin", phase_margin, 0.0, 89.0),
+        ("disk-margin", disk_margin, 0.0, 1.9),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"--{name} {value:g}: must be from {low:g} to {high:g}")
+    wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
+    scenario = load_scenario(source, overrides)
+    if architecture is not None and architecture not in ARCHITECTURES:
+        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(ARCHITECTURES)}")
+    if architecture is not None or scenario.control.kind not in ARCHITECTURES:
+        control = ARCHITECTURES[architecture or "combined"]()
+        scenario = scenario.model_copy(update={"control": control, "compare": ("passive",)})
+    machines = Machines.of(scenario)
+    law = scenario.controller()
+    if feeds_back(law):
+        design = tune(scenario, machines, wanted)
+        scenario = scenario.model_copy(update={"control": design.settings})
+    else:
+        design = judged(scenario.control, scenario, machines, wanted)  # type: ignore[arg-type]
+    limits = budget(scenario, machines.models["as designed"], design.law)
+    return Designed(scenario, design, outcome(scenario, machines, design, limits))
+
+
+def write_design(folder: Path, found: Designed) -> None:
+    """Write a design into an existing folder, each file whole."""
+    write_outcome(folder, "design", found.outcome, found.scenario, page_name="design")
+    with written_whole(folder / CONTROLLER_FILE) as path:
+        found.design.law.save(path)
