@@ -105,8 +105,8 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
     causes = ", ".join(f"{named[band][1]} at {band} Hz" for band in SHOWN)
     found.append(f"What limits it: {causes}.")
     found.append(
-        f"Commands: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V ({limits.command['noise']:.2f} V of it by noise), beyond "
-        f"their range for {100 * limits.saturated:.2g} % of the time."
+        f"Commands: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V ({limits.command['noise']:.2f} V of it by "
+        f"noise), beyond their range for {100 * limits.saturated:.2g} % of the time."
     )
     if limits.phases:
         causes_of_lag = {
