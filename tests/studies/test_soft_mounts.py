@@ -101,3 +101,18 @@ def test_soft_mounts_isolate_where_stiff_ones_follow() -> None:
 def test_a_width_must_be_positive() -> None:
     with pytest.raises(InputError, match="widths"):
         study.SoftMountStudy(MACHINE, widths=(0.0,))
+
+
+def test_a_machine_beside_its_middle_leans() -> None:
+    """m g e over Σ k y² − m g h, against the simulator's equilibrium on springs that a millimetre hardly bends."""
+    beside = parse_scenario(MACHINE.model_dump() | {"machine": {"cg": (0.0, 0.02, 0.75)}})
+    sprung = still(beside, plates="tied", **with_every_actuator(beside, ELASTIC_MOUNT))
+    model = linear_model(sprung)
+    tilt = abs(model.equilibrium[model.states.index("displacement rx")])
+    assert study.lean(beside, ELASTIC_MOUNT) == pytest.approx(tilt, rel=1e-3)
+    assert study.lean(MACHINE, ELASTIC_MOUNT) == 0.0
+
+
+def test_nothing_tips_without_gravity() -> None:
+    with pytest.raises(InputError, match="gravity = 0"):
+        study.SoftMountStudy(parse_scenario({"name": "space", "gravity": 0.0}))

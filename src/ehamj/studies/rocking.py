@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 LOWER = ("lower about x", "lower about y")
 """The two modes in which a machine sways and rocks slowest."""
 
+STILL = 1e-3
+"""Frequency below which a pair of poles is rounding about zero, no oscillation [Hz]."""
 SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
 
@@ -76,6 +78,7 @@ def _designs(scenario: Scenario, height: xr.DataArray, width: xr.DataArray) -> x
     own = np.ptp(positions(scenario), axis=0)
     vary = {"machine.cg.2": height, "footprint.x": own[0] * width, "footprint.y": own[1] * width}
     found = modes_of(Designs.of(scenario, vary))[["frequency", "damping_ratio", "growth_rate", "tipping_margin"]]
+    found["frequency"] = found["frequency"].where(found["frequency"] > STILL)
     return found.reset_coords(drop=True).assign_attrs(title="modes of the designs")
 
 
@@ -88,7 +91,7 @@ def confirmed_designs(study: RockingStudy, progress: Progress = silent) -> xr.Da
     height, width = random.uniform(*study.heights, study.confirmed), random.uniform(*study.widths, study.confirmed)
     sample = _designs(study.scenario, xr.DataArray(height, dims="design"), xr.DataArray(width, dims="design"))
     computed = sample["frequency"].sel(mode=list(LOWER)).transpose("design", "mode").values
-    cases = list(zip(height, width, computed.min(axis=1), strict=True))
+    cases = list(zip(height, width, np.nan_to_num(computed, nan=np.inf).min(axis=1), strict=True))
     identified = np.empty_like(computed)
     with hydraulics():
         for k, (h, w, slowest) in enumerate(cases):
@@ -127,7 +130,8 @@ def _identified(scenario: Scenario, height: float, width: float, slowest: float,
     decay = (motion - motion[0]).sel(time=slice(1e-3 + PULSE + 0.5 / rate, None)).values - moved
     ((poles, _),) = realise(decay / np.abs(decay).max(axis=0), rate, (ORDER,))
     found = np.abs(poles[poles.imag > 0.0]) / (2 * np.pi)
-    return np.array([found[np.argmin(np.abs(found - frequency))] for frequency in wanted])
+    nearest = [found[np.argmin(np.abs(found - frequency))] for frequency in wanted]
+    return np.where(np.isnan(wanted), np.nan, nearest)
 
 
 def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
@@ -141,9 +145,12 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
     bare = still(study.scenario)
     soft = rocking_map(study, still(bare, **with_every_actuator(bare, preset(study.soft))))
     runs = confirmed_designs(study, progress)
-    worst = float(np.abs(runs["deviation"]).max())
+    worst = float(np.nanmax(np.abs(runs["deviation"].values)))
     slow, soft_slow = _slowest(own), _slowest(soft)
-    here = slow.interp(height=study.scenario.machine.cg[2], width=1.0)
+    itself = _designs(
+        study.scenario, xr.DataArray([study.scenario.machine.cg[2]], dims="d"), xr.DataArray([1.0], dims="d")
+    )
+    here = _slowest(itself)[0]
     low, high = slow.isel(height=-1, width=0), slow.isel(height=0, width=-1)
     tips = int((soft["tipping_margin"] < 0).sum())
     return Outcome(

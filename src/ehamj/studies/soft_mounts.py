@@ -47,7 +47,7 @@ class SoftMountStudy:
     """Which machine, on which mounts.
 
     Raises:
-        InputError: if a width is not positive.
+        InputError: if a width is not positive, or there is no gravity.
     """
 
     scenario: Scenario
@@ -60,6 +60,8 @@ class SoftMountStudy:
     """Simulated time of each run [s]."""
 
     def __post_init__(self) -> None:
+        if self.scenario.gravity == 0.0:
+            raise InputError("gravity = 0 m/s²: must be positive for this study, since nothing tips without it")
         for factor in (*self.widths, *self.simulated):
             if not 0.0 < factor < np.inf:
                 raise InputError(f"widths: {factor!r} must be a positive, finite factor")
@@ -88,10 +90,27 @@ def tipping_height(plant: Plant) -> tuple[float, float]:
 
 
 def tall(scenario: Scenario, actuator: Actuator, height: float, width: float = 1.0) -> Scenario:
-    """The bare machine on these mounts, its CG at ``height`` [m] and its mounts' places multiplied by ``width``."""
-    sized = resized(scenario, (*scenario.machine.cg[:2], height), width * positions(scenario))
+    """The bare machine on these mounts, its CG at ``height`` [m] and its mounts' places multiplied by ``width``.
+
+    The CG stands over the middle of the mounts: one beside it has no upright rest near the boundary, it leans (`lean`).
+    """
+    places = width * positions(scenario)
+    sized = resized(scenario, (*places.mean(axis=0), height), places)
     placed = still(scenario, **sized)
     return still(placed, plates="tied", **with_every_actuator(placed, actuator))
+
+
+def lean(scenario: Scenario, actuator: Actuator) -> float:
+    """Largest tilt at rest of the machine as it is on these mounts [rad], small angles; infinite where it tips over.
+
+    A CG beside the middle by e turns it with m g e, against Σ k y² − m g h.
+    """
+    machine = scenario.machine
+    offset = np.abs(np.array(machine.cg[:2]) - positions(scenario).mean(axis=0))[::-1]  # about x, about y
+    heights = np.array(tipping_height(tall(scenario, actuator, machine.cg[2]).plant))
+    if heights.min() <= machine.cg[2]:
+        return float("inf")
+    return float((offset / (heights - machine.cg[2])).max())
 
 
 def growth(scenario: Scenario) -> float:
@@ -161,6 +180,7 @@ def soft_mounts(study: SoftMountStudy, progress: Progress = silent) -> Outcome:
             "The presets elastic-mount (a spring of 5 Hz under 4 t) and pneumatic-mount (an air spring with damping "
             "chamber, 2 Hz) are assumed, typical values; levelling valves are not modelled.",
             "Static stiffness is the membrane's: oil or gas leaks around the piston and holds no load that stays.",
+            "The boundary is that of a CG over the middle of the mounts; beside it the machine leans. "
             "Mass and inertia about the CG are kept while its height changes; height counts from the mount plane.",
         ),
         numbers={
@@ -202,7 +222,7 @@ def tipping_table(study: SoftMountStudy) -> xr.Dataset:
         if down == (off > 0):
             (fell if down else stands)[i, j] = (1.0 + off) * eigen[i, j]
     over = ("mounts", "width")
-    half = np.abs(positions(study.scenario)).min(axis=0).min()
+    half = 0.5 * np.ptp(positions(study.scenario), axis=0).min()
     return xr.Dataset(
         {
             "half_distance": labelled(("width",), half * np.array(widths), "m", "half distance of the mounts"),
@@ -271,7 +291,9 @@ def _answers(study: SoftMountStudy, tipping: xr.Dataset) -> tuple[str, ...]:
     found = []
     for name in tipping["mounts"].values:
         limit, about = float(one["eigenvalue"].sel(mounts=name)), str(one["about"].sel(mounts=name).values)
-        state = f"stands, {limit / height:.1f} times below the limit" if height < limit else "TIPS OVER"
+        tilt = lean(study.scenario, preset(str(name)))
+        leaning = f", leaning by {1e3 * tilt:.2g} mrad" if tilt > 1e-6 else ""
+        state = f"stands{leaning}" if height < limit else "TIPS OVER"
         found.append(
             f"On {name}, the machine tips {about} with its CG above {limit:.2f} m; at {height:.2f} m it {state}."
         )

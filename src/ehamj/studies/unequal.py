@@ -29,7 +29,7 @@ class UnequalStudy:
     """Offsets of the CG, as shares of half the mounts' distances in x and y.
 
     Raises:
-        InputError: if the reach is not positive.
+        InputError: if the reach is not positive, or there is no gravity.
     """
 
     scenario: Scenario
@@ -41,6 +41,10 @@ class UnequalStudy:
     """Random offsets whose loads are computed by the simulator's own equilibrium."""
 
     def __post_init__(self) -> None:
+        if self.scenario.gravity == 0.0:
+            raise InputError(
+                "gravity = 0 m/s²: must be positive for this study, since nothing loads the mounts without it"
+            )
         if not 0.0 < self.reach < np.inf:
             raise InputError(f"reach = {self.reach!r}: must be positive and finite")
 
