@@ -17,6 +17,7 @@ RANKS = (
     ("controllers", "model"),
     ("scenario", "native", "chambers"),
     ("isolation", "operating_point"),
+    ("linear",),
     ("summary", "result"),
     ("replay", "simulate"),
     ("analysis",),

@@ -16,12 +16,12 @@ from lxml import html as lxml_html
 from scipy import signal
 
 from ehamj import plots
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import modes
 from ehamj.analysis.transmissibility import rigid_floor
 from ehamj.controllers import Controller
 from ehamj.ground import Start
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.report import Picture, draw, page, write_report
 from ehamj.report.histories import characteristic_part
 from ehamj.report.parts import colors_of

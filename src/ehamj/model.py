@@ -6,6 +6,7 @@ equations. Membranes are plain joint and tendon properties, so that the model st
 callbacks of `ehamj.native` add the oil and the ground's share.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -160,6 +161,12 @@ def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.Mj
         raise RuntimeError(f"the machine is body {model.body('machine').id} of the model, not {MACHINE_BODY}")
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
     return model
+
+
+def reduced(plant: Plant) -> Plant:
+    """The plant with its plates tied if all feet are rigid: the same equations without the constraint's own modes."""
+    rigid = all(actuator.rigid_foot for actuator in plant.actuators)
+    return replace(plant, plates="tied") if rigid else plant
 
 
 def supply_row(plant: Plant) -> list[float]:

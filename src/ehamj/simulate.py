@@ -22,7 +22,7 @@ from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.kinematics import points_motion
 from ehamj.layout import DOF_OF_JOINT, LEDGER_STATES, MOUNTS, N_INPUTS, N_MOUNTS, N_STATES, SUPPLY_STATES
-from ehamj.model import build_model, drawn_xml
+from ehamj.model import build_model, drawn_xml, reduced
 from ehamj.native import hydraulics
 from ehamj.native.loop import Loop, make_loop
 from ehamj.native.stepping import (
@@ -126,6 +126,7 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: A
         complete=complete,
         notes=_notes(prepared),
         usable_to=prepared.motion.usable_to,
+        law=None if isinstance(law, PythonController) else law,
     )
     xml = drawn_xml(scenario.plant, prepared.model.opt.timestep)
     law = None if isinstance(law, PythonController) else law
@@ -227,12 +228,6 @@ def _common_divisor(periods: Iterable[float]) -> float:
         n = math.gcd(divisor.numerator * other.denominator, other.numerator * divisor.denominator)
         divisor = Fraction(n, divisor.denominator * other.denominator)
     return float(divisor)
-
-
-def reduced(plant: Plant) -> Plant:
-    """The plant with its plates tied if all feet are rigid: the same equations without the constraint's own modes."""
-    rigid = all(actuator.rigid_foot for actuator in plant.actuators)
-    return replace(plant, plates="tied") if rigid else plant
 
 
 def _model(plant: Plant, timestep: float) -> mujoco.MjModel:

@@ -7,13 +7,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj.controllers import LinearController
 from ehamj.isolation import isolation
 from ehamj.isolation.relative import relative_motions
 from ehamj.isolation.spectra import response_spectra
 from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.linear.loops import feeds_back, report
+from ehamj.linear.machine import linear_model
 from ehamj.scenario import Scenario
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
+
+UNSTABLE = "the control loop is unstable: the linear machine runs away under this law"
 
 
 def summarise(
@@ -28,6 +33,7 @@ def summarise(
     complete: bool,
     notes: tuple[str, ...],
     usable_to: float,
+    law: LinearController | None = None,
 ) -> dict[str, Any]:
     """The content of summary.json: plain numbers, SI, null where something is undefined."""
     peak, rms = levels(dataset)
@@ -36,17 +42,20 @@ def summarise(
     saturation = _saturation(tally, states)
     isolated = isolation(dataset, scenario.plant, scenario.record_rate, usable_to, scenario.criteria)
     undecided = isolated.pop("undecided")
+    margins = loop_margins(scenario, law)
+    unstable = [UNSTABLE] if margins is not None and not margins["stable"] else []
     return {
         "name": scenario.name,
         "complete": complete,
         **isolated,
         **_observed(dataset, scenario, usable_to),
-        "warnings": [*notes, *undecided, *_warnings(saturation)],
+        "warnings": [*notes, *unstable, *undecided, *_warnings(saturation)],
         "peak": peak,
         "rms": rms,
         "saturation": saturation,
         "at_limit": at_limit(dataset, scenario),
         "oil": _oil(tally, states, steps * timestep),
+        "margins": margins,
         "timing": {
             "simulated_s": simulated,
             "wall_s": total_seconds,
@@ -58,6 +67,13 @@ def summarise(
         "versions": {"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         "seed": scenario.seed,
     }
+
+
+def loop_margins(scenario: Scenario, law: LinearController | None) -> dict[str, Any] | None:
+    """Margins of the law's loop (`ehamj.linear.loops`), worst of all places and of each motion; None without a loop."""
+    if law is None or not feeds_back(law):
+        return None
+    return report(linear_model(scenario), law, scenario.sensors, scenario.seed).to_dict(places=("motions",))
 
 
 def _observed(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:

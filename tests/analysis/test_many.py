@@ -8,10 +8,10 @@ import xarray as xr
 from oracles import linear
 
 from ehamj.analysis.designs import Designs
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.many import RIGID_MODES, floor_response, modes_of, state_space
 from ehamj.errors import InputError
 from ehamj.layout import DOFS, MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.parameters import DEFAULT_MOUNTS
 from ehamj.scenario import parse_scenario
 

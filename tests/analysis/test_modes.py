@@ -10,11 +10,11 @@ from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.analysis.eigen import mac
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import Mode, energy_shares, modes, motion_name, track
 from ehamj.analysis.shapes import centre_of_rotation, in_phase
 from ehamj.controllers import Controller
 from ehamj.layout import DOFS, MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import DEFAULT_MOUNTS, Machine
 from ehamj.scenario import parse_scenario
 

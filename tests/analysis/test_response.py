@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from oracles import linear
 
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.response import Measured, channel, lines, measure_floor, measure_valves
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate
 

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import modes
 from ehamj.analysis.sensitivity import parameters_of, sensitivities, value_of, with_value
 from ehamj.controllers import Controller
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.parameters import DEFAULT_MOUNTS
 from ehamj.scenario import Scenario, parse_scenario
 

@@ -18,7 +18,6 @@ from ehamj.analysis.comparison import (
     compare_scenario,
     write_tables,
 )
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.measured import Measurement, by_multisine, settling_time
 from ehamj.analysis.transmissibility import (
     band_attenuation,
@@ -34,6 +33,7 @@ from ehamj.controllers import Controller
 from ehamj.criteria.third_octave import bands
 from ehamj.errors import InputError
 from ehamj.layout import DOFS, MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate
 

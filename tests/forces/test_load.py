@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ehamj.analysis.linear import FORCES, linear_model
 from ehamj.errors import InputError
+from ehamj.linear.machine import FORCES, linear_model
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import linear_model
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.result import Result
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import linear_model
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.parameters import FIRST_GENERATION
 from ehamj.scenario import parse_scenario
 from ehamj.studies import failed as study

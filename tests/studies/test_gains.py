@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import ehamj
-from ehamj.analysis.linear import linear_model
 from ehamj.controllers import Controller
 from ehamj.controllers.sensors import Geophone, Sensors
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.studies import gains, valve_oil
 from ehamj.studies.floors import Loop

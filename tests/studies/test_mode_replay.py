@@ -11,10 +11,10 @@ from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import modes
 from ehamj.cli import app
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.replay import modes as drawn
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.studies.gains import inertial_position

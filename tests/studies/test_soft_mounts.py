@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import modes
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.parameters import ELASTIC_MOUNT, FIRST_GENERATION, PNEUMATIC_MOUNT
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.studies import soft_mounts as study

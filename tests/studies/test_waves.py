@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import ehamj
-from ehamj.analysis.linear import linear_model
 from ehamj.errors import InputError
 from ehamj.layout import DOFS
+from ehamj.linear.machine import linear_model
 from ehamj.scenario import parse_scenario
 from ehamj.studies import waves as study
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import LinearModel, linear_model
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.result import Result
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate

@@ -11,7 +11,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.measured import LEVEL, Measurement, by_multisine, by_welch
 from ehamj.analysis.response import lines
 from ehamj.analysis.transmissibility import (
@@ -33,6 +32,7 @@ from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.third_octave import Band, bands
 from ehamj.errors import InputError
 from ehamj.layout import DOFS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import Settings
 from ehamj.result import Result, written_whole
 from ehamj.scenario import Scenario

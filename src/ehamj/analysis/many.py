@@ -6,7 +6,7 @@
     floor_response(many, hertz, "ry").sel(output="ry")
 
 Everything is in closed form about the static equilibrium under gravity (`ehamj.analysis.elements`), so that 2,500
-designs take a second. `ehamj.analysis.linear.linear_model` differentiates the simulated model itself and gives the
+designs take a second. `ehamj.linear.machine.linear_model` differentiates the simulated model itself and gives the
 same.
 """
 
@@ -20,9 +20,9 @@ from scipy.optimize import linear_sum_assignment
 
 from ehamj.analysis.designs import Designs
 from ehamj.analysis.elements import Elements, Oil, solve
-from ehamj.analysis.linear import INPUTS
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, JOINTS, MOUNTS, N_MOUNTS, STATES
+from ehamj.linear.machine import INPUTS
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -40,7 +40,7 @@ OSCILLATES: Final = 1e-6
 def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     """A (…, n, n) and B (…, n, inputs) of every design, and the names of the states.
 
-    States and inputs are those of `ehamj.analysis.linear.linear_model` (`INPUTS`), deviations in SI, spools in mA,
+    States and inputs are those of `ehamj.linear.machine.linear_model` (`INPUTS`), deviations in SI, spools in mA,
     commands in V. NaN where a design has no static equilibrium inside its cylinders.
     """
     elements, oil, _ = _assembled(designs)

@@ -13,7 +13,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import modes
 from ehamj.analysis.response import PERIOD, channel, excited, line_amplitudes, lines
 from ehamj.analysis.spectra import Estimate, Estimator, Spectra, estimate, segments
@@ -23,6 +22,7 @@ from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
 from ehamj.isolation import settled
 from ehamj.layout import DOFS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.result import Result
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate_many

@@ -16,17 +16,18 @@ from scipy.optimize import linear_sum_assignment
 
 from ehamj.analysis.eigen import mac
 from ehamj.analysis.identification import Estimates, Stable, agreed, oscillating, polyreference, realise, residues
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import Mode, modes
 from ehamj.analysis.ringdown import free_decays
 from ehamj.analysis.shapes import weights
 from ehamj.channels import point_row
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOFS
+from ehamj.linear.machine import linear_model
+from ehamj.model import reduced
 from ehamj.parameters import Machine, Plant
 from ehamj.result import Result
 from ehamj.scenario import Scenario, parse_scenario
-from ehamj.simulate import reduced, simulate_many
+from ehamj.simulate import simulate_many
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.analysis.eigen import Eigen, correlation, pairing, separated
-from ehamj.analysis.linear import LinearModel, Point
-from ehamj.analysis.sampled import SampledLoop, sampled_loop
 from ehamj.analysis.shapes import Axis, Energies, at_cg, at_point, centre_of_rotation, energies, in_phase, weights
 from ehamj.controllers import LinearController
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, MOUNTS, N_MOUNTS, WARP
+from ehamj.linear.machine import LinearModel, Point
+from ehamj.linear.sampled import SampledLoop, sampled_loop
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ehamj.analysis.designs import FOOTPRINT, quantity_of
 from ehamj.analysis.eigen import eigenvalue_changes
 from ehamj.analysis.elements import ACTUATOR_VALUES, MACHINE_VALUES
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import eigen_of, modes, oscillations, state_matrix
-from ehamj.analysis.sampled import pattern_period
 from ehamj.controllers import LinearController
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
+from ehamj.linear.sampled import pattern_period
 from ehamj.scenario import Scenario, parse_scenario
 
 Array = NDArray[np.float64]

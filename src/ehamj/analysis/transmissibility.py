@@ -11,8 +11,6 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.analysis.linear import GROUND_INPUTS, LinearModel
-from ehamj.analysis.sampled import measured_machine, sampled_machine
 from ehamj.controllers import Controller, LinearController
 from ehamj.controllers.law import OUTPUTS as COMMANDS
 from ehamj.controllers.sensors import IDEAL, Sensors
@@ -20,6 +18,8 @@ from ehamj.criteria.third_octave import Band
 from ehamj.errors import InputError
 from ehamj.ground.motion import Slab
 from ehamj.layout import AXES, DOFS, MOUNTS, N_MOUNTS
+from ehamj.linear.machine import GROUND_INPUTS, LinearModel
+from ehamj.linear.sampled import measured_machine, sampled_machine
 from ehamj.parameters import Plant
 
 Array = NDArray[np.float64]

@@ -80,10 +80,10 @@ def modes(
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
-    from ehamj.analysis.linear import linear_model
     from ehamj.analysis.modal_test import kind_of, modal_test
     from ehamj.analysis.modes import modes as find
     from ehamj.analysis.sensitivity import sensitivities
+    from ehamj.linear.machine import linear_model
     from ehamj.scenario import load_scenario
 
     if noise != 0.0 and measured is None:

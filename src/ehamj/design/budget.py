@@ -15,8 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfc
 
-from ehamj.analysis.linear import LinearModel
-from ehamj.analysis.loops import feeds_back, loop_gain
 from ehamj.analysis.transmissibility import ground_response, slab_pattern
 from ehamj.controllers import LinearController
 from ehamj.controllers.isolator import instrument_poles, lag, valve_poles
@@ -24,6 +22,8 @@ from ehamj.controllers.law import OUTPUTS
 from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.third_octave import Band, band_rms, bands
 from ehamj.layout import AXES, N_MOUNTS
+from ehamj.linear.loops import feeds_back, loop_gain, own_readings
+from ehamj.linear.machine import LinearModel
 from ehamj.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -181,8 +181,11 @@ def _closed(
     model: LinearModel, law: LinearController, sensors: Sensors, seed: int, f: Array
 ) -> tuple[ComplexArray, ComplexArray]:
     """Sensitivity at the valves (f, 4, 4), and commands over what is added to the readings (f, 4, readings)."""
-    names, shares = sensors.mixtures(law.inputs, seed)
-    read = sensors.response(law.inputs, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
+    own = own_readings(law)
+    chosen = [law.inputs[k] for k in own]
+    names, shares = sensors.mixtures(chosen, seed)
+    read = np.zeros((f.size, len(law.inputs), N_MOUNTS), complex)
+    read[:, own] = sensors.response(chosen, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
     commands = law.response(f)
     opened = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ read), complex)
     return opened, np.asarray(opened @ commands, complex)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from ehamj.analysis.loops import feeds_back
 from ehamj.controllers.combined import CombinedSettings
 from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.controllers.modal import ModalSettings
@@ -16,6 +15,7 @@ from ehamj.design.outcome import outcome
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
+from ehamj.linear.loops import feeds_back
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario import Scenario, load_scenario
 from ehamj.studies.outcome import Outcome

@@ -5,13 +5,13 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from ehamj.analysis.loops import PATTERNS, feeds_back, grid, loop_gain
 from ehamj.controllers import LinearController
 from ehamj.controllers.modal import plane
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.layout import WARP
+from ehamj.linear.loops import PATTERNS, feeds_back, grid, loop_gain
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ehamj.analysis.linear import LinearModel, linear_model
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import Settings
 from ehamj.scenario import Scenario
 

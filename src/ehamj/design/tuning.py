@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.analysis.loops import LoopReport, disk_margin, grid, loop_gain, margins, report
 from ehamj.analysis.modes import modes
 from ehamj.controllers import LinearController
 from ehamj.controllers.combined import CombinedSettings
@@ -25,6 +24,7 @@ from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.layout import N_MOUNTS, WARP
+from ehamj.linear.loops import LoopReport, disk_margin, grid, loop_gain, margins, report
 from ehamj.scenario import Scenario
 
 Array = NDArray[np.float64]

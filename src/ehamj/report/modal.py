@@ -5,10 +5,10 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.modes import Mode, modes
 from ehamj.errors import InputError
 from ehamj.layout import DOFS
+from ehamj.linear.machine import linear_model
 from ehamj.report.parts import Results, Table
 from ehamj.report.words import number
 

@@ -11,10 +11,10 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.analysis.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.measured import Measurement, by_welch
 from ehamj.analysis.transmissibility import ZERO, Transfer, machine_channels, rigid_floor, unit
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.plots import Response
 from ehamj.report.document import render, write_page
 from ehamj.report.parts import Picture, Results, Table

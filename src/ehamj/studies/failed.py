@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario

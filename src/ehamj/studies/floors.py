@@ -7,11 +7,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.analysis.linear import LinearModel
 from ehamj.analysis.transmissibility import ground_response, slab_pattern
 from ehamj.controllers import LinearController
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.layout import AXES, N_MOUNTS
+from ehamj.linear.machine import LinearModel
 from ehamj.parameters import Plant
 from ehamj.scenario import Scenario
 

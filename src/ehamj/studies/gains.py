@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import eigen_of, modes, sampled_loop
 from ehamj.controllers import Controller, LinearController
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import Plant
 from ehamj.plots.charts import Line, lines_chart, locus_chart
 from ehamj.scenario import Scenario

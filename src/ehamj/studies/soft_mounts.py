@@ -15,9 +15,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.errors import InputError
 from ehamj.layout import AXES
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.native import hydraulics
 from ehamj.parameters import Actuator, Plant
 from ehamj.plots.charts import Line, lines_chart

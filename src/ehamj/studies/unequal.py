@@ -8,10 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.designs import Designs
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.many import floor_response, modes_of
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, map_chart
 from ehamj.scenario import Scenario
 from ehamj.studies.failed import static_forces

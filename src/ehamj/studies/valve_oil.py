@@ -8,9 +8,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.designs import Designs
-from ehamj.analysis.linear import linear_model
 from ehamj.analysis.many import RIGID_MODES, modes_of
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario

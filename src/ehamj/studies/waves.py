@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOFS
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.scenario import Scenario
 from ehamj.simulate import simulate

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.analysis.linear import LinearModel, linear_model
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.result import Result
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate

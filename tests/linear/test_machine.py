@@ -9,10 +9,10 @@ import pytest
 from oracles import linear, machine
 
 import ehamj
-from ehamj.analysis.linear import LinearModel, linear_model, linearise
 from ehamj.channels import channel_names
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model, linearise
 from ehamj.scenario import Scenario, parse_scenario
 
 DOFS = ("x", "y", "z", "rx", "ry", "rz")

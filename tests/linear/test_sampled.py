@@ -6,13 +6,13 @@ import control
 import numpy as np
 import pytest
 
-from ehamj.analysis.linear import LinearModel, linear_model
 from ehamj.analysis.modes import modes
-from ehamj.analysis.sampled import sampled_loop, sampled_machine
 from ehamj.analysis.transmissibility import rigid_floor
 from ehamj.controllers import Controller, ControllerBank
 from ehamj.controllers.sensors import Sensors
 from ehamj.layout import MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.sampled import sampled_loop, sampled_machine
 from ehamj.scenario import parse_scenario
 from ehamj.simulate import simulate
 

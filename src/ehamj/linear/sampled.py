@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from ehamj.analysis.linear import LinearModel
 from ehamj.controllers import Controller, LinearController
 from ehamj.controllers.law import OUTPUTS
 from ehamj.controllers.sensors import IDEAL, Sensors, quantity_of
 from ehamj.layout import N_MOUNTS
+from ehamj.linear.machine import LinearModel
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

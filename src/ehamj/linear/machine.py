@@ -24,12 +24,11 @@ from ehamj.controllers.law import OUTPUTS as COMMANDS
 from ehamj.errors import InputError
 from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, JOINTS, MOUNTS, N_MOUNTS, N_STATES, SUPPLY_STATES
 from ehamj.layout import STATES as ACTUATOR_STATES
-from ehamj.model import build_model
+from ehamj.model import build_model, reduced
 from ehamj.native import hydraulics
 from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
 from ehamj.parameters import Plant
 from ehamj.scenario import Scenario
-from ehamj.simulate import reduced
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]

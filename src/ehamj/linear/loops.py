@@ -10,20 +10,20 @@ to disk margins", IEEE Control Systems 40(5), 2020; balanced, σ = 0) tells how 
 four together and independently, since one loop at a time misleads.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.analysis.linear import LinearModel
-from ehamj.analysis.sampled import sampled_loop
 from ehamj.controllers import LinearController
 from ehamj.controllers.law import OUTPUTS
 from ehamj.controllers.modal import MOTIONS, plane
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.layout import MOUNTS, N_MOUNTS, WARP
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.sampled import sampled_loop
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -80,23 +80,25 @@ class LoopReport:
         found = [*self.valves.values(), *self.motions.values(), *self.readings.values()]
         return min(m.gain for m in found), min(m.phase for m in found), min(self.disk, *(m.disk for m in found))
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+    def to_dict(self, places: Sequence[str] = ("valves", "motions", "readings")) -> dict[str, Any]:
+        """As plain data, with the margins at some kinds of ``places``."""
         gain, phase, disk = self.worst
         finite = [value if np.isfinite(value) else None for value in (gain, phase)]
-        places = {
-            name: {key: margins.to_dict() for key, margins in getattr(self, name).items()}
-            for name in ("valves", "motions", "readings")
-        }
+        chosen = {name: {key: m.to_dict() for key, m in getattr(self, name).items()} for name in places}
         return {
             "stable": self.stable, "gain_db": finite[0], "phase_deg": finite[1], "disk": disk,
-            "disk_all_valves": self.disk, **places,
+            "disk_all_valves": self.disk, **chosen,
         }  # fmt: skip
+
+
+def own_readings(law: LinearController) -> list[int]:
+    """Numbers of the law's inputs that measure the machine, and not the ground."""
+    return [k for k, name in enumerate(law.inputs) if not name.startswith("ground_")]
 
 
 def feeds_back(law: LinearController | None) -> bool:
     """Whether a law measures anything of the machine."""
-    return law is not None and any(not name.startswith("ground_") for name in law.inputs)
+    return law is not None and bool(own_readings(law))
 
 
 def grid(law: LinearController, model: LinearModel | None = None) -> Array:
@@ -131,10 +133,15 @@ def loop_gain(
 def _halves(
     model: LinearModel, law: LinearController, f: Array, sensors: Sensors, seed: int
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Law with delay and hold (frequency, 4, readings), and readings over commands (frequency, readings, 4)."""
-    names, shares = sensors.mixtures(law.inputs, seed)
+    """Law with delay and hold (frequency, 4, readings), and readings over commands (frequency, readings, 4).
+
+    Readings are those of the machine (`own_readings`); the ground does not answer commands.
+    """
+    own = own_readings(law)
+    chosen = [law.inputs[k] for k in own]
+    names, shares = sensors.mixtures(chosen, seed)
     answer = shares @ model.response(f, names, OUTPUTS)
-    return law.response(f), sensors.response(law.inputs, f)[:, :, None] * answer
+    return law.response(f)[:, :, own], sensors.response(chosen, f)[:, :, None] * answer
 
 
 def report(
@@ -160,14 +167,13 @@ def report(
     basis = np.column_stack([plane(model.plant), WARP])
     moved = np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
     at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", plant, sensitivity, commands, optimize=True)
-    own = [k for k, name in enumerate(law.inputs) if not name.startswith("ground_")]
     radius = float(np.abs(np.linalg.eigvals(sampled_loop(model, law, sensors, seed).A)).max())
     return LoopReport(
         radius < STABLE,
         disk_margin(sensitivity),
         {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(MOUNTS)},
         {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(PATTERNS)},
-        {law.inputs[k]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k in own},
+        {law.inputs[name]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k, name in enumerate(own_readings(law))},
     )
 
 
