@@ -8,9 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.analysis.modes import eigen_of, modes, sampled_loop
-from ehamj.controllers import Controller, LinearController
+from ehamj.controllers import Controller
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.linear.loops import feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.parameters import Plant
 from ehamj.plots.charts import Line, lines_chart, locus_chart
@@ -73,11 +74,6 @@ def inertial_position(plant: Plant, crossover: float) -> Controller:
     half = 0.5 * PERIOD  # trapezoidal rule
     gain = np.diag(gains)
     return Controller(pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain, inputs, PERIOD)
-
-
-def feeds_back(law: LinearController | None) -> bool:
-    """Whether a law measures anything of the machine."""
-    return law is not None and any(not name.startswith("ground_") for name in law.inputs)
 
 
 def scaled(loop: Loop, factor: float) -> Loop:
