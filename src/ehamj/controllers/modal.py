@@ -71,13 +71,13 @@ class ModalSettings(DigitalSettings):
 
     kind: Literal["modal"] = "modal"
     heave: MotionLoop = MotionLoop(
-        crossing=87.0, integral=14.4, lead=85.0, notch=204.0, notch_depth=0.324, notch_width=2.43, rolloff=16500.0
+        crossing=89.0, integral=14.4, lead=85.0, notch=204.0, notch_depth=0.324, notch_width=2.43, rolloff=16500.0
     )
     roll: MotionLoop = MotionLoop(
-        crossing=51.0, integral=13.2, lead=113.0, notch=225.0, notch_depth=0.67, notch_width=0.7, rolloff=17600.0
+        crossing=52.0, integral=13.2, lead=113.0, notch=225.0, notch_depth=0.67, notch_width=0.7, rolloff=17600.0
     )
     pitch: MotionLoop = MotionLoop(
-        crossing=46.0, integral=14.4, lead=184.0, notch=543.0, notch_depth=0.95, notch_width=0.36, rolloff=5580.0
+        crossing=50.0, integral=14.4, lead=184.0, notch=543.0, notch_depth=0.95, notch_width=0.36, rolloff=5580.0
     )
     blend: Blend = Blend()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
