@@ -126,10 +126,6 @@ def pair(frequency: float, damping: float) -> NDArray[np.complex128]:
     return np.asarray(np.roots([1.0, 2.0 * damping * omega, omega**2]), complex)
 
 
-def _polynomial(roots: NDArray[np.complex128]) -> Array:
-    return np.atleast_1d(np.asarray(np.poly(roots).real, float))
-
-
 def _groups(roots: NDArray[np.complex128]) -> list[NDArray[np.complex128]]:
     """Roots in pairs, complex ones with their conjugates, real ones by size and the last alone; slow pairs first."""
     upper = sorted(roots[roots.imag > 1e-9 * np.abs(roots)], key=abs)
