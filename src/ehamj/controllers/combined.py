@@ -19,7 +19,7 @@ Architecture = Annotated[
     FeedforwardSettings | ModalSettings | SkyhookSettings | StrokeServoSettings | ResonantSettings,
     Field(discriminator="kind"),
 ]
-SHARED = ("rate", "delay", "bits", "switch_on", "fade")
+SHARED = ("rate", "delay", "bits", "switch_on", "fade", "recovery")
 """Settings that all parts have from the whole."""
 
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy import signal
 
-from ehamj.controllers.blocks import TWO_PI, Block, beside
-from ehamj.controllers.isolator import Inverse, instrument_poles, lag, restoring, valve_poles
+from ehamj.controllers.blocks import TWO_PI, Block, beside, joined
+from ehamj.controllers.isolator import Inverse, held, instrument_poles, lag, restoring, valve_poles
 from ehamj.controllers.law import Controller
 from ehamj.controllers.lowend import isolating
 from ehamj.controllers.sensors import IDEAL, Sensor, Sensors
@@ -56,8 +56,9 @@ class FeedforwardSettings(DigitalSettings):
     def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
         """The law for a plant, whose ground velocities are measured by ``sensors``."""
         sensor = sensors.of(INPUTS[0])
-        mounts = beside([self.block(actuator, sensor) for actuator in plant.actuators])
-        return self.digital(mounts.sampled(self.period), INPUTS, plant)
+        mounts = beside([self.block(actuator, sensor) for actuator in plant.actuators]).sampled(self.period)
+        back = beside([held(actuator, self.recovery, self.period) for actuator in plant.actuators])
+        return self.digital(joined([mounts, back]), INPUTS, plant)
 
     def block(self, actuator: Actuator, sensor: Sensor | None = None) -> Block:
         """Command [V] over measured ground velocity [m/s] of one mount."""

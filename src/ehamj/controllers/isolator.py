@@ -66,17 +66,32 @@ def lag(poles: ArrayLike) -> float:
     return float(np.sum(-1.0 / np.asarray(poles, complex)).real)
 
 
-def answer(actuator: Actuator, late: float, period: float) -> Block:
-    """Sampled block: displacement of a piston as it is measured [m] over a command [V], ``late`` [s] in all.
+def lost(actuator: Actuator, late: float, recovery: float, period: float) -> Block:
+    """Sampled block: displacement that a piston owes, as it is measured [m], over what its valve did not get [V].
 
-    A law that subtracts the answer to what the valves did not get sees a machine without limits (internal-model
-    anti-windup, Zheng, Kothare and Morari 1994): its integrals do not wind up, and what was lost decays as the isolator
-    itself forgets, 1/c (24 ms).
+    A law that subtracts it sees a machine without limits (internal-model anti-windup, Zheng, Kothare and Morari 1994):
+    its integrals do not wind up. What was lost is made good over ``recovery`` [s], slowly beside the bands that are to
+    be quiet, and not as the isolator by itself would, in 1/c (24 ms); `held` asks for the command that this takes.
+
+    Args:
+        actuator: isolator.
+        late: delay from a command to its reading [s].
+        recovery: time constant [s].
+        period: sampling period [s].
     """
     inverse = Inverse.of(actuator)
-    poles = np.concatenate([valve_poles(actuator), [-inverse.creep], np.full(2, -2.0 / late)])
+    poles = np.concatenate([valve_poles(actuator), [-1.0 / recovery], np.full(2, -2.0 / late)])
     gain = actuator.valve_frequency**2 * (2.0 / late) ** 2 / inverse.volts
     return Block.filter([], poles, gain).held(period)
+
+
+def held(actuator: Actuator, recovery: float, period: float) -> Block:
+    """Sampled block: command that lets what was lost come back over ``recovery`` [s], over what was lost of it [V].
+
+    The isolator answers with (s + c)⁻¹; to answer with (s + 1/recovery)⁻¹ it needs (c − 1/recovery)/(s + 1/recovery).
+    """
+    creep, slow = Inverse.of(actuator).creep, 1.0 / recovery
+    return Block.filter([], [-slow], creep - slow).held(period)
 
 
 def restoring(slow: ComplexArray, corner: float) -> tuple[ComplexArray, ComplexArray]:

@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 
 from ehamj.controllers.blocks import TWO_PI, Block, added, joined, pair
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
+from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
@@ -95,13 +95,13 @@ class ModalSettings(DigitalSettings):
         foot = sensors.of(FEET[0])
         blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
         late = self.hold + lag(instrument_poles(foot)[1])
-        lost = answer(plant.actuators[0], late, self.period).times(-1.0)
+        owed = lost(plant.actuators[0], late, self.recovery, self.period).times(-1.0)
         blocks = []
         for k, motion in enumerate(MOTIONS):
             loop: MotionLoop = getattr(self, motion)
             if loop.crossing:
                 measured = np.vstack([_picked(names, group, fit[k]) for group in (FEET, STROKES, GROUND)])
-                one = joined([blend.sampled(self.period), lost]).then(loop.block(creep).sampled(self.period))
+                one = joined([blend.sampled(self.period), owed]).then(loop.block(creep).sampled(self.period))
                 blocks.append(one.between(block_diag(measured, fit[k]), volts @ columns[:, [k]]))
         # A positive pitch moves what stands above the mounts along x, a positive roll against y.
         for sway, group, k, sign in ((self.sway_x, ALONG, 2, 1.0), (self.sway_y, ACROSS, 1, -1.0)):

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from ehamj.controllers.blocks import TWO_PI, Block, added, beside, joined
 from ehamj.controllers.inertial import GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
+from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
 from ehamj.controllers.modal import PRESSURES, WarpBalance
 from ehamj.controllers.sensors import IDEAL, Sensors
@@ -63,7 +63,7 @@ class StrokeServoSettings(DigitalSettings):
             moved = self.blend.ground(sensors.of(GROUND[0])).sampled(self.period)
             parts.append(beside([moved] * N_MOUNTS))
             names += GROUND
-        parts.append(beside([answer(actuator, late, self.period).times(-1.0) for actuator in plant.actuators]))
+        parts.append(beside([lost(one, late, self.recovery, self.period).times(-1.0) for one in plant.actuators]))
         loops = beside([self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses])
         total = joined(parts).then(loops.between(shared, volts))
         damping = beside([self.pressure.block(actuator) for actuator in plant.actuators])

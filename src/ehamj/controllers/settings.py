@@ -33,6 +33,10 @@ class DigitalSettings(Settings):
         """No open-loop command beside the controller's."""
         return Passive().commands()
 
+    recovery: Positive = Field(
+        0.15, description="time over which motion that the valves could not follow is made good [s]"
+    )
+
     @property
     def period(self) -> float:
         """Sampling period [s]."""

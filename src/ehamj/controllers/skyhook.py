@@ -12,7 +12,7 @@ from pydantic import Field
 
 from ehamj.controllers.blocks import Block, added, beside, joined
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse, answer, instrument_poles, lag
+from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
 from ehamj.controllers.modal import PRESSURES, WarpBalance
 from ehamj.controllers.sensors import IDEAL, Sensors
@@ -40,9 +40,9 @@ class SkyhookSettings(DigitalSettings):
         blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
         late = self.hold + lag(instrument_poles(foot)[1])
         measured = blend.sampled(self.period)
-        lost = [answer(actuator, late, self.period).times(-1.0) for actuator in plant.actuators]
+        owed = [lost(actuator, late, self.recovery, self.period).times(-1.0) for actuator in plant.actuators]
         loops = [self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses]
-        mounts = beside([joined([measured, one]).then(loop) for one, loop in zip(lost, loops, strict=True)])
+        mounts = beside([joined([measured, one]).then(loop) for one, loop in zip(owed, loops, strict=True)])
         # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
         order = np.eye(4 * N_MOUNTS).reshape(4, N_MOUNTS, 4 * N_MOUNTS).transpose(1, 0, 2)
         pattern = np.array(WARP)[:, None]

@@ -9,6 +9,7 @@ from ehamj.scenario import Scenario
 from ehamj.studies.failed import FailedStudy, failed_actuator
 from ehamj.studies.gains import GainStudy, loop_gains
 from ehamj.studies.lateral import LateralStudy, lateral_stiffness
+from ehamj.studies.levels import LevelStudy, levels
 from ehamj.studies.outcome import Outcome, Progress
 from ehamj.studies.rocking import RockingStudy, rocking
 from ehamj.studies.soft_mounts import SoftMountStudy, soft_mounts
@@ -49,6 +50,10 @@ STUDIES: Final[dict[str, Study]] = {
     "failed-actuator": Study(
         "one actuator failed (stuck valve, leak, no oil): modes, forces, what isolation is left",
         lambda scenario, progress: failed_actuator(FailedStudy(scenario), progress),
+    ),
+    "levels": Study(
+        "attenuation against the floor's level, from VC-E to workshop: what the valves are enough for",
+        lambda scenario, progress: levels(LevelStudy(scenario), progress),
     ),
     "soft-mounts": Study(
         "elastic and pneumatic mounts as the baseline, and when the machine tips over on them",
