@@ -50,8 +50,8 @@ class LevelStudy:
     """
 
     scenario: Scenario
-    levels: tuple[str, ...] = ("VC-E", "VC-D", "VC-C", "VC-B", "VC-A", "operating theatre", "residential", "workshop")
-    duration: float = 14.0
+    levels: tuple[str, ...] = ("VC-E", "VC-C", "VC-B", "VC-A", "operating theatre", "workshop")
+    duration: float = 10.0
     isolate_from: float = 5.0
     """Frequency from which the second law isolates [Hz]."""
 
@@ -206,7 +206,7 @@ def _chart(table: xr.Dataset) -> "Figure":
     for row, name in enumerate(table.law.values):
         for column, band in enumerate(table.band.values):
             values = table.attenuation.sel(law=name, band=band).values
-            label = f"{band:g} Hz" if row == 0 else ("from later on" if column == 0 else "")
+            label = f"{band:g} Hz" if row == 0 else (str(name) if column == 0 else "")
             lines.append(Line(label, micro, values, column, row, width=2.0 if row == 0 else 1.0))
         shares.append(Line("", micro, 100 * table.clipped.sel(law=name).values, 7, row, width=2.0 if row == 0 else 1.0))
     panels = {"attenuation [dB]": lines, "clipped [%]": shares}
