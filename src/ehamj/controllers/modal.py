@@ -65,8 +65,10 @@ class WarpBalance(Settings):
 class ModalSettings(DigitalSettings):
     """Modal feedback of the machine's absolute motion, with pressure balance and damping of sway.
 
-    The defaults are those of `ehamj design` for the default machine: as much attenuation from 5 to 50 Hz as leaves
-    6 dB, 45° and a disk margin of 0.5 with the mass ±30 %, half the oil's stiffness or 1.5 times the flow gain.
+    The defaults are for the default machine measured by geophones: as much attenuation from 5 to 50 Hz as leaves 6 dB,
+    45° and a disk margin of 0.5 with the mass ±30 %, half the oil's stiffness or 1.5 times the flow gain. Ideal sensors
+    lack the geophones' low-pass, which keeps the oil's resonance low: with half the oil's stiffness 4 dB are left. For
+    other machines and instruments, `ehamj design` finds the crossings.
     """
 
     kind: Literal["modal"] = "modal"

@@ -1,0 +1,155 @@
+"""Crossings that are chosen under stated margins: on several machines, and how requirements move them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ehamj.analysis.modes import modes
+from ehamj.controllers.combined import CombinedSettings
+from ehamj.controllers.modal import MOTIONS, ModalSettings
+from ehamj.design.requirements import Machines, Requirements, Variations, with_factors
+from ehamj.design.tuning import Design, tune
+from ehamj.errors import InputError
+from ehamj.linear.loops import report
+from ehamj.linear.machine import linear_model
+from ehamj.scenario import Scenario, parse_scenario
+
+HEAVY = {"machine": {"mass": 6000.0, "cg": [0.0, 0.0, 1.1], "inertia": [4000.0, 5000.0, 6000.0]}}
+LIGHT = {"machine": {"mass": 2500.0, "cg": [0.0, 0.0, 0.6], "inertia": [1200.0, 1800.0, 2400.0]}}
+UNEVEN = {"machine": {"mass": 5200.0, "cg": [0.1, 0.05, 0.8]}}
+RECOMMENDED = {"actuators": {"isolator": {"preset": "recommended"}}}
+MODAL = {"kind": "modal", "delay": 1.5e-4}
+
+
+def tuned(table: dict[str, Any], control: dict[str, Any] = MODAL, **wanted: float) -> Design:
+    scenario = parse_scenario({"plates": "tied", "control": control, **table})
+    return tune(scenario, Machines.of(scenario), Requirements.model_validate(wanted))
+
+
+def crossings(design: Design) -> list[float]:
+    assert isinstance(design.settings, ModalSettings)
+    return [getattr(design.settings, motion).crossing for motion in MOTIONS]
+
+
+@pytest.fixture(scope="module")
+def standard() -> Design:
+    return tuned({})
+
+
+def assert_holds(design: Design, gain: float = 6.0, phase: float = 45.0, disk: float = 0.5) -> None:
+    assert design.meets
+    assert len(design.reports) == 5
+    for name, one in design.reports.items():
+        assert one.stable, name
+        assert one.worst[0] >= gain, name
+        assert one.worst[1] >= phase, name
+        assert one.worst[2] >= disk, name
+
+
+def test_on_the_default_machine_all_margins_are_left(standard: Design) -> None:
+    assert_holds(standard)
+
+
+def test_something_binds(standard: Design) -> None:
+    worst = np.min([one.worst for one in standard.reports.values()], axis=0)
+    # Steps of 3 % in each crossing are 0.26 dB of gain and about a degree of phase.
+    spare = worst - [6.0, 45.0, 0.5]
+    assert spare[0] < 0.3 or spare[1] < 1.5 or spare[2] < 0.03
+
+
+@pytest.mark.parametrize("table", [LIGHT, UNEVEN | RECOMMENDED], ids=["light", "uneven, recommended"])
+def test_on_other_machines_too(table: dict[str, Any]) -> None:
+    design = tuned(table)
+    assert_holds(design)
+    assert min(crossings(design)) > 10.0
+
+
+def test_damping_of_sway_stands_at_the_machine_s_own_modes_however_often_it_is_tuned() -> None:
+    scenario = parse_scenario({"plates": "tied", "control": MODAL, **HEAVY})
+    machines = Machines.of(scenario)
+    first = tune(scenario, machines)
+    assert_holds(first)
+    once = first.settings
+    twice = tune(scenario.model_copy(update={"control": once}), machines).settings
+    assert isinstance(once, ModalSettings)
+    assert isinstance(twice, ModalSettings)
+    assert (twice.sway_x, twice.sway_y) == (once.sway_x, once.sway_y)
+    found = {mode.name: mode.frequency for mode in modes(machines.models["as designed"])}
+    assert once.sway_x.centre == pytest.approx(found["sway-rocking about y"], rel=0.05)
+    assert once.sway_y.centre == pytest.approx(found["sway-rocking about x"], rel=0.1)
+
+
+def test_stricter_margins_lower_every_crossing(standard: Design) -> None:
+    strict = tuned({}, gain_margin=10.0)
+    assert_holds(strict, gain=10.0)
+    assert all(low < high for low, high in zip(crossings(strict), crossings(standard), strict=True))
+
+
+@pytest.mark.parametrize("wanted", [{"gain_margin": 45.0}, {"phase_margin": 88.0}, {"disk_margin": 1.8}])
+def test_margins_that_cannot_be_left_are_refused(wanted: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=r"control: no crossing.* leaves? "):
+        tuned({}, **wanted)
+
+
+@pytest.mark.parametrize("kind", ["skyhook", "stroke-servo"])
+def test_loops_at_each_mount_are_tuned_too(kind: str) -> None:
+    assert_holds(tuned({}, {"kind": kind, "delay": 1.5e-4}))
+
+
+def test_of_a_combination_the_loop_is_tuned_and_the_rest_kept() -> None:
+    parts = [{"kind": "feedforward", "gain": 0.9}, {"kind": "modal"}]
+    design = tuned({}, {"kind": "combined", "delay": 1.5e-4, "parts": parts})
+    assert_holds(design)
+    settings = design.settings
+    assert isinstance(settings, CombinedSettings)
+    assert settings.delay == 1.5e-4
+    feedforward, modal = settings.parts
+    assert feedforward.model_dump()["gain"] == 0.9
+    assert isinstance(modal, ModalSettings)
+    assert modal.heave.crossing != ModalSettings().heave.crossing
+
+
+@pytest.mark.parametrize(
+    "control",
+    [{"kind": "feedforward"}, {"kind": "combined", "parts": [{"kind": "modal"}, {"kind": "skyhook"}]}],
+    ids=["none", "two"],
+)
+def test_one_loop_can_be_tuned_neither_none_nor_two(control: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="there must be one loop to tune"):
+        tuned({}, control)
+
+
+# --- the machines -------------------------------------------------------------------------------------------------
+
+
+def test_variations_change_one_thing_each() -> None:
+    scenario = parse_scenario({})
+    found = Variations(mass=(0.7,), oil=(0.5,), flow=(1.5,), cg=(0.2,)).scenarios(scenario)
+
+    def facts(one: Scenario) -> tuple[float, ...]:
+        actuator = one.plant.actuators[0]
+        return (one.machine.mass, actuator.bulk_modulus, actuator.flow_gain, *one.machine.cg)
+
+    base = facts(scenario)
+    changes = {name: [k for k, value in enumerate(facts(one)) if value != base[k]] for name, one in found.items()}
+    assert list(changes.values()) == [[], [0], [1], [2], [3, 4]]
+    assert facts(found["mass × 0.7"])[0] == pytest.approx(0.7 * base[0])
+
+
+def test_a_rated_valve_s_flow_gain_is_varied_with_its_rating() -> None:
+    scenario = parse_scenario({"actuators": {"isolator": {"rated_flow": 4e-5}}})
+    ratio = with_factors(scenario, flow=1.5).plant.actuators[0].flow_gain / scenario.plant.actuators[0].flow_gain
+    assert ratio == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("factors", [{"mass": 0.7}, {"mass": 1.3}, {"oil": 0.5}, {"flow": 1.5}], ids=str)
+def test_the_default_law_keeps_its_margins_on_the_varied_machine(factors: dict[str, float]) -> None:
+    sensors = {"inertial": {"kind": "geophone"}}
+    scenario = parse_scenario({"plates": "tied", "sensors": sensors, "control": MODAL})
+    law = scenario.controller()
+    assert law is not None
+    gain, phase, disk = report(linear_model(with_factors(scenario, **factors)), law, scenario.sensors).worst
+    assert gain >= 6.0
+    assert phase >= 45.0
+    assert disk >= 0.5
