@@ -139,10 +139,10 @@ def _loops(settings: Tunable) -> dict[str, MotionLoop]:
 
 
 def _only(settings: Tunable, name: str | None) -> Tunable:
-    """The settings with one loop alone, of crossing 1 Hz; None: with everything but the loops."""
+    """The settings with one loop alone; None: with everything but the loops."""
     changed: dict[str, object] = {}
     for other, loop in _loops(settings).items():
-        changed[other] = loop.model_copy(update={"crossing": 1.0 if other == name else 0.0})
+        changed[other] = loop.model_copy(update={"crossing": loop.crossing if other == name else 0.0})
     if name is not None:
         off = WarpBalance(crossing=0.0)
         if isinstance(settings, ModalSettings):
@@ -188,7 +188,8 @@ def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[T
     plant, sensors, seed = scenario.plant, scenario.sensors, scenario.seed
     everything = settings.controller(plant, sensors)
     rest = _only(settings, None).controller(plant, sensors)
-    alone = {name: _only(settings, name).controller(plant, sensors) for name in _loops(settings)}
+    loops = _loops(settings)
+    alone = {name: _only(settings, name).controller(plant, sensors) for name in loops}
     trials = []
     for model in machines.models.values():
         f = grid(everything, model)
@@ -196,7 +197,7 @@ def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[T
         each = {name: loop_gain(model, law, f, sensors, seed) for name, law in alone.items()}
         if not isinstance(settings, ModalSettings):  # the loop alone still holds what the rest is
             each = {name: gain - own for name, gain in each.items()}
-        trials.append((f, own, each))
+        trials.append((f, own, {name: gain / loops[name].crossing for name, gain in each.items()}))
     return trials
 
 
