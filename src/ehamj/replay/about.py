@@ -109,7 +109,11 @@ def _warnings(results: Mapping[str, Result]) -> list[str]:
         texts += [str(warning) for warning in result.summary.get("warnings", [])]
         for text in texts:
             said.setdefault(text, []).append(label)
-    return ["## Warnings", "\n".join(f"- {', '.join(labels)}: {text}" for text, labels in said.items())] if said else []
+    lines = [
+        f"- {text}" if len(labels) == len(results) else f"- {', '.join(labels)}: {text}"
+        for text, labels in said.items()
+    ]
+    return ["## Warnings", "\n".join(lines)] if said else []
 
 
 def _reading(factor: float, arrows: float, speed: float, rows: int) -> str:

@@ -55,7 +55,11 @@ def facts(result: Result) -> list[tuple[str, str]]:
         )
     instruments = [(name, getattr(scenario.sensors, name)) for name in type(scenario.sensors).model_fields]
     if law is not None:
-        named = [f"{name} {sensor.kind}" for name, sensor in instruments if sensor is not None]
+        named = [
+            f"{name} ({sensor.kind})" if name in ("ground", "inertial") else name
+            for name, sensor in instruments
+            if sensor is not None
+        ]
         facts.append(("sensors", ", ".join(named) or "exact"))
     if scenario.force:
         places = (force.point if isinstance(force.point, str) else str(list(force.point)) for force in scenario.force)
