@@ -2,8 +2,10 @@
 
 Linear contributions come from the closed loop: what law, delay and valve leave of the floor's heave, and what each
 class of instruments adds by its noise. Two more are estimates: rounding of the commands as white noise of Δ²/12, and
-the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)): an error of command of the relative
-size rms(P_L)/(2(P_s − P_t)), which the feedback reduces by its sensitivity. The voltage is judged by the command's
+the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)). With P_L = K_L d/A_p at stroke d and
+a command for ḋ + c d, the error of piston velocity is ε d (ḋ + c d), ε = K_L/(2 A_p (P_s − P_t)); of a stroke whose slow
+part has the RMS σ, a band's part of it is εσ √(1 + (2c/ω)²) of the band's velocity, which the feedback reduces by its
+sensitivity. The voltage is judged by the command's
 RMS: a Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
 """
 
@@ -17,7 +19,7 @@ from scipy.special import erfc
 
 from ehamj.analysis.transmissibility import ground_response, slab_pattern
 from ehamj.controllers import LinearController
-from ehamj.controllers.isolator import instrument_poles, lag, valve_poles
+from ehamj.controllers.isolator import Inverse, instrument_poles, lag, valve_poles
 from ehamj.controllers.law import OUTPUTS
 from ehamj.controllers.sensors import Sensors
 from ehamj.criteria.third_octave import Band, band_rms, bands
@@ -167,14 +169,15 @@ def _density(sensors: Sensors, channel: str, f: Array) -> Array:
 
 
 def _turbulence(scenario: Scenario, floor: Array, opened: ComplexArray) -> Array:
-    """What varying flow gain leaves: the relative error of command times the floor, reduced by the sensitivity."""
+    """What varying flow gain leaves of a floor that the pistons follow: εσ √(1 + (2c/ω)²) of it, times sensitivity."""
     actuator, supply = scenario.plant.actuators[0], scenario.supply
     centres = np.array([band.centre for band in BANDS])
     stroke = float(np.sqrt(np.sum((floor / (2 * np.pi * centres)) ** 2)))
     pressure = actuator.membrane_stiffness * stroke / actuator.piston_area
     share = pressure / (2.0 * (supply.pressure - supply.tank_pressure))
     common = np.abs(opened.mean(axis=2).sum(axis=1))  # sensitivity of heave
-    return np.asarray(share * floor * np.sqrt(_per_band(common**2)))
+    creeping = np.hypot(1.0, 2.0 * Inverse.of(actuator).creep / (2 * np.pi * centres))
+    return np.asarray(share * creeping * floor * np.sqrt(_per_band(common**2)))
 
 
 def _closed(
