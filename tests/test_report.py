@@ -16,6 +16,7 @@ from lxml import html as lxml_html
 from scipy import signal
 
 from ehamj import plots
+from ehamj.analysis.footprint import rocking_modes, slowest_rocking
 from ehamj.analysis.modes import modes
 from ehamj.analysis.transmissibility import rigid_floor
 from ehamj.controllers import Controller
@@ -311,23 +312,62 @@ def test_directions_that_rest_have_no_transmissibility(pictures: list[Picture], 
 
 
 def test_modes_are_those_of_the_analysis(results: dict[str, Result], whole: Any) -> None:
-    _, *rows = table_of(whole, "Modes, valves held")
-    found = modes(linear_model(results["passive"].scenario))
+    head, *rows = table_of(whole, "Modes of the machine")
+    assert head == ["mode", "f [Hz]", "ζ [-]", "moves", "turns about"]  # feedforward moves none: no column of its own
+    found = [mode for mode in modes(linear_model(results["passive"].scenario)) if mode.machine_moves]
     assert [row[0] for row in rows] == [mode.name for mode in found]
     for row, mode in zip(rows, found, strict=True):
         assert same(row[1], mode.frequency)
         assert float(row[2]) == pytest.approx(mode.damping_ratio, abs=5.1e-5)
-    assert not whole.xpath('//table[starts-with(@aria-label, "Modes, closed loop")]')  # feedforward moves none
+    by_name = {row[0]: row[3:] for row in rows}
+    # By symmetry yaw turns about the middle, heave about nothing, and each rocking in its plane.
+    assert by_name["yaw"] == ["rz 1.00", "z axis at x 0.00, y 0.00 m"]
+    assert by_name["heave"] == ["z 1.00", "nothing: translates"]
+    assert by_name["rocking about x"][1].startswith("x axis at y 0.00, z 0.7")  # near the CG, 0.75 m
+    (note,) = (text for text in whole.xpath('//section[@id="modes"]//p/text()') if "law" in text)
+    assert "feedforward: the law reads the ground alone and moves no mode." in note
+    assert "valves held: the valves swing at 250 Hz, ζ 0.650." in note
 
 
 def test_a_loop_that_feeds_back_has_modes_of_its_own(results: dict[str, Result]) -> None:
     law = Controller(
         np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((4, 0)), -100.0 * np.ones((4, 1)), ("machine_velocity z",)
     )
-    seen = text_of({"run": replace(results["passive"], controller=law)})
-    _, *rows = table_of(seen, "Modes, closed loop")
-    found = modes(linear_model(results["passive"].scenario), law)
-    assert [value(row[1]) for row in rows] == [pytest.approx(mode.frequency, rel=5.1e-4) for mode in found]
+    seen = text_of({"run": replace(results["passive"], controller=law), "passive": results["passive"]})
+    head, *rows = table_of(seen, "Modes of the machine")
+    assert head[1:5] == ["valves held: f [Hz]", "valves held: ζ [-]", "run: f [Hz]", "run: ζ [-]"]
+    model = linear_model(results["passive"].scenario)
+    closed = {mode.name: mode for mode in modes(model, law) if mode.machine_moves}
+    assert {row[0] for row in rows} == set(closed)
+    for name, held, _, frequency, damping, *_ in rows:
+        assert same(frequency, closed[name].frequency)
+        assert float(damping) == pytest.approx(closed[name].damping_ratio, abs=5.1e-5)
+        assert (abs(value(frequency) - value(held)) > 0.1) == (
+            name == "heave"
+        )  # alike at all mounts: only heave sees it
+
+
+def test_the_map_of_rocking_has_the_machine_in_it(results: dict[str, Result], pictures: list[Picture]) -> None:
+    """Marked at its own height and footprint; there the map has the mode of the linear model."""
+    (figure,) = (picture.figure for picture in pictures if picture.name == "modes-map")
+    (axes,) = figure.axes
+    scenario = results["passive"].scenario
+    mark = next(line for line in axes.lines if line.get_label() == "this machine")
+    assert (mark.get_xdata()[0], mark.get_ydata()[0]) == pytest.approx((1.2, 0.75))
+    here = slowest_rocking(rocking_modes(scenario, xr.DataArray([0.75], dims="d"), xr.DataArray([1.0], dims="d")))
+    found = min(mode.frequency for mode in modes(linear_model(scenario)) if mode.name.startswith("sway-rocking"))
+    assert float(here[0]) == pytest.approx(found, rel=1e-6)
+
+
+def test_each_machine_has_a_table_of_its_modes(results: dict[str, Result]) -> None:
+    heavy = replace(results["passive"], scenario=load_scenario("recorded", ["machine.mass=8000"]))
+    seen = text_of({"light": results["passive"], "heavy": heavy})
+    frequencies = [
+        value(next(row[1] for row in table_of(seen, f"Modes of the machine, {name}") if row[0] == "heave"))
+        for name in ("light", "heavy")
+    ]
+    # Plates move with the machine: (4000 + 56)/(8000 + 56), and to 1 % the damping's share in |λ|.
+    assert frequencies[1] / frequencies[0] == pytest.approx(np.sqrt(4056 / 8056), rel=1e-2)
 
 
 def test_peaks_stand_against_their_limits(results: dict[str, Result], whole: Any) -> None:
@@ -432,7 +472,8 @@ def test_every_figure_is_a_file_too(folder: Path, whole: Any, pictures: list[Pic
 def test_every_figure_has_units_and_a_legend(which: str, request: pytest.FixtureRequest) -> None:
     given = request.getfixturevalue(which)
     for picture in request.getfixturevalue("pictures") if which == "results" else draw({"run": given}):
-        assert len(picture.figure.legends) == 1, picture.name
+        legends = [*picture.figure.legends, *filter(None, (axes.get_legend() for axes in picture.figure.axes))]
+        assert len(legends) == 1, picture.name
         for axes in picture.figure.axes:
             for label in (axes.get_xlabel(), axes.get_ylabel()):
                 assert re.search(r"\w.* \[[^\]]+\]", label), picture.name

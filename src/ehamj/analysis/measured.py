@@ -36,6 +36,11 @@ LONGEST_SETTLING: Final = 30.0
 """Time after which a measurement begins in any case [s]; it is then refused instead."""
 FADE_IN: Final = 0.5
 """Time over which the multisines begin, so that integrators of a controller start near their periodic motion [s]."""
+SLOW: Final = 0.3 / PERIOD
+"""Frequency of a mode below which it is hardly started by multisines that begin over `SLOW_FADE_IN`, and seen as drift
+within a period, which is taken out: high-passes of instruments and laws [Hz]."""
+SLOW_FADE_IN: Final = 5.0
+"""[s]"""
 PERIODS: Final = 2
 """Periods that are averaged; the drift between them is taken out."""
 LEVEL: Final = 1e-6
@@ -98,13 +103,13 @@ def by_multisine(
     f = lines() if frequency is None else np.asarray(frequency, float)
     model, controller = linear_model(scenario), scenario.controller()
     slab_pattern(model.plant, dofs)  # says which degrees of freedom there are
-    settling = settling_time(model, controller, scenario.sensors)
+    fade_in, settling = settling_time(model, controller, scenario.sensors)
     q, length = len(dofs), lever_scale(model.plant)
     levels = [velocity / length if dof in TURNS else velocity for dof in dofs]
     phases = np.concatenate([_phases(scenario.seed, k, q, f.size) for k in range(realisations)])
     duration = settling + PERIODS * PERIOD
     runs = simulate_many(
-        excited(scenario, {"ground": _ground(dofs, f, levels, phase)}, f, duration) for phase in phases
+        excited(scenario, {"ground": _ground(dofs, f, levels, phase, fade_in)}, f, duration) for phase in phases
     )
     amplitude = np.sqrt(2.0) * np.outer(levels, 1.0 / (2 * np.pi * f))
     # A sine of phase φ has the spectral line −j·A·exp(jφ) at the beginning of its period, which whole periods follow.
@@ -116,20 +121,30 @@ def by_multisine(
     return Measurement(tuple(outputs), tuple(dofs), found, words)
 
 
-def settling_time(model: LinearModel, controller: LinearController | None = None, sensors: Sensors = IDEAL) -> float:
-    """Time in which every oscillation decays to `REMAINS` [s], a multiple of 0.1 s.
+def settling_time(
+    model: LinearModel, controller: LinearController | None = None, sensors: Sensors = IDEAL
+) -> tuple[float, float]:
+    """Time over which multisines begin, and time in which every oscillation has then decayed to `REMAINS`.
+
+    Slow modes (`SLOW`) need not decay; they make the beginning longer.
+
+    Returns:
+        Both [s], from the beginning of the run; multiples of 0.1 s.
 
     Raises:
-        InputError: if that takes longer than `LONGEST_SETTLING`, or one grows.
+        InputError: if an oscillation takes longer than `LONGEST_SETTLING`, or one grows.
     """
-    slowest = min(modes(model, controller, sensors=sensors), key=lambda mode: mode.damping_ratio * mode.frequency)
+    found = modes(model, controller, sensors=sensors)
+    counting = [mode for mode in found if mode.frequency >= SLOW or mode.damping_ratio <= 0.0]
+    fade_in = FADE_IN if len(counting) == len(found) else SLOW_FADE_IN
+    slowest = min(counting, key=lambda mode: mode.damping_ratio * mode.frequency)
     decay = 2 * np.pi * slowest.damping_ratio * slowest.frequency
     if decay * LONGEST_SETTLING < -math.log(REMAINS):
         raise InputError(
             f"control: the mode {slowest.name} at {slowest.frequency:.4g} Hz has a damping ratio of "
             f"{slowest.damping_ratio:.3g}; a measurement needs oscillations that decay within {LONGEST_SETTLING:g} s"
         )
-    return FADE_IN + math.ceil(10.0 * -math.log(REMAINS) / decay) / 10.0
+    return fade_in, fade_in + math.ceil(10.0 * -math.log(REMAINS) / decay) / 10.0
 
 
 def _phases(seed: int, realisation: int, inputs: int, lines: int) -> Array:
@@ -139,10 +154,12 @@ def _phases(seed: int, realisation: int, inputs: int, lines: int) -> Array:
     return np.asarray(random[None] + 2 * np.pi * turns[:, :, None])
 
 
-def _ground(dofs: Sequence[str], frequency: Array, levels: Sequence[float], phases: Array) -> dict[str, Any]:
+def _ground(
+    dofs: Sequence[str], frequency: Array, levels: Sequence[float], phases: Array, fade_in: float
+) -> dict[str, Any]:
     parts = [
         {"kind": "multisine", "dof": dof, "frequencies": frequency.tolist(), "velocities": [level],
-         "phases": phase.tolist(), "fade_in": FADE_IN}
+         "phases": phase.tolist(), "fade_in": fade_in}
         for dof, level, phase in zip(dofs, levels, phases, strict=True)
     ]  # fmt: skip
     return parts[0] if len(parts) == 1 else {"kind": "sum", "parts": parts}

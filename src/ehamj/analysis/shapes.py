@@ -63,6 +63,13 @@ class Axis:
     direction: Array
     pitch: float
 
+    def __str__(self) -> str:
+        """In words: the axis that it is parallel to, and where it passes [m]."""
+        main = int(np.argmax(np.abs(self.direction)))
+        place = ", ".join(f"{AXES[k]} {round(self.point[k], 2) + 0.0:.2f}" for k in range(3) if k != main)
+        kind = f"{AXES[main]} axis" if abs(self.direction[main]) > 0.99 else "a slanted axis"
+        return f"{kind} at {place} m".replace("-", "−")
+
 
 def centre_of_rotation(motion: Array) -> Axis | None:
     """Axis about which a real motion of the mount plane's centre (6,) [m, rad] turns; None: it translates."""

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from ehamj.analysis.modal_test import ModalTest
     from ehamj.analysis.modes import Mode
-    from ehamj.analysis.shapes import Axis
 
 VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
 """What modes are given of, by the key in the JSON object."""
@@ -184,17 +183,9 @@ def _mode_table(modes: "Sequence[Mode]", title: str) -> Table:
     for mode in modes:
         row = [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}"]
         if mode.machine_moves:
-            row += [_parts(mode.shape.tolist(), DOFS), _axis(mode.centre), f"{mode.out_of_phase:.1f}°"]
+            row += [_parts(mode.shape.tolist(), DOFS), str(mode.centre or "translates"), f"{mode.out_of_phase:.1f}°"]
         table.add_row(*row)
     return table
-
-
-def _axis(axis: "Axis | None") -> str:
-    if axis is None:
-        return "translates"
-    main = max(range(3), key=lambda k: abs(axis.direction[k]))
-    words = ", ".join(f"{AXES[k]} {round(axis.point[k], 2) + 0.0:.2f}" for k in range(3) if k != main)
-    return f"{AXES[main]} axis at {words} m" if abs(axis.direction[main]) > 0.99 else f"a slanted axis at {words} m"
 
 
 def _energy_table(modes: "Sequence[Mode]", title: str) -> Table:

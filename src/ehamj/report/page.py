@@ -9,7 +9,7 @@ from ehamj.report.figures import attenuation, machine
 from ehamj.report.histories import histories
 from ehamj.report.inputs import inputs
 from ehamj.report.limits import against_limits, margins, when_limited
-from ehamj.report.modal import modal_tables
+from ehamj.report.modal import modal_tables, rocking_map
 from ehamj.report.norms import attenuation_at_places, classes_at_places, criterion
 from ehamj.report.observed import relative_figures, relative_table, spectra
 from ehamj.report.parts import Picture, Results, colors_of
@@ -17,7 +17,9 @@ from ehamj.report.responses import transmissibility
 from ehamj.report.tables import bands_table, facts, levels, oil, saturation, timing
 from ehamj.report.verdict import HEADLINE_BANDS, classes, failure, headline, notes, verdict, warnings
 
-FAMILIES: Final = ("machine-", "attenuation-", "transmissibility-", "criterion-", "spectrum-", "relative-", "history-")
+FAMILIES: Final = (
+    *("machine-", "attenuation-", "transmissibility-", "criterion-", "spectrum-", "relative-", "history-", "modes-"),
+)
 """How the names of a report's figures begin; those that an earlier report left behind are removed."""
 
 
@@ -50,6 +52,7 @@ def draw(results: Results) -> list[Picture]:
         *spectra(results, colors),
         *relative_figures(results, colors),
         *histories(results, colors),
+        *rocking_map(next(iter(results.values())).scenario),
     ]
 
 

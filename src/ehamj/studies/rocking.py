@@ -7,9 +7,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.designs import Designs
+from ehamj.analysis.footprint import LOWER, rocking_modes, slowest_rocking
 from ehamj.analysis.identification import realise
-from ehamj.analysis.many import modes_of
 from ehamj.analysis.ringdown import JOLTS, PULSE
 from ehamj.errors import InputError
 from ehamj.layout import DOFS
@@ -25,11 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LOWER = ("lower about x", "lower about y")
-"""The two modes in which a machine sways and rocks slowest."""
-
-STILL = 1e-3
-"""Frequency below which a pair of poles is rounding about zero, no oscillation [Hz]."""
 SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
 
@@ -65,21 +59,13 @@ def rocking_map(study: RockingStudy, scenario: Scenario) -> xr.Dataset:
     """Modes of every design over ``height`` and ``width``: frequency, damping, growth rate and tipping margin."""
     height = xr.DataArray(np.linspace(*study.heights, study.points), dims="height")
     width = xr.DataArray(np.linspace(*study.widths, study.points), dims="width")
-    return _designs(scenario, height, width).assign_coords(
+    return rocking_modes(scenario, height, width).assign_coords(
         height=labelled(("height",), height.values, "m", "CG height"),
         width=labelled(("width",), width.values, "1", "factor on the mounts' places"),
         distance=labelled(
             ("width",), width.values * np.ptp(positions(scenario)[:, 1]), "m", "distance of the mounts in y"
         ),
     )
-
-
-def _designs(scenario: Scenario, height: xr.DataArray, width: xr.DataArray) -> xr.Dataset:
-    own = np.ptp(positions(scenario), axis=0)
-    vary = {"machine.cg.2": height, "footprint.x": own[0] * width, "footprint.y": own[1] * width}
-    found = modes_of(Designs.of(scenario, vary))[["frequency", "damping_ratio", "growth_rate", "tipping_margin"]]
-    found["frequency"] = found["frequency"].where(found["frequency"] > STILL)
-    return found.reset_coords(drop=True).assign_attrs(title="modes of the designs")
 
 
 def confirmed_designs(study: RockingStudy, progress: Progress = silent) -> xr.Dataset:
@@ -89,7 +75,7 @@ def confirmed_designs(study: RockingStudy, progress: Progress = silent) -> xr.Da
     """
     random = np.random.default_rng(study.scenario.seed)
     height, width = random.uniform(*study.heights, study.confirmed), random.uniform(*study.widths, study.confirmed)
-    sample = _designs(study.scenario, xr.DataArray(height, dims="design"), xr.DataArray(width, dims="design"))
+    sample = rocking_modes(study.scenario, xr.DataArray(height, dims="design"), xr.DataArray(width, dims="design"))
     computed = sample["frequency"].sel(mode=list(LOWER)).transpose("design", "mode").values
     cases = list(zip(height, width, np.nan_to_num(computed, nan=np.inf).min(axis=1), strict=True))
     identified = np.empty_like(computed)
@@ -146,11 +132,11 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
     soft = rocking_map(study, still(bare, **with_every_actuator(bare, preset(study.soft))))
     runs = confirmed_designs(study, progress)
     worst = float(np.nanmax(np.abs(runs["deviation"].values)))
-    slow, soft_slow = _slowest(own), _slowest(soft)
-    itself = _designs(
+    slow, soft_slow = slowest_rocking(own), slowest_rocking(soft)
+    itself = rocking_modes(
         study.scenario, xr.DataArray([study.scenario.machine.cg[2]], dims="d"), xr.DataArray([1.0], dims="d")
     )
-    here = _slowest(itself)[0]
+    here = slowest_rocking(itself)[0]
     low, high = slow.isel(height=-1, width=0), slow.isel(height=0, width=-1)
     tips = int((soft["tipping_margin"] < 0).sum())
     return Outcome(
@@ -158,11 +144,9 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
         question="How slowly does the machine sway and rock, and which designs stand?",
         answers=(
             f"Of {slow.size} designs the slowest sway-rocking mode lies between {float(low):.1f} Hz (CG highest, "
-            "mounts "
-            f"closest) and {float(high):.1f} Hz (lowest, widest); this machine has {float(here):.1f} Hz.",
-            f"On {study.soft}s, {tips} of {soft_slow.size} designs tip over: those above the red line, where m g "
-            "h exceeds "
-            "Σ k y².",
+            f"mounts closest) and {float(high):.1f} Hz (lowest, widest); this machine has {float(here):.1f} Hz.",
+            f"On {study.soft}s, {tips} of {soft_slow.size} designs tip over: those above the red line, where m g h "
+            "exceeds Σ k y².",
             f"{study.confirmed} random designs, run and identified from their ring-down, agree within "
             f"{100 * worst:.2g} %.",
         ),
@@ -170,8 +154,7 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
         drawings={
             "own": Drawing(
                 "Natural frequency of the slowest sway-rocking mode on the machine's own actuators, valves held. "
-                "Circles: "
-                "designs confirmed by nonlinear runs.",
+                "Dots: designs confirmed by nonlinear runs.",
                 lambda: _chart(study, own, "On its own actuators", runs),
             ),
             "damping": Drawing(
@@ -184,18 +167,13 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
             ),
         },
         notes=(
-            "Mass and inertia about the CG are kept; the mounts keep their proportions, and their distance in y "
-            "is shown.",
+            "Mass and inertia about the CG are kept; the mounts keep their proportions, of which the distance in y is "
+            "shown.",
             "White: one of the two modes does not oscillate. Valves held, small motions. own-actuators.nc holds "
             "all six modes, growth rate and tipping margin of each.",
         ),
         numbers={"designs": int(slow.size), "largest_deviation": worst, "tipping_designs": tips},
     )
-
-
-def _slowest(modes: xr.Dataset) -> xr.DataArray:
-    """Frequency of the slower of the two [Hz]; NaN where one does not oscillate."""
-    return modes["frequency"].sel(mode=list(LOWER)).min("mode", skipna=False)
 
 
 def _chart(study: RockingStudy, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> "Figure":
@@ -207,7 +185,7 @@ def _chart(study: RockingStudy, modes: xr.Dataset, title: str, runs: xr.Dataset 
         title,
         ("distance of the mounts in y [m]", modes["distance"].values),
         ("CG height [m]", modes["height"].values),
-        ("slowest sway-rocking [Hz]", _slowest(modes).transpose("height", "width").values),
+        ("slowest sway-rocking [Hz]", slowest_rocking(modes).transpose("height", "width").values),
         boundary=("tips over", -modes["tipping_margin"].transpose("height", "width").values),
         points=marks,
     )
