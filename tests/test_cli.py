@@ -490,6 +490,8 @@ def test_transmissibility_of_a_stored_run_is_its_own(cli: Cli) -> None:
         (("workshop", "--dofs", "z,w"), "dofs.1 = 'w': must be"),
         (("workshop", "--realisations", "1"), "realisations = 1: must be greater than or equal to 2"),
         (("workshop", "--confidence", "1.5"), "confidence = 1.5: must be less than 1"),
+        (("workshop", "--joint"), "--joint: belongs to --method welch; this measures by multisine"),
+        (("workshop", "--method", "welch", "--lines", "9"), "--lines: belongs to --method multisine"),
         (("workshop", "--from", "50", "--to", "5"), "must be below"),
         (("nowhere",), "no such file"),
     ],

@@ -28,11 +28,16 @@ if TYPE_CHECKING:
 
 SHOWN_BANDS = ("1", "2", "5", "10", "20", "50", "100", "200")
 """Third-octave bands whose attenuation is printed [Hz]."""
+NONLINEAR = 0.02
+"""Deviation from linear above which a reader wants to know why [-]."""
+OF_METHOD = {"multisine": ("lines", "realisations", "velocity"), "welch": ("segment", "joint")}
+"""Options that only one way of measuring has."""
 FILES = ("transmissibility.html", "transmissibility.nc", "transmissibility.csv", "attenuation.csv")
 
 
 @app.command()
 def transmissibility(
+    context: typer.Context,
     source: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="A TOML file, a shipped scenario's name, or a result folder.")
     ] = "recorded",
@@ -73,8 +78,10 @@ def transmissibility(
 
     check_out(out_folder, overwrite, FILES)
     stored = Path(source).is_dir()
+    chosen = method or ("welch" if stored else "multisine")
+    _refuse_unused(context, chosen)
     settings = _settings(
-        method=method or ("welch" if stored else "multisine"), estimator=estimator, reference=reference,
+        method=chosen, estimator=estimator, reference=reference,
         dofs=tuple(dof.strip() for dof in dofs.split(",")), first=first, last=last, lines=lines,
         realisations=realisations, velocity=velocity, segment=segment, joint=joint, confidence=confidence,
     )  # fmt: skip
@@ -89,9 +96,27 @@ def transmissibility(
     out.print(_table(found))
     for variant, rows in found.agreement().items():
         worst = [max(row[key] or 0.0 for row in rows.values()) for key in ("of_linear", "of_floor")]
-        words = f"{100 * worst[0]:.2g} % of linear, {100 * worst[1]:.2g} % of the floor's motion"
+        words = f"{_percent(worst[0])} of linear, {_percent(worst[1])} of the floor's motion"
         out.print(f"{variant}: measured within {words}, where coherent", highlight=False, soft_wrap=True)
+        if worst[0] > NONLINEAR > worst[1]:
+            words = "what little the control leaves of the floor is not linear in it, by the valves"
+            out.print(
+                f"note: {variant}: {words}; a smaller --velocity shows less of it", highlight=False, soft_wrap=True
+            )
     out.print(f"page, figures and tables: {folder}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.{0 if share >= 0.1 else 2}{'f' if share >= 0.1 else 'g'}} %"
+
+
+def _refuse_unused(context: typer.Context, method: str) -> None:
+    """Raise InputError if an option was given that the way of measuring does not have."""
+    for other, names in OF_METHOD.items():
+        for name in names:
+            source = context.get_parameter_source(name)
+            if other != method and source is not None and source.name == "COMMANDLINE":
+                raise InputError(f"--{name}: belongs to --method {other}; this measures by {method}")
 
 
 def _settings(**values: Any) -> "TransmissibilitySettings":
