@@ -2,8 +2,8 @@
 
 The four mounts measure and act together: feet, strokes and ground are turned into heave, roll and pitch by the plane
 that fits them, z + y·rx − x·ry; the loops' piston velocities (`ehamj.controllers.inertial`) are handed back the same
-way. The fourth pattern of four actuators (+ − − +) moves nothing and only builds pressure; its own loop keeps the load
-pressures balanced.
+way. The fourth pattern of four actuators (+ − − + on a rectangle) moves nothing and only builds pressure; its own loop
+keeps the load pressures balanced.
 
 Sway-rocking modes swing the centre of gravity sideways, where no actuator acts. Tilting the machine does act on it:
 with the feet turned by θ the mass feels m ẍ + c ẋ + k x = −m h θ̈, so θ = −g ẋ of the feet's sideways velocity ẋ adds
@@ -23,7 +23,7 @@ from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
-from ehamj.layout import N_MOUNTS, WARP
+from ehamj.layout import N_MOUNTS
 from ehamj.parameters import Plant, Settings
 
 Array = NDArray[np.float64]
@@ -36,6 +36,12 @@ MOTIONS = ("heave", "roll", "pitch")
 def plane(plant: Plant) -> Array:
     """Height of each mount per heave [m], roll and pitch [rad]: columns 1, y, −x, shape (4, 3)."""
     return np.array([[1.0, y, -x] for x, y in plant.positions])
+
+
+def warp(plant: Plant) -> Array:
+    """Pattern of forces at the four mounts that moves nothing, (4,), of length two: + − − + on a rectangle."""
+    pattern = np.linalg.svd(plane(plant).T)[2][-1]
+    return np.asarray(2.0 * pattern * np.sign(pattern[0]))
 
 
 class SwayDamping(Settings):
@@ -52,7 +58,7 @@ class SwayDamping(Settings):
 
 
 class WarpBalance(Settings):
-    """The balance of load pressures in the warp pattern (+ − − +)."""
+    """The balance of load pressures in the warp pattern (+ − − + on a rectangle)."""
 
     crossing: NotNegative = Field(20.0, description="frequency below which the pressures are balanced [Hz]; 0: off")
 
@@ -112,7 +118,7 @@ class ModalSettings(DigitalSettings):
                 one = sway.block().sampled(self.period)
                 blocks.append(one.between(mean, sign * volts @ columns[:, [k]]).padded(0, N_MOUNTS))
         if self.warp.crossing:
-            pattern = np.array(WARP)
+            pattern = warp(plant)
             measured = _picked(names, PRESSURES, pattern / N_MOUNTS)
             blocks.append(self.warp.block(plant).between(measured, pattern[:, None]).padded(0, N_MOUNTS))
         if not blocks:

@@ -19,10 +19,10 @@ from ehamj.controllers.blocks import TWO_PI, Block, added, beside, joined
 from ehamj.controllers.inertial import GROUND, STROKES, Blend, MotionLoop
 from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
-from ehamj.controllers.modal import PRESSURES, WarpBalance
+from ehamj.controllers.modal import PRESSURES, WarpBalance, warp
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.controllers.settings import DigitalSettings, NotNegative, Positive
-from ehamj.layout import N_MOUNTS, WARP
+from ehamj.layout import N_MOUNTS
 from ehamj.parameters import Actuator, Plant, Settings
 
 
@@ -56,7 +56,7 @@ class StrokeServoSettings(DigitalSettings):
         volts = np.diag([inverse.volts for inverse in inverses])
         shared = np.eye(N_MOUNTS)
         if self.balance.crossing:  # what the servos would do in the warp pattern is left to the balance
-            shared = shared - np.outer(WARP, WARP) / N_MOUNTS
+            shared = shared - np.outer(warp(plant), warp(plant)) / N_MOUNTS
         late = self.hold + lag(instrument_poles(sensors.of(STROKES[0]))[1])
         parts, names = [Block.gain(np.eye(N_MOUNTS))], STROKES
         if self.reference == "ground":
@@ -67,7 +67,7 @@ class StrokeServoSettings(DigitalSettings):
         loops = beside([self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses])
         total = joined(parts).then(loops.between(shared, volts))
         damping = beside([self.pressure.block(actuator) for actuator in plant.actuators])
-        pattern = np.array(WARP)[:, None]
+        pattern = warp(plant)[:, None]
         balance = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
         pressures = added([damping.sampled(self.period), balance])
         law = added([total.inserted(len(names), N_MOUNTS), pressures.padded(len(names), N_MOUNTS)])

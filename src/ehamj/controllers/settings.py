@@ -6,7 +6,9 @@ from pydantic import Field
 
 from ehamj.commands import Passive
 from ehamj.controllers.blocks import Block
-from ehamj.controllers.law import Controller
+from ehamj.controllers.law import UNSTABLE, Controller
+from ehamj.controllers.windup import limited_radius
+from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
 from ehamj.parameters import Plant, Settings
 from ehamj.signals import Signal
@@ -54,6 +56,12 @@ class DigitalSettings(Settings):
         them at once.
         """
         measured = len(inputs)
+        windup = block.B[:, measured:] if block.B.shape[1] > measured else None
+        if windup is not None and limited_radius(block.A, block.C, windup) > UNSTABLE:
+            raise InputError(
+                f"control.recovery = {self.recovery:g} s: too slow for loops that cross so low, which would swing up "
+                "while commands are limited; shorten it, or raise the crossing, or lower the integral"
+            )
         return Controller(
             block.A,
             block.B[:, :measured],
@@ -67,7 +75,7 @@ class DigitalSettings(Settings):
             switch_on=self.switch_on,
             fade=self.fade,
             from_rest=True,
-            anti_windup=block.B[:, measured:] if block.B.shape[1] > measured else None,
+            anti_windup=windup,
         )
 
 

@@ -14,10 +14,10 @@ from ehamj.controllers.blocks import Block, added, beside, joined
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
 from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
-from ehamj.controllers.modal import PRESSURES, WarpBalance
+from ehamj.controllers.modal import PRESSURES, WarpBalance, warp
 from ehamj.controllers.sensors import IDEAL, Sensors
 from ehamj.controllers.settings import ISOLATE_FROM, DigitalSettings, NotNegative
-from ehamj.layout import N_MOUNTS, WARP
+from ehamj.layout import N_MOUNTS
 from ehamj.parameters import Plant
 
 
@@ -45,7 +45,7 @@ class SkyhookSettings(DigitalSettings):
         mounts = beside([joined([measured, one]).then(loop) for one, loop in zip(owed, loops, strict=True)])
         # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
         order = np.eye(4 * N_MOUNTS).reshape(4, N_MOUNTS, 4 * N_MOUNTS).transpose(1, 0, 2)
-        pattern = np.array(WARP)[:, None]
+        pattern = warp(plant)[:, None]
         shared = np.eye(N_MOUNTS)
         if self.balance.crossing:
             shared = shared - pattern @ pattern.T / N_MOUNTS

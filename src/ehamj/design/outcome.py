@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 
 from ehamj.controllers import LinearController
-from ehamj.controllers.modal import plane
+from ehamj.controllers.modal import plane, warp
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
-from ehamj.layout import WARP
 from ehamj.linear.loops import PATTERNS, feeds_back, grid, loop_gain
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario import Scenario
@@ -156,7 +155,7 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
     gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
-    basis = np.column_stack([plane(scenario.plant), WARP])
+    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
     for row, model in enumerate(machines.models.values()):
         opened = np.linalg.inv(np.eye(4) + loop_gain(model, law, f, scenario.sensors, scenario.seed))
         moved = np.linalg.inv(basis) @ opened @ basis

@@ -23,12 +23,12 @@ from ehamj.controllers.blocks import Block
 from ehamj.controllers.combined import CombinedSettings
 from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.controllers.inertial import MotionLoop
-from ehamj.controllers.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
+from ehamj.controllers.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
 from ehamj.controllers.servo import StrokeServoSettings
 from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.layout import N_MOUNTS, WARP
+from ehamj.layout import N_MOUNTS
 from ehamj.linear.loops import LoopReport, disk_margin, grid, loop_gain, margins, report
 from ehamj.scenario import Scenario
 
@@ -154,7 +154,7 @@ def _only(settings: Tunable, name: str | None) -> Tunable:
 
 def _raised(settings: Tunable, scenario: Scenario, machines: Machines, wanted: Requirements) -> Tunable:
     trials = _trials(settings, scenario, machines)
-    basis = np.column_stack([plane(scenario.plant), WARP])
+    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
     loops = _loops(settings)
     crossings = {name: loop.crossing for name, loop in loops.items()}
     for turn in range(2):

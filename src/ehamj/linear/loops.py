@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.controllers import LinearController
 from ehamj.controllers.law import OUTPUTS
-from ehamj.controllers.modal import MOTIONS, plane
+from ehamj.controllers.modal import MOTIONS, plane, warp
 from ehamj.controllers.sensors import IDEAL, Sensors
-from ehamj.layout import MOUNTS, N_MOUNTS, WARP
+from ehamj.layout import MOUNTS, N_MOUNTS
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_loop
 
@@ -164,7 +164,7 @@ def report(
     f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
     commands, plant = _halves(model, law, f, sensors, seed)
     sensitivity = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ plant), complex)
-    basis = np.column_stack([plane(model.plant), WARP])
+    basis = np.column_stack([plane(model.plant), warp(model.plant)])
     moved = np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
     at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", plant, sensitivity, commands, optimize=True)
     radius = float(np.abs(np.linalg.eigvals(sampled_loop(model, law, sensors, seed).A)).max())
