@@ -3,10 +3,10 @@
 Linear contributions come from the closed loop: what law, delay and valve leave of the floor's heave, and what each
 class of instruments adds by its noise. Two more are estimates: rounding of the commands as white noise of Δ²/12, and
 the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)). With P_L = K_L d/A_p at stroke d and
-a command for ḋ + c d, the error of piston velocity is ε d (ḋ + c d), ε = K_L/(2 A_p (P_s − P_t)); of a stroke whose slow
-part has the RMS σ, a band's part of it is εσ √(1 + (2c/ω)²) of the band's velocity, which the feedback reduces by its
-sensitivity. The voltage is judged by the command's
-RMS: a Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
+a command for ḋ + c d, the error of piston velocity is ε d (ḋ + c d), ε = K_L/(2 A_p (P_s − P_t)); of a stroke whose
+slow part has the RMS σ, a band's part of it is εσ √(1 + (2c/ω)²) of the band's velocity, which the feedback reduces by
+its sensitivity. The voltage is judged by the command's RMS: a Gaussian command exceeds the limit a for the share
+erfc(a/(√2 σ)) of the time.
 """
 
 from collections.abc import Mapping
