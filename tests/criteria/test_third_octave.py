@@ -131,6 +131,27 @@ def test_white_noise_has_the_level_of_its_density_in_every_band() -> None:
     assert np.abs(deviation).max() < 0.1
 
 
+def test_the_screening_spectrum_of_navmat_p_9492_has_its_published_level() -> None:
+    """Published (Navy Manufacturing Screening Program, 1979): 0.04 g²/Hz from 80 to 350 Hz, 3 dB/octave down to 20 Hz
+    and up to 2000 Hz; 6.06 g RMS in all. Where it is flat a band holds 0.04 g²/Hz times its width, 0.2316 of its
+    centre.
+    """
+    rate, n, channels = 5000.0, 50_000, 40
+    f = np.arange(n // 2 + 1) * rate / n
+    density = 0.04 * np.minimum(1.0, np.minimum(f / 80.0, 350.0 / np.maximum(f, 1.0)))
+    density[(f < 20.0) | (f > 2000.0)] = 0.0
+    phases = np.random.default_rng(4).uniform(0.0, 2.0 * np.pi, (f.size, channels))
+    lines = np.sqrt(2.0 * density * rate / n)[:, None] * np.exp(1j * phases)
+    signal = np.fft.irfft(lines * n / 2, n, axis=0)
+    chosen = bands(16.0, 2000.0)
+    power = (band_rms(signal, rate, chosen) ** 2).mean(axis=1)
+    assert decibel(np.sqrt(power.sum()) / 6.06) == pytest.approx(0.0, abs=0.1)
+    for band, mean_square in zip(chosen, power, strict=True):
+        if 100.0 <= band.centre < 310.0:
+            # 40 records, in each of which 100 Hz holds 230 lines: 1/√9200 of scatter, 0.05 dB.
+            assert 0.5 * decibel(mean_square / (0.04 * 0.2316 * band.centre)) == pytest.approx(0.0, abs=0.1)
+
+
 def test_channels_are_read_side_by_side() -> None:
     signals = np.random.default_rng(2).standard_normal((4000, 3))
     together = band_rms(signals, RATE, ALL)

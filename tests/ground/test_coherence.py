@@ -105,7 +105,8 @@ def test_the_waves_delay_is_met_to_a_sample(coherence: dict[str, Any] | None, sp
     rear, front = motion.sample(np.arange(20_000) / rate).velocity[:, [2, 0], 2].T
     likeness = np.fft.irfft(np.fft.rfft(front) * np.fft.rfft(rear).conj())
     found = (int(np.argmax(likeness)) + 10_000) % 20_000 - 10_000
-    assert abs(found - 1.8 / speed * rate) <= 0.5 + 1e-9 if coherence is None else 1.0
+    # The nearest sample to the delay; partly incoherent mounts may be most alike one sample beside it.
+    assert abs(found - 1.8 / speed * rate) <= (0.5 + 1e-9 if coherence is None else 1.0)
 
 
 def test_mounts_differ_and_axes_are_independent() -> None:
