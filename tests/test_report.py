@@ -402,14 +402,23 @@ def test_limits_that_were_reached_say_when(results: dict[str, Result]) -> None:
 
 def test_margins_stand_as_the_summary_says_them(results: dict[str, Result]) -> None:
     assert not text_of(results).xpath('//table[@aria-label="Margins of the control loop"]')
-    margins = {"heave": {"gain_margin_db": 7.25, "phase_margin_deg": 51.0}, "disk_margin": 0.61, "peak": None}
-    seen = text_of({"run": with_summary(results["passive"], margins=margins)})
-    assert table_of(seen, "Margins of the control loop")[1:] == [
-        ["heave, gain margin [dB]", "7.25"],
-        ["heave, phase margin [°]", "51.0"],
-        ["disk margin", "0.610"],
-        ["peak", "–"],
+    heave = {"gain_db": 9.859, "phase_deg": 53.95, "disk": 0.9939, "peak_sensitivity": 1.497, "peak_hz": 421.7}
+    warp = {**heave, "gain_db": None, "phase_deg": None, "crossings_hz": []}
+    motions = {"heave": {**heave, "crossings_hz": [66.85, 79.2388]}, "warp": warp}
+    whole = {"stable": True, "gain_db": 7.25, "phase_deg": 51.0, "disk": 0.5, "disk_all_valves": 0.61}
+    one, other = (
+        with_summary(results["passive"], margins={**whole, "stable": stable, "motions": motions})
+        for stable in (True, False)
+    )
+    rows = [
+        ["least, anywhere", "7.25", "51.0", "0.500", "–", "–", "–"],
+        ["heave", "9.86", "54.0", "0.994", "1.50", "422", "66.8, 79.2"],
+        ["warp", "–", "–", "0.994", "1.50", "422", "–"],
     ]
+    assert table_of(text_of({"run": one}), "Margins of the control loop")[1:] == rows
+    unstable = ["the closed loop is unstable", *["–"] * 6]
+    both = table_of(text_of({"one": one, "other": other}), "Margins of the control loop")[1:]
+    assert both == [["one"], *rows, ["other"], unstable, *rows]
 
 
 def with_summary(result: Result, **entries: Any) -> Result:

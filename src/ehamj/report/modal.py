@@ -12,6 +12,7 @@ from ehamj.analysis.footprint import rocking_modes, slowest_rocking
 from ehamj.analysis.modes import Mode, modes
 from ehamj.errors import InputError
 from ehamj.layout import DOFS
+from ehamj.linear.loops import feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plots.charts import Line, map_chart
 from ehamj.report.parts import Picture, Results, Table
@@ -31,8 +32,6 @@ LEAST_HEIGHT: Final = 0.2
 """CG height that the range is taken of at least [m]: that of a machine may be zero."""
 WIDTHS: Final = (0.4, 1.8)
 """Range of the map's footprints, over the machine's own [-]."""
-CLOSED: Final = "ground_"
-"""How the inputs begin of a law that reads the ground alone, and moves no mode."""
 
 
 def modal_tables(results: Results) -> Iterator[Table]:
@@ -69,7 +68,7 @@ def _table(title: str, model: LinearModel, runs: Results) -> Table:
         law = result.controller
         if law is None:
             continue
-        if all(name.startswith(CLOSED) for name in law.inputs):
+        if not feeds_back(law):
             still.append(label)
         else:
             columns[label] = modes(model, law, sensors=result.scenario.sensors, seed=result.scenario.seed)
