@@ -1,11 +1,10 @@
-"""Free decay of a simulated machine after jolts of the floor, and the eigenvalues in it."""
+"""Free decay of a simulated machine after jolts of the floor."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.analysis.identification import realise
 from ehamj.layout import DOFS
 from ehamj.scenario import Scenario, parse_scenario
 from ehamj.simulate import simulate_many
@@ -47,10 +46,3 @@ def free_decays(scenario: Scenario, duration: float = 0.12, rate: float = 4000.0
         moved[DOFS.index(dof)] = JOLTS[dof] * 2 * PULSE / np.pi  # where the floor has come to rest
         decays.append(motion - moved - run.dataset["machine_displacement"].values[0])
     return np.array(decays)
-
-
-def ring_down(scenario: Scenario, duration: float = 0.12, rate: float = 4000.0) -> NDArray[np.complex128]:
-    """Eigenvalues λ [1/s] identified from the decays (`free_decays`): oscillations, Im λ > 0, by magnitude."""
-    decays = free_decays(scenario, duration, rate)
-    ((values, _),) = realise(decays / np.abs(decays).max(axis=(0, 1)), rate, (22,))
-    return values[values.imag > 2 * np.pi]

@@ -83,9 +83,9 @@ def margins(results: Results) -> Table:
         rows.append(["least, anywhere", *_loop(table)])
         rows += [[name, *_loop(one)] for name, one in table.get("motions", {}).items()]
     note = (
-        "Each motion opened by itself, the rest closed; the least also over single valves, single readings and all valves "
-        "at once. Peak: of the sensitivity. Practice asks for 6 dB, 45°, a disk margin of 0.5 and a peak below 2. "
-        f"{DASH}: unlimited, or no crossing."
+        "Each motion opened by itself, the rest closed; the least also over single valves, single readings and all "
+        "valves at once. Peak: of the sensitivity. Practice asks for 6 dB, 45°, a disk margin of 0.5 and a peak below "
+        f"2. {DASH}: unlimited, or no crossing."
     )
     return Table("Margins of the control loop", LOOP_HEAD, rows, note)
 
