@@ -27,7 +27,11 @@ from ehamj.parameters import Actuator, Plant, Settings
 
 
 class PressureFeedback(Settings):
-    """Dynamic feedback of load pressure: it damps the oil's resonance as a larger K_C would, but not statically."""
+    """Dynamic feedback of load pressure: it damps as a larger K_C would, but not statically.
+
+    That holds below the valve's own frequency. With the default valve, 250 Hz, a gain of 3 doubles the damping of
+    sway-rocking (70 Hz), and takes damping from the oil's resonances (456 to 554 Hz), where the valve turns the sign.
+    """
 
     gain: NotNegative = Field(0.0, description="flow per load pressure, in multiples of K_C [-]; 0: none")
     corner: Positive = Field(20.0, description="corner of its high-pass [Hz]")

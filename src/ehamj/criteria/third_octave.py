@@ -79,7 +79,7 @@ class PowerSpectrum:
         power = 2.0 * (spectrum.real**2 + spectrum.imag**2) / (n * (window**2).sum())
         return cls(power.T, rate / n, rate)
 
-    def band_rms(self, chosen: tuple[Band, ...], order: int = 0) -> Array:
+    def band_rms(self, chosen: tuple[Band, ...], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS in each band (bands, channels); bins that an edge divides count by their share.
 
         NaN where the record is too short or sampled too slowly for the band.
@@ -87,6 +87,7 @@ class PowerSpectrum:
         Args:
             chosen: bands.
             order: of the time derivative whose level is wanted: 1 gives acceleration from velocity, −1 displacement.
+            least_bins: lines that a band must hold; fewer give a rougher level for shorter records.
         """
         power = self.power
         if order:
@@ -98,7 +99,7 @@ class PowerSpectrum:
         levels = np.full((len(chosen), power.shape[1]), np.nan)
         for row, band in enumerate(chosen):
             low, high = band.edges
-            if (high - low) / self.resolution < LEAST_BINS or high > 0.5 * self.rate:
+            if (high - low) / self.resolution < least_bins or high > 0.5 * self.rate:
                 continue
             below, above = (_interpolate(edge, edges, cumulated) for edge in (low, high))
             levels[row] = np.sqrt(np.maximum(above - below, 0.0))

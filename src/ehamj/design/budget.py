@@ -22,7 +22,8 @@ from ehamj.controllers import LinearController
 from ehamj.controllers.isolator import Inverse, instrument_poles, lag, valve_poles
 from ehamj.controllers.law import OUTPUTS
 from ehamj.controllers.sensors import Sensors
-from ehamj.criteria.third_octave import Band, band_rms, bands
+from ehamj.criteria.third_octave import BAND_LOG_WIDTH, Band, PowerSpectrum, bands
+from ehamj.ground.broadband import BroadbandGround
 from ehamj.layout import AXES, N_MOUNTS
 from ehamj.linear.loops import feeds_back, loop_gain, own_readings
 from ehamj.linear.machine import LinearModel
@@ -31,11 +32,12 @@ from ehamj.scenario import Scenario
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-BANDS: Final = bands(1.0, 315.0)
+BANDS: Final = bands(0.5, 315.0)
+"""From below the bands that criteria ask for: there the command grows as 1/f."""
 PER_BAND: Final = 6
 """Frequencies at which a band is looked at."""
-UNSTATED: Final = 12.5e-6
-"""Level per band that is taken where the scenario's floor rests: VC-C's [m/s]."""
+UNSTATED: Final = BroadbandGround(kind="broadband", level="VC-C")
+"""Floor that is taken where the scenario's rests."""
 FLOOR_TIME: Final = 20.0
 FLOOR_RATE: Final = 1000.0
 OUTPUT: Final = ("cg_velocity z",)
@@ -139,11 +141,13 @@ def floor_levels(scenario: Scenario) -> Array:
     """Third-octave velocity of the floor's heave (mean of the mounts) in `BANDS` [m/s]."""
     motion = scenario.motion()
     if motion.at_rest:
-        return np.full(len(BANDS), UNSTATED)
+        centres = np.array([band.centre for band in BANDS])
+        return np.asarray(np.sqrt(UNSTATED.spectrum(centres) * BAND_LOG_WIDTH * centres))
     time = np.arange(0.0, min(FLOOR_TIME, scenario.duration), 1.0 / FLOOR_RATE)
     heave = motion.sample(time).velocity[:, :, AXES.index("z")].mean(axis=1)
-    levels = band_rms(heave, FLOOR_RATE, BANDS)
-    return np.asarray(np.nan_to_num(levels))
+    # A rough level of a low band is worth more than none: most of the voltage goes there.
+    levels = PowerSpectrum.of(heave[:, None], FLOOR_RATE).band_rms(BANDS, least_bins=1.0)
+    return np.asarray(np.nan_to_num(levels[:, 0]))
 
 
 def _per_band(values: Array) -> Array:

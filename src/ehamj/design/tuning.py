@@ -29,7 +29,7 @@ from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.layout import N_MOUNTS
-from ehamj.linear.loops import LoopReport, disk_margin, grid, loop_gain, margins, report
+from ehamj.linear.loops import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
 from ehamj.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -106,8 +106,10 @@ def judged(
     machines: Machines,
     requirements: Requirements,
 ) -> Design:
-    """The law of settings with its margins on every machine."""
+    """The law of settings with its margins on every machine; without a loop there are none."""
     law = settings.controller(scenario.plant, scenario.sensors)
+    if not feeds_back(law):
+        return Design(settings, law, {}, requirements)
     reports = {name: report(model, law, scenario.sensors, scenario.seed) for name, model in machines.models.items()}
     return Design(settings, law, reports, requirements)
 

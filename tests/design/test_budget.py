@@ -1,0 +1,108 @@
+"""The budget against runs of the nonlinear machine: what a floor leaves, what noise alone moves, how often it clips."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ehamj.controllers import LinearController
+from ehamj.criteria.third_octave import band_rms
+from ehamj.design.budget import BANDS, Budget, budget
+from ehamj.linear.machine import linear_model
+from ehamj.result import Result
+from ehamj.scenario import Scenario, parse_scenario
+from ehamj.simulate import simulate
+
+SENSORS = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}}
+SHOWN = ("5", "10", "20", "50", "100")
+
+
+def scenario(ground: dict[str, Any], duration: float, control: dict[str, Any] | None = None) -> Scenario:
+    table = {"plates": "tied", "record_rate": 4000.0, "sensors": SENSORS, "duration": duration, "ground": ground}
+    return parse_scenario({**table, "control": control or {"kind": "combined", "delay": 1.5e-4}})
+
+
+def both(stated: Scenario) -> tuple[Budget, Result]:
+    law = stated.controller()
+    assert isinstance(law, LinearController)
+    return budget(stated, linear_model(stated), law), simulate(stated)
+
+
+@pytest.fixture(scope="module")
+def on_vc_c() -> tuple[Budget, Result]:
+    return both(scenario({"kind": "broadband", "level": "VC-C"}, 10.0))
+
+
+@pytest.fixture(scope="module")
+def at_rest() -> tuple[Budget, Result]:
+    return both(scenario({"kind": "rest"}, 8.0))
+
+
+def level(run: Result) -> dict[str, float]:
+    """Vertical velocity of the CG per band [m/s], after the first second."""
+    heave = run.dataset["cg_velocity"].sel(axis="z", time=slice(1.0, None)).values
+    return {band.name: float(value) for band, value in zip(BANDS, band_rms(heave, 4000.0, BANDS), strict=True)}
+
+
+def named(values: Any) -> dict[str, float]:
+    return {band.name: float(value) for band, value in zip(BANDS, values, strict=True)}
+
+
+@pytest.mark.parametrize("band", SHOWN)
+def test_the_budget_predicts_the_machine_on_a_floor(band: str, on_vc_c: tuple[Budget, Result]) -> None:
+    limits, run = on_vc_c
+    # Bands of 10 s scatter by 1.5 dB at 5 Hz; turbulent flow is an estimate.
+    difference = 20 * np.log10(named(limits.total)[band] / level(run)[band])
+    assert abs(difference) < 2.5
+
+
+def test_the_budget_s_noise_is_what_moves_the_machine_on_a_floor_at_rest(at_rest: tuple[Budget, Result]) -> None:
+    limits, run = at_rest
+    parts = [part for name, part in limits.contributions.items() if "noise" in name or "rounding" in name]
+    noise, measured = named(np.sqrt(np.sum(np.square(parts), axis=0))), level(run)
+    off = np.array([20 * np.log10(noise[b.name] / measured[b.name]) for b in BANDS if 4.5 < b.centre < 260.0])
+    # 7 s of noise in a band B wide scatter by 4.3 dB/√(7 s·B): 1.5 dB at 5 Hz, 0.2 dB at 250 Hz.
+    assert abs(off.mean()) < 0.7
+    assert np.abs(off[-8:]).max() < 1.5
+
+
+def test_the_budget_s_command_is_the_run_s(on_vc_c: tuple[Budget, Result]) -> None:
+    limits, run = on_vc_c
+    measured = float(run.dataset["valve_command"].sel(time=slice(1.0, None)).std("time").mean())
+    assert limits.command_rms == pytest.approx(measured, rel=0.1)
+    assert limits.saturated < 1e-6
+
+
+def test_a_floor_at_rest_is_budgeted_as_vc_c(at_rest: tuple[Budget, Result]) -> None:
+    found = named(at_rest[0].floor)
+    assert [found[band] for band in ("1", "10", "80")] == pytest.approx([12.5e-6] * 3, rel=0.02)
+    assert found["0.5"] < 2e-6
+    assert found["160"] < 5e-6
+
+
+def test_a_stronger_floor_clips_for_a_share_that_a_gaussian_command_would() -> None:
+    from scipy.stats import norm
+
+    stated = scenario({"kind": "broadband", "level": "VC-A"}, 10.0)
+    law = stated.controller()
+    assert isinstance(law, LinearController)
+    limits = budget(stated, linear_model(stated), law)
+    assert limits.command_rms == pytest.approx(5.9, rel=0.1)  # `ehamj.controllers.lowend`
+    assert limits.saturated == pytest.approx(2 * norm.sf(10.0 / limits.command_rms), rel=1e-9)
+
+
+def test_lags_at_the_crossing_add_up_to_the_margin(on_vc_c: tuple[Budget, Result]) -> None:
+    phases = on_vc_c[0].phases
+    assert 60.0 < phases["crossing_hz"] < 120.0
+    assert 45.0 <= phases["phase_margin_deg"] < 90.0
+    f = phases["crossing_hz"]
+    assert phases["delay_and_hold_deg"] == pytest.approx(360.0 * f * 2e-4, rel=1e-9)
+    ratio = f / 250.03
+    assert phases["valve_deg"] == pytest.approx(np.degrees(np.arctan2(2 * 0.65 * ratio, 1 - ratio**2)), rel=1e-3)
+
+
+def test_the_largest_contribution_binds(on_vc_c: tuple[Budget, Result]) -> None:
+    limits = on_vc_c[0]
+    for k, name in enumerate(limits.binding):
+        assert limits.contributions[name][k] == max(part[k] for part in limits.contributions.values())
+    np.testing.assert_allclose(limits.total**2, sum(part**2 for part in limits.contributions.values()), rtol=1e-12)
