@@ -190,9 +190,10 @@ def _closed(
     """Sensitivity at the valves (f, 4, 4), and commands over what is added to the readings (f, 4, readings)."""
     own = own_readings(law)
     chosen = [law.inputs[k] for k in own]
-    names, shares = sensors.mixtures(chosen, seed)
     read = np.zeros((f.size, len(law.inputs), N_MOUNTS), complex)
-    read[:, own] = sensors.response(chosen, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
+    if own:
+        names, shares = sensors.mixtures(chosen, seed)
+        read[:, own] = sensors.response(chosen, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
     commands = law.response(f)
     opened = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ read), complex)
     return opened, np.asarray(opened @ commands, complex)
