@@ -25,7 +25,9 @@ def design(
     scenario: ScenarioArgument = "recorded",
     architecture: Annotated[
         str | None,
-        typer.Option(help="combined, modal, skyhook, stroke-servo or feedforward [default: the scenario's own]."),
+        typer.Option(
+            help="combined, modal, skyhook, stroke-servo, feedforward, h-infinity or lqg [default: the scenario's own]."
+        ),
     ] = None,
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,

@@ -10,6 +10,7 @@ with the feet turned by θ the mass feels m ẍ + c ẋ + k x = −m h θ̈, so 
 h ω g/2 to the damping ratio.
 """
 
+from collections.abc import Mapping
 from typing import Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
-from ehamj.controllers.blocks import TWO_PI, Block, added, joined, pair
+from ehamj.controllers.blocks import TWO_PI, Block, added, beside, joined, pair
 from ehamj.controllers.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
 from ehamj.controllers.isolator import Inverse, instrument_poles, lag, lost
 from ehamj.controllers.law import Controller
@@ -94,10 +95,21 @@ class ModalSettings(DigitalSettings):
 
     def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
-        names = self._inputs()
-        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
-        volts = np.diag([inverse.volts for inverse in inverses])
-        creep = float(np.mean([inverse.creep for inverse in inverses]))
+        creep = float(np.mean([Inverse.of(actuator).creep for actuator in plant.actuators]))
+        loops: dict[str, MotionLoop] = {motion: getattr(self, motion) for motion in MOTIONS}
+        sampled = {name: loop.block(creep).sampled(self.period) for name, loop in loops.items() if loop.crossing}
+        return self.with_loops(plant, sensors, sampled)
+
+    def with_loops(self, plant: Plant, sensors: Sensors, loops: Mapping[str, Block]) -> Controller:
+        """The law with other loops: for some motions, sampled blocks from blended displacement [m, rad] to piston
+        velocity [m/s, rad/s]; those of roll and pitch may have the feet's mean sideways velocity [m/s] as a second
+        input.
+        """
+        wide = [motion for motion, loop in loops.items() if loop.B.shape[1] > 1]
+        names = self._inputs(
+            bool(loops), bool(self.sway_x.gain or "pitch" in wide), bool(self.sway_y.gain or "roll" in wide)
+        )
+        volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
         columns, fit = plane(plant), np.linalg.pinv(plane(plant))
         foot = sensors.of(FEET[0])
         blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
@@ -105,11 +117,16 @@ class ModalSettings(DigitalSettings):
         owed = lost(plant.actuators[0], late, self.recovery, self.period).times(-1.0)
         blocks = []
         for k, motion in enumerate(MOTIONS):
-            loop: MotionLoop = getattr(self, motion)
-            if loop.crossing:
+            if motion in loops:
                 measured = np.vstack([_picked(names, group, fit[k]) for group in (FEET, STROKES, GROUND)])
-                one = joined([blend.sampled(self.period), owed]).then(loop.block(creep).sampled(self.period))
-                blocks.append(one.between(block_diag(measured, fit[k]), volts @ columns[:, [k]]))
+                seen = joined([blend.sampled(self.period), owed])
+                rows = block_diag(measured, fit[k])
+                if motion in wide:
+                    # Sideways velocity lies among the measured, before what the valves did not get.
+                    mean = _picked(names, ALONG if motion == "pitch" else ACROSS, np.full(N_MOUNTS, 1.0 / N_MOUNTS))
+                    seen = beside([seen, Block.gain([[1.0]])])
+                    rows = np.vstack([rows, np.pad(mean, ((0, 0), (0, N_MOUNTS)))])
+                blocks.append(seen.then(loops[motion]).between(rows, volts @ columns[:, [k]]))
         # A positive pitch moves what stands above the mounts along x, a positive roll against y.
         for sway, group, k, sign in ((self.sway_x, ALONG, 2, 1.0), (self.sway_y, ACROSS, 1, -1.0)):
             if sway.gain:
@@ -124,10 +141,9 @@ class ModalSettings(DigitalSettings):
             blocks = [Block.gain(np.zeros((N_MOUNTS, N_MOUNTS)))]
         return self.digital(added(blocks), names, plant)
 
-    def _inputs(self) -> tuple[str, ...]:
-        moves = any(getattr(self, motion).crossing for motion in MOTIONS)
+    def _inputs(self, moves: bool, along: bool, across: bool) -> tuple[str, ...]:
         names = (*FEET, *STROKES, *GROUND) if moves else ()
-        names += (*(ALONG if self.sway_x.gain else ()), *(ACROSS if self.sway_y.gain else ()))
+        names += (*(ALONG if along else ()), *(ACROSS if across else ()))
         return names + (PRESSURES if self.warp.crossing else ())
 
 

@@ -3,21 +3,24 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from ehamj.controllers.combined import CombinedSettings
+from ehamj.controllers.combined import SHARED, CombinedSettings
 from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.controllers.modal import ModalSettings
 from ehamj.controllers.servo import StrokeServoSettings
+from ehamj.controllers.settings import DigitalSettings
 from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.budget import budget
+from ehamj.design.hinfinity import HInfinitySettings, hinfinity
+from ehamj.design.lqg import LqgSettings, lqg
 from ehamj.design.outcome import outcome
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
 from ehamj.linear.loops import feeds_back
 from ehamj.result import CONTROLLER_FILE, written_whole
-from ehamj.scenario import Scenario, load_scenario
+from ehamj.scenario import Law, Scenario, load_scenario
 from ehamj.studies.outcome import Outcome
 from ehamj.studies.page import write_outcome
 
@@ -31,7 +34,13 @@ ARCHITECTURES: Final = {
     "stroke-servo": StrokeServoSettings,
     "feedforward": FeedforwardSettings,
 }
-"""What can be designed: the settings of each begin from their defaults."""
+"""What can be tuned: the settings of each begin from their defaults."""
+
+SYNTHESES: Final[dict[str, tuple[Any, Any]]] = {
+    "h-infinity": (HInfinitySettings, hinfinity),
+    "lqg": (LqgSettings, lqg),
+}
+"""What is solved from a model of the machine: default weights, and the solution."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +65,8 @@ def design_controller(
     Args:
         source: scenario file or shipped name.
         overrides: as `load_scenario`.
-        architecture: one of `ARCHITECTURES`; without, the scenario's own control where that can be designed, else
-            combined.
+        architecture: one of `ARCHITECTURES` or `SYNTHESES`; without, the scenario's own control where that can be
+            designed, else combined. Rate, delay and resolution are the scenario's controller's.
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
@@ -74,20 +83,37 @@ def design_controller(
             raise InputError(f"--{name} {value:g}: must be from {low:g} to {high:g}")
     wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
     scenario = load_scenario(source, overrides)
-    if architecture is not None and architecture not in ARCHITECTURES:
-        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(ARCHITECTURES)}")
-    if architecture is not None or scenario.control.kind not in ARCHITECTURES:
-        control = ARCHITECTURES[architecture or "combined"]()
+    if architecture is not None and architecture not in (*ARCHITECTURES, *SYNTHESES):
+        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join((*ARCHITECTURES, *SYNTHESES))}")
+    own = scenario.control.kind
+    kind = architecture or (own if own in ARCHITECTURES else "combined")
+    clock = _clock(scenario)
+    if kind != own:
+        control = ARCHITECTURES.get(kind, CombinedSettings)(**clock)
         scenario = scenario.model_copy(update={"control": control, "compare": ("passive",)})
     machines = Machines.of(scenario)
-    law = scenario.controller()
-    if feeds_back(law):
+    if kind in SYNTHESES:
+        weights, synthesise = SYNTHESES[kind]
+        settings = weights(**clock)
+        law = synthesise(scenario, settings, machines.models["as designed"])
+        design = judged(settings, law, scenario, machines, wanted)
+        scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
+    elif feeds_back(scenario.controller()):
         design = tune(scenario, machines, wanted)
         scenario = scenario.model_copy(update={"control": design.settings})
     else:
-        design = judged(scenario.control, scenario, machines, wanted)  # type: ignore[arg-type]
+        feedforward = scenario.control
+        assert isinstance(feedforward, DigitalSettings)
+        law = feedforward.controller(scenario.plant, scenario.sensors)
+        design = judged(feedforward, law, scenario, machines, wanted)
     limits = budget(scenario, machines.models["as designed"], design.law)
-    return Designed(scenario, design, outcome(scenario, machines, design, limits))
+    return Designed(scenario, design, outcome(scenario, kind, machines, design, limits))
+
+
+def _clock(scenario: Scenario) -> dict[str, Any]:
+    """Rate, delay, resolution and switch-on of the scenario's own controller, which a design keeps."""
+    control = scenario.control
+    return {name: getattr(control, name) for name in SHARED} if isinstance(control, DigitalSettings) else {}
 
 
 def write_design(folder: Path, found: Designed) -> None:

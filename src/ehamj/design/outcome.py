@@ -19,11 +19,12 @@ SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
 
 
-def outcome(scenario: Scenario, machines: Machines, design: Design, limits: Budget) -> Outcome:
+def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget) -> Outcome:
     """The design of a scenario's control as answers, tables and drawings.
 
     Args:
         scenario: under the designed control.
+        kind: architecture.
         machines: the machine and its variations.
         design: the law with its margins.
         limits: its budget on the machine as designed.
@@ -51,7 +52,7 @@ def outcome(scenario: Scenario, machines: Machines, design: Design, limits: Budg
     gain, phase, disk = (float(min(values)) for values in zip(*worst, strict=True))
     return Outcome(
         title=f"Controller for {scenario.name}",
-        question=f"Which {scenario.control.kind} law leaves the margins, and what limits it?",
+        question=f"Which {kind} law leaves the margins, and what limits it?",
         answers=tuple(_answers(scenario, design, limits, has_loop)),
         tables=tables,
         drawings=drawings,

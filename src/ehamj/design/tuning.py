@@ -21,10 +21,10 @@ from ehamj.analysis.modes import modes
 from ehamj.controllers import LinearController
 from ehamj.controllers.blocks import Block
 from ehamj.controllers.combined import CombinedSettings
-from ehamj.controllers.feedforward import FeedforwardSettings
 from ehamj.controllers.inertial import MotionLoop
 from ehamj.controllers.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
 from ehamj.controllers.servo import StrokeServoSettings
+from ehamj.controllers.settings import DigitalSettings
 from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
@@ -51,9 +51,9 @@ REFERENCE: Final = {"sway_x": 70.66, "sway_y": 70.03}
 
 @dataclass(frozen=True)
 class Design:
-    """A tuned law: its settings, and what it has in hand on each machine."""
+    """A law: its settings, and what it has in hand on each machine."""
 
-    settings: Tunable | CombinedSettings | FeedforwardSettings
+    settings: DigitalSettings
     law: LinearController
     reports: Mapping[str, LoopReport]
     requirements: Requirements
@@ -97,17 +97,14 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     if isinstance(control, CombinedSettings):
         others = tuple(tuned if part is tunable[0] else part for part in control.parts)
         settings = CombinedSettings.model_validate({**_plain(control), "parts": [_plain(part) for part in others]})
-    return judged(settings, scenario, machines, wanted)
+    law = settings.controller(scenario.plant, scenario.sensors)
+    return judged(settings, law, scenario, machines, wanted)
 
 
 def judged(
-    settings: Tunable | CombinedSettings | FeedforwardSettings,
-    scenario: Scenario,
-    machines: Machines,
-    requirements: Requirements,
+    settings: DigitalSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
 ) -> Design:
-    """The law of settings with its margins on every machine; without a loop there are none."""
-    law = settings.controller(scenario.plant, scenario.sensors)
+    """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
     if not feeds_back(law):
         return Design(settings, law, {}, requirements)
     reports = {name: report(model, law, scenario.sensors, scenario.seed) for name, model in machines.models.items()}

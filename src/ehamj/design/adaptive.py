@@ -1,0 +1,142 @@
+"""Adaptive cancellation of lines (filtered-x LMS): the motion at motors' and fans' frequencies, driven to nothing.
+
+For each line ω, heave, roll and pitch are asked for piston velocities Re(w e^{jωt}), w (3,) complex. With H (3 × 3) the
+response at ω from piston velocities to measured velocities e of the machine, w follows
+
+    w⁺ = (1 − T/``leak``)·w − (2T/``time``)·H⁻¹·e·e^{−jωt}.
+
+That is the filtered-x LMS algorithm (Widrow and Stearns, Adaptive Signal Processing, 1985, ch. 11) with a step
+normalised by H, so that every motion converges in the same ``time`` whatever the coupling. About its line it is a
+narrow-band feedback (Glover, IEEE Trans. ASSP 25(6), 1977) of loop gain ``leak``/``time``: the line comes down to
+1/(1 + leak/time), and the bandwidth is 1/(π·time) [Hz]. It needs no amplitude and no phase of the disturbance, and the
+law below it stays as it is: with ``beside``, H is the response with that law closed.
+"""
+
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from ehamj.analysis.transmissibility import sampled_plant
+from ehamj.controllers import Controller, PythonController
+from ehamj.controllers.blocks import TWO_PI
+from ehamj.controllers.inertial import FEET
+from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.modal import plane
+from ehamj.controllers.settings import DigitalSettings, Positive
+from ehamj.errors import InputError
+from ehamj.layout import N_MOUNTS
+from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.scenario import Scenario
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+class LineSettings(DigitalSettings):
+    """Which lines are cancelled, and how fast."""
+
+    lines: tuple[Positive, ...] = Field(description="frequencies of the lines [Hz]", min_length=1)
+    time: Positive = Field(0.3, description="time in which a line comes down by e [s]")
+    leak: Annotated[float, Field(gt=0)] = Field(
+        15.0, description="time over which the weights are forgotten [s]; leak/time bounds the attenuation"
+    )
+
+
+def line_cancellation(
+    scenario: Scenario, settings: LineSettings, beside: Controller | None = None, model: LinearModel | None = None
+) -> PythonController:
+    """A law that adapts to lines, by itself or on top of another law.
+
+    >>> import ehamj
+    >>> from ehamj.design.adaptive import LineSettings, line_cancellation
+    >>> floor = {"kind": "sine", "frequency": 24.5, "amplitude": 1e-7}
+    >>> scenario = ehamj.parse_scenario({"plates": "tied", "duration": 0.02, "ground": floor})
+    >>> law = line_cancellation(scenario, LineSettings(lines=(24.5, 49.0)))
+    >>> result = ehamj.simulate(scenario, controller=law)
+
+    Args:
+        scenario: machine and instruments.
+        settings: lines and speed; of a law ``beside``, rate, delay, switch-on and the like are taken from there.
+        beside: a law of one rate that runs at the same time.
+        model: the linearised machine, where the caller has it already.
+
+    Raises:
+        InputError: if a line is at or above half the sampling rate.
+    """
+    plant, sensors = scenario.plant, scenario.sensors
+    linear = model or linear_model(scenario)
+    volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
+    fit = np.linalg.pinv(plane(plant))
+    limit = min(actuator.voltage_limit for actuator in plant.actuators)
+    if beside is None:
+        nothing = np.zeros((N_MOUNTS, len(FEET)))
+        law = Controller(
+            np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, FEET, settings.period, settings.delay, limit,
+            settings.bits, switch_on=settings.switch_on, fade=settings.fade, from_rest=True,
+        )  # fmt: skip
+    else:
+        law = _reading_feet(beside)
+    high = [line for line in settings.lines if line >= 0.5 / law.period]
+    if high:
+        raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
+    z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
+    answers = sampled_plant(linear, law, z, sensors, scenario.seed)
+    feet = [law.inputs.index(name) for name in FEET]
+    closed = answers @ np.linalg.inv(np.eye(N_MOUNTS) - _at(law, z) @ answers)
+    inverses = np.asarray(np.linalg.inv(fit @ closed[:, feet] @ volts), complex)
+    function = _LineLaw(law, settings, np.asarray(fit, float), np.asarray(volts, float), inverses)
+    return PythonController(
+        function, law.inputs, law.period, law.delay, law.voltage_limit, law.bits, law.switch_on, law.fade, law.from_rest
+    )
+
+
+class _LineLaw:
+    """The function that is called at each sample; it holds weights and the states of the law beside."""
+
+    def __init__(
+        self, law: Controller, settings: LineSettings, fit: Array, volts: Array, inverses: ComplexArray
+    ) -> None:
+        self._law, self._volts = law, volts
+        self._omega = TWO_PI * np.array(settings.lines)
+        steps = 2.0 * law.period / settings.time
+        self._steps = steps * inverses @ fit  # (lines, 3, feet): what the weights take of the feet's velocities
+        self._keep = 1.0 - law.period / settings.leak
+        self._feet = [law.inputs.index(name) for name in FEET]
+        self._windup = np.zeros((law.states, N_MOUNTS)) if law.anti_windup is None else law.anti_windup
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin anew."""
+        self._state = np.zeros(self._law.states)
+        self._weights = np.zeros((self._omega.size, 3), complex)
+
+    def __call__(self, time: float, measured: Array, limited: Array) -> Array:
+        law, turn = self._law, np.exp(1j * self._omega * time)
+        self._state += self._windup @ limited
+        wanted = law.C @ self._state + law.D @ measured + self._volts @ (turn @ self._weights).real
+        self._state = law.A @ self._state + law.B @ measured
+        self._weights *= self._keep
+        # What the valves do not get has no answer: nothing is to be learnt from it.
+        if not np.any(limited):
+            self._weights -= turn.conj()[:, None] * (self._steps @ measured[self._feet])
+        return np.asarray(wanted)
+
+
+def _reading_feet(law: Controller) -> Controller:
+    """The law with all feet among its inputs, whether it uses them or not."""
+    more = tuple(name for name in FEET if name not in law.inputs)
+    wide: dict[str, Any] = {
+        name: np.hstack([getattr(law, name), np.zeros((getattr(law, name).shape[0], len(more)))]) for name in "BD"
+    }
+    return replace(law, inputs=law.inputs + more, **wide)
+
+
+def _at(law: Controller, z: ComplexArray) -> ComplexArray:
+    """C (z − A)⁻¹ B + D, (z, 4, inputs)."""
+    if not law.states:
+        return np.broadcast_to(law.D.astype(complex), (z.size, *law.D.shape))
+    states = np.linalg.solve(z[:, None, None] * np.eye(law.states) - law.A, law.B.astype(complex))
+    return np.asarray(law.C @ states + law.D)

@@ -1,0 +1,224 @@
+"""What synthesis starts from and ends in: the plant of one motion, and the law that loops of motions make.
+
+Heave, roll and pitch are nearly decoupled (`ehamj.controllers.modal`). The plant of one is what its loop sees from
+sample to sample: from the piston velocity that it asks for to the blended displacement (`ehamj.controllers.inertial`),
+through converter delay and hold, valves, oil, machine and instruments, with the warp balance closed. Roll and pitch are
+measured by the feet's sideways velocity too: with the angle held still, sway has the damping of the membranes alone.
+
+Synthesis works on the bilinear image of that sampled plant, s = (2/T)(z − 1)/(z + 1), and the loop that it finds goes
+back by the same map (`Block.sampled`): peaks of responses, and with them H∞ norms and margins, are those of the sampled
+loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
+"""
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+from scipy.linalg import block_diag
+
+from ehamj.controllers import Controller
+from ehamj.controllers.blocks import TWO_PI, Block, beside
+from ehamj.controllers.combined import SHARED
+from ehamj.controllers.feedforward import FeedforwardSettings
+from ehamj.controllers.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoop
+from ehamj.controllers.isolator import Inverse
+from ehamj.controllers.law import stack
+from ehamj.controllers.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
+from ehamj.controllers.sensors import Sensors
+from ehamj.controllers.settings import DigitalSettings, NotNegative, Positive
+from ehamj.errors import InputError
+from ehamj.layout import N_MOUNTS
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.sampled import sampled_machine
+from ehamj.parameters import Plant, Settings
+from ehamj.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+CHANNELS = (*FEET, *STROKES, *ALONG, *ACROSS)
+"""Instruments of a motion that answer a command."""
+NO_LOOP, NO_SWAY = MotionLoop(crossing=0.0), SwayDamping(gain=0.0, centre=70.0)
+THIRD = 2.0 ** (1 / 6) - 2.0 ** (-1 / 6)
+"""Width of a third-octave over its centre."""
+
+
+class MotionWeights(Settings):
+    """Weights of one motion."""
+
+    bandwidth: Positive = Field(description="frequency below which the floor counts, ω₀/2π [Hz]")
+    integral: Positive = Field(description="frequency below which it counts twice as steeply [Hz]")
+    effort: Positive = Field(description="weight of the piston velocity over ω₀ times the displacement [-]")
+    inside: NotNegative = Field(description="g: disturbance behind the valve over that at the output [-]")
+    sway: NotNegative = Field(
+        0.0, description="weight of sideways velocity/ω₀ [m] over the angle [rad]; roll and pitch"
+    )
+    doubt: Positive = Field(1.0, description="noise of sideways velocity/ω₀ over that of the angle; roll and pitch")
+
+
+class SynthesisSettings(DigitalSettings):
+    """What every synthesised law has around the loops of heave, roll and pitch."""
+
+    feedforward: FeedforwardSettings | None = Field(
+        FeedforwardSettings(), description="feedforward of the ground's velocity beside the loops; none: loops alone"
+    )
+    blend: Blend = Blend()
+    warp: WarpBalance = WarpBalance()
+
+    floor: Positive = Field(
+        12.5e-6, description="velocity of the floor, RMS per third-octave from 1 to 80 Hz [m/s]; default: VC-C"
+    )
+    plant_order: Annotated[int, Field(ge=4)] = Field(12, description="states kept of each motion's plant")
+    order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
+
+    def noise_over_floor(self, weights: MotionWeights, scenario: Scenario) -> float:
+        """r: the inertial instruments' noise over the floor's motion in the third-octave at the bandwidth [-]."""
+        sensor = scenario.sensors.of(FEET[0])
+        if sensor is None:
+            return 0.0
+        return float(sensor.noise_density(weights.bandwidth) * np.sqrt(THIRD * weights.bandwidth) / self.floor)
+
+    def low(self, weights: MotionWeights, scenario: Scenario) -> float:
+        """ω_l/ω₀: where the floor's weight, ω₀ω_i/ω_l² at its end, is as far above one as the noise is below [-].
+
+        Instruments allow no more, and the loop's integrals end there.
+
+        Raises:
+            InputError: if the noise leaves no room.
+        """
+        integral, noise = weights.integral / weights.bandwidth, self.noise_over_floor(weights, scenario)
+        low = max(np.sqrt(integral * noise), LEAK / weights.bandwidth)
+        if low >= min(1.0, integral):
+            raise InputError(
+                f"design: the inertial instruments' noise is {noise:.2g} of the floor at {weights.bandwidth:g} Hz, "
+                f"where {weights!r} asks for isolation; take quieter instruments, or state a stronger floor"
+            )
+        return float(low)
+
+    def modal(self) -> ModalSettings:
+        """The modal law without loops: the warp balance, which runs inside the loops of the motions."""
+        shared = {name: getattr(self, name) for name in SHARED}
+        still = {"heave": NO_LOOP, "roll": NO_LOOP, "pitch": NO_LOOP, "sway_x": NO_SWAY, "sway_y": NO_SWAY}
+        return ModalSettings(blend=self.blend, warp=self.warp).model_copy(update=still | shared)
+
+    def assembled(self, scenario: Scenario, loops: Mapping[str, Block]) -> Controller:
+        """The whole law.
+
+        Args:
+            scenario: machine and instruments.
+            loops: of each motion the bilinear image from blended displacement [m, rad], of roll and pitch also from the
+                feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
+        """
+        plant, sensors = scenario.plant, scenario.sensors
+        sampled = {motion: loop.sampled(self.period) for motion, loop in loops.items()}
+        laws = [self.modal().with_loops(plant, sensors, sampled)]
+        if self.feedforward is not None:
+            shared = {name: getattr(self, name) for name in SHARED}
+            laws.append(self.feedforward.model_copy(update=shared).controller(plant, sensors))
+        return stack(laws)
+
+
+def motion_plants(
+    scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int
+) -> dict[str, tuple[Block, Block]]:
+    """Of each motion the bilinear image of its plant, whole and with ``order`` states (balanced truncation).
+
+    One input, the piston velocity [m/s, rad/s]; outputs are the blended displacement [m, rad], of roll and pitch also
+    the feet's mean sideways velocity [m/s].
+
+    Args:
+        scenario: whose actuators the law inverts, and whose instruments measure.
+        model: linearised machine that the law runs on; a varied one where robustness is in question.
+        settings: blending, and what is closed within.
+        order: states that are kept.
+    """
+    plant, sensors = scenario.plant, scenario.sensors
+    machine = _with_inner(model, settings.modal().controller(plant, sensors), sensors)
+    blend = settings.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0])).sampled(settings.period)
+    fit, mean = np.linalg.pinv(plane(plant)), np.full(N_MOUNTS, 1.0 / N_MOUNTS)
+    along, across = np.kron([1.0, 0.0], mean), np.kron([0.0, 1.0], mean)
+    found = {}
+    for k, (motion, sideways) in enumerate(zip(MOTIONS, (None, across, along), strict=True)):
+        vertical = np.vstack([np.kron(np.eye(2), fit[k]), np.zeros((1, 2 * N_MOUNTS))])  # the ground stands still
+        rows = [vertical] if sideways is None else [vertical, sideways]
+        readings = np.asarray(block_diag(*rows)) if len(rows) > 1 else np.pad(vertical, ((0, 0), (0, 2 * N_MOUNTS)))
+        after = blend if sideways is None else beside([blend, Block.gain([[1.0]])])
+        whole = continuous(machine.between(_volts(plant)[:, [k]], readings).then(after), settings.period)
+        found[motion] = whole, reduced(whole, order)
+    return found
+
+
+def normalised(plant: Block, weights: MotionWeights) -> Block:
+    """A motion's plant in units of ω₀: time ω₀ t, input piston velocity over ω₀, sideways velocity over ω₀."""
+    omega = TWO_PI * weights.bandwidth
+    units = np.array([1.0, 1.0 / omega])[: plant.C.shape[0], None]
+    return Block(plant.A / omega, plant.B, units * plant.C, omega * units * plant.D)
+
+
+def restored(law: Block, weights: MotionWeights) -> Block:
+    """The loop for a `normalised` plant in SI."""
+    omega = TWO_PI * weights.bandwidth
+    units = np.array([omega, 1.0])[: law.B.shape[1]]
+    return Block(omega * law.A, law.B * units, omega * law.C, law.D * units)
+
+
+def towards_one(corner: float, low: float) -> Block:
+    """(s + corner)/(s + low), its state of a size between input and output: slycot wants that."""
+    share = np.sqrt(corner - low)
+    return Block(*(np.array([[value]]) for value in (-low, share, share, 1.0)))
+
+
+def continuous(block: Block, period: float) -> Block:
+    """The continuous block whose trapezoidal image (`Block.sampled`) is this sampled one."""
+    A, B, C, D = block
+    inverse = np.linalg.inv(np.eye(A.shape[0]) + A)
+    return Block(
+        2.0 / period * (A - np.eye(A.shape[0])) @ inverse, 2.0 / period * inverse @ B, 2.0 * C @ inverse,
+        D - C @ inverse @ B,
+    )  # fmt: skip
+
+
+def reduced(block: Block, order: int) -> Block:
+    """A stable block with at most ``order`` states by balanced truncation (slycot AB09AD); it keeps its fast end.
+
+    Raises:
+        InputError: if the block is not stable.
+    """
+    import control
+
+    if block.A.shape[0] <= order:
+        return block
+    if np.linalg.eigvals(block.A).real.max() >= 0.0:
+        raise InputError(
+            "design: what is to be reduced is not stable; loosen the weights, or check warp and sway loops"
+        )
+    small = control.balred(control.ss(*block), order, method="truncate")
+    return Block(small.A, small.B, small.C, small.D)
+
+
+def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
+    """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
+    s = 2j / period * np.tan(np.pi * hertz * period)
+    states = np.linalg.solve(s[:, None, None] * np.eye(block.A.shape[0]) - block.A, block.B)
+    return np.asarray(block.C @ states + block.D)
+
+
+def _volts(plant: Plant) -> Array:
+    """Command [V] of each valve per piston velocity in heave [m/s], roll and pitch [rad/s], (4, 3)."""
+    return np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
+
+
+def _with_inner(model: LinearModel, inner: Controller, sensors: Sensors) -> Block:
+    """The sampled machine from commands to `CHANNELS`, the inner law closed around it."""
+    names = (*CHANNELS, *inner.inputs)
+    nothing = np.zeros((N_MOUNTS, len(names)))
+    probe = Controller(
+        np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, names, inner.period, inner.delay, inner.voltage_limit
+    )
+    open_loop = sampled_machine(model, probe, sensors)
+    seen, read = open_loop.C[: len(CHANNELS)], open_loop.C[len(CHANNELS) :]
+    A = np.block([[open_loop.A + open_loop.B @ inner.D @ read, open_loop.B @ inner.C], [inner.B @ read, inner.A]])
+    B = np.vstack([open_loop.B, np.zeros((inner.states, N_MOUNTS))])
+    C = np.hstack([seen, np.zeros((len(CHANNELS), inner.states))])
+    return Block(A, B, C, np.zeros((len(CHANNELS), N_MOUNTS)))
