@@ -145,9 +145,9 @@ class _Continuous(_Force):
     fade_in: float = Field(0.0, ge=0, description="time over which the force fades in [s]")
 
     @property
+    @abstractmethod
     def _highest(self) -> float:
         """Highest frequency [Hz]."""
-        raise NotImplementedError
 
     @property
     def longest_step(self) -> float:
