@@ -1,31 +1,35 @@
-"""H∞ and LQG synthesis: plant against the sampled machine, optimality against SLICOT, and the laws that come out."""
+"""H∞ and LQG synthesis: plants against the sampled machine, optimality against SLICOT, and the laws that come out."""
 
+from pathlib import Path
 from typing import Any
 
 import control
 import numpy as np
 import pytest
 
+from ehamj.analysis.modes import modes
 from ehamj.analysis.transmissibility import rigid_floor, sampled_plant
 from ehamj.controllers import Controller
 from ehamj.controllers.blocks import Block
+from ehamj.controllers.combined import CombinedSettings
 from ehamj.controllers.inertial import Blend
 from ehamj.controllers.modal import MOTIONS, WarpBalance
+from ehamj.design.command import design_controller, write_design
 from ehamj.design.hinfinity import HInfinitySettings, generalised, hinfinity, mixed_sensitivity
 from ehamj.design.lqg import LqgSettings, lqg, regulator
 from ehamj.design.motions import (
-    SynthesisSettings,
     continuous,
     motion_plants,
     reduced,
     response,
 )
 from ehamj.design.requirements import Machines, Requirements
+from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import holds
 from ehamj.errors import InputError
 from ehamj.layout import MOUNTS
 from ehamj.linear.loops import report
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.scenario import Scenario, load_scenario, parse_scenario
 from ehamj.simulate import simulate
 
 DELAY = 1.5e-4
@@ -59,7 +63,7 @@ def laws(machines: Machines) -> dict[str, Controller]:
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machines: Machines) -> None:
     """With warp open: the readings of `sampled_plant`, blended by hand as H·v/s + (1 − H)·stroke."""
-    settings = SynthesisSettings(delay=DELAY, warp=WarpBalance(crossing=0.0))
+    settings = LqgSettings(delay=DELAY, warp=WarpBalance(crossing=0.0))
     case, model = scenario(), machines.models["as designed"]
     whole, small = motion_plants(case, model, settings, 12)[motion]
     names = tuple(f"foot_velocity {m} z" for m in MOUNTS)
@@ -186,7 +190,7 @@ def test_a_floor_that_asks_for_more_than_the_valves_have_is_followed_more(plants
 def test_instruments_noisier_than_the_floor_are_refused(plants: dict[str, Block]) -> None:
     loud = scenario(sensors={**SENSORS, "inertial": {"kind": "geophone", "noise": 1e-5}})
     for solve, settings in ((mixed_sensitivity, HInfinitySettings()), (regulator, LqgSettings())):
-        with pytest.raises(InputError, match=r"noise .* of the floor"):
+        with pytest.raises(InputError, match=r"noise is .* of the floor"):
             solve(plants["heave"], settings.heave, settings, loud)
 
 
@@ -196,13 +200,11 @@ KINDS = ("h-infinity", "lqg")
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_it_leaves_the_margins(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
+def test_it_leaves_the_margins_on_all_machines(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
     for name, model in machines.models.items():
         found = report(model, laws[kind], scenario().sensors)
         assert found.stable, name
-        # LQG guarantees none (Doyle 1978): with another mass or flow gain 2.6 dB and 26°, stated in its module.
-        if kind == "h-infinity" or name == "as designed":
-            assert holds(found.worst, Requirements()), (name, found.worst)
+        assert holds(found.worst, Requirements()), (name, found.worst)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -211,18 +213,45 @@ def test_it_is_small_enough_to_run(kind: str, laws: dict[str, Controller]) -> No
     assert np.abs(np.linalg.eigvals(laws[kind].A)).max() < 1.0
 
 
-def attenuation(law: Controller, machines: Machines, hertz: Any) -> np.ndarray:
-    """Of heave, of a floor that heaves [dB]."""
-    model = machines.models["as designed"]
-    found = rigid_floor(model, hertz, law, ("cg_displacement z",), ("z",), scenario().sensors)
+def attenuation(law: Controller, machines: Machines, hertz: Any, motion: str = "heave") -> np.ndarray:
+    """Of a motion, of a rigid floor that moves so [dB]."""
+    output, dof = {
+        "heave": ("cg_displacement z", "z"),
+        "roll": ("machine_displacement rx", "rx"),
+        "pitch": ("machine_displacement ry", "ry"),
+    }[motion]
+    found = rigid_floor(machines.models["as designed"], hertz, law, (output,), (dof,), scenario().sensors)
     return np.asarray(-20 * np.log10(np.abs(found.response[:, 0, 0])))
 
 
-def test_attenuation_of_the_defaults(laws: dict[str, Controller], machines: Machines) -> None:
-    """Beside the acceptance of the combined law, which asks for 56, 52, 42, 26 and 14 dB."""
-    hertz = [5.0, 10.0, 20.0, 50.0, 100.0]
-    for law in laws.values():
-        assert np.all(attenuation(law, machines, hertz) >= [56, 52, 42, 26, 14])
+# dB at 5, 10, 20, 50 and 100 Hz; a decibel is left for other versions of SLICOT. By hand (`CombinedSettings`) they are
+# 60, 66, 59, 47, 29 of heave, and 60, 55, 52, 46, 30 of roll.
+LEAST = {
+    "h-infinity": {"heave": (58, 68, 59, 47, 28), "roll": (58, 62, 55, 44, 30), "pitch": (59, 62, 54, 43, 31)},
+    "lqg": {"heave": (59, 67, 59, 48, 28), "roll": (61, 63, 57, 44, 30), "pitch": (60, 68, 60, 46, 31)},
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_attenuation_of_the_defaults(kind: str, motion: str, laws: dict[str, Controller], machines: Machines) -> None:
+    found = attenuation(laws[kind], machines, [5.0, 10.0, 20.0, 50.0, 100.0], motion)
+    assert np.all(found >= LEAST[kind][motion]), found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_sway_is_damped_threefold(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
+    """The least damped oscillation about 70 Hz that moves the machine, yaw aside, in each plane."""
+    model = machines.models["as designed"]
+    for axis in ("about x", "about y"):
+        (own,) = [mode for mode in modes(model) if mode.name == f"sway-rocking {axis}"]
+        dof = 1 if axis == "about x" else 0
+        active = [
+            mode.damping_ratio
+            for mode in modes(model, laws[kind], sensors=scenario().sensors)
+            if 50.0 < mode.frequency < 100.0 and mode.shares["motion"] > 0.1 and abs(mode.shape[dof]) > 0.5
+        ]
+        assert min(active) >= 2.99 * own.damping_ratio
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -243,3 +272,32 @@ def test_the_nonlinear_machine_does_as_predicted(kind: str, laws: dict[str, Cont
     # dB: the converter's rounding, 0.3 mV, and turbulent flow (P_L/2P_s, 1e-3) lie 60 dB below the floor.
     measured = 20 * np.log10(sizes[0] / sizes[1])
     np.testing.assert_allclose(measured, attenuation(laws[kind], machines, lines), atol=1.0)
+
+
+# --- under stated margins ----------------------------------------------------------------------------------------
+
+
+def test_more_margin_is_bought_with_gain(machines: Machines) -> None:
+    begin = beginning("lqg", CombinedSettings(delay=DELAY, bits=20))
+    assert (begin.delay, begin.bits) == (DELAY, 20)
+    design = synthesised(scenario(), machines, begin, Requirements(gain_margin=7.0))
+    assert design.meets
+    assert isinstance(design.settings, LqgSettings)
+    # Each motion had between 6 and 7 dB; 15 % less gain are 1.4 dB more.
+    assert [getattr(design.settings, motion).gain for motion in MOTIONS] == pytest.approx([0.85] * 3)
+
+
+def test_margins_that_no_gain_leaves_are_refused(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ehamj.design.synthesis.TRIES", 1)
+    with pytest.raises(InputError, match=r"no lqg law leaves 30 dB, 45° and a disk margin of 0\.5"):
+        synthesised(scenario(), machines, LqgSettings(delay=DELAY), Requirements(gain_margin=30.0))
+
+
+def test_the_command_writes_a_scenario_that_runs_the_law(tmp_path: Path) -> None:
+    found = design_controller("vc-c-floor", architecture="lqg")
+    assert found.design.meets
+    write_design(tmp_path, found)
+    again = load_scenario(str(tmp_path / "scenario.toml")).controller()
+    assert isinstance(again, Controller)
+    np.testing.assert_array_equal(again.A, found.design.law.parts[0].A)
+    assert "lqg" in found.outcome.question

@@ -12,10 +12,9 @@ from ehamj.controllers.servo import StrokeServoSettings
 from ehamj.controllers.settings import DigitalSettings
 from ehamj.controllers.skyhook import SkyhookSettings
 from ehamj.design.budget import budget
-from ehamj.design.hinfinity import HInfinitySettings, hinfinity
-from ehamj.design.lqg import LqgSettings, lqg
 from ehamj.design.outcome import outcome
 from ehamj.design.requirements import Machines, Requirements
+from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
 from ehamj.linear.loops import feeds_back
@@ -35,12 +34,6 @@ ARCHITECTURES: Final = {
     "feedforward": FeedforwardSettings,
 }
 """What can be tuned: the settings of each begin from their defaults."""
-
-SYNTHESES: Final[dict[str, tuple[Any, Any]]] = {
-    "h-infinity": (HInfinitySettings, hinfinity),
-    "lqg": (LqgSettings, lqg),
-}
-"""What is solved from a model of the machine: default weights, and the solution."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +78,8 @@ def design_controller(
     scenario = load_scenario(source, overrides)
     if architecture is not None and architecture not in (*ARCHITECTURES, *SYNTHESES):
         raise InputError(f"--architecture {architecture!r}: must be one of {', '.join((*ARCHITECTURES, *SYNTHESES))}")
-    own = scenario.control.kind
+    given = scenario.control
+    own = given.kind
     kind = architecture or (own if own in ARCHITECTURES else "combined")
     clock = _clock(scenario)
     if kind != own:
@@ -93,10 +87,7 @@ def design_controller(
         scenario = scenario.model_copy(update={"control": control, "compare": ("passive",)})
     machines = Machines.of(scenario)
     if kind in SYNTHESES:
-        weights, synthesise = SYNTHESES[kind]
-        settings = weights(**clock)
-        law = synthesise(scenario, settings, machines.models["as designed"])
-        design = judged(settings, law, scenario, machines, wanted)
+        design = synthesised(scenario, machines, beginning(kind, given), wanted)
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
     elif feeds_back(scenario.controller()):
         design = tune(scenario, machines, wanted)

@@ -55,11 +55,16 @@ class MotionWeights(Settings):
         0.0, description="weight of sideways velocity/ω₀ [m] over the angle [rad]; roll and pitch"
     )
     doubt: Positive = Field(1.0, description="noise of sideways velocity/ω₀ over that of the angle; roll and pitch")
+    gain: Positive = Field(1.0, description="factor on the loop that is found; below one it buys margins [-]")
 
 
 class SynthesisSettings(DigitalSettings):
     """What every synthesised law has around the loops of heave, roll and pitch."""
 
+    kind: str
+    heave: MotionWeights
+    roll: MotionWeights
+    pitch: MotionWeights
     feedforward: FeedforwardSettings | None = Field(
         FeedforwardSettings(), description="feedforward of the ground's velocity beside the loops; none: loops alone"
     )
@@ -98,9 +103,9 @@ class SynthesisSettings(DigitalSettings):
 
     def modal(self) -> ModalSettings:
         """The modal law without loops: the warp balance, which runs inside the loops of the motions."""
-        shared = {name: getattr(self, name) for name in SHARED}
+        shared = {name: getattr(self, name) for name in (*SHARED, "blend", "warp")}
         still = {"heave": NO_LOOP, "roll": NO_LOOP, "pitch": NO_LOOP, "sway_x": NO_SWAY, "sway_y": NO_SWAY}
-        return ModalSettings(blend=self.blend, warp=self.warp).model_copy(update=still | shared)
+        return ModalSettings().model_copy(update={**shared, **still})
 
     def assembled(self, scenario: Scenario, loops: Mapping[str, Block]) -> Controller:
         """The whole law.
@@ -160,7 +165,7 @@ def restored(law: Block, weights: MotionWeights) -> Block:
     """The loop for a `normalised` plant in SI."""
     omega = TWO_PI * weights.bandwidth
     units = np.array([omega, 1.0])[: law.B.shape[1]]
-    return Block(omega * law.A, law.B * units, omega * law.C, law.D * units)
+    return Block(omega * law.A, law.B * units, omega * law.C, law.D * units).times(weights.gain)
 
 
 def towards_one(corner: float, low: float) -> Block:
