@@ -9,7 +9,7 @@ import pytest
 # threads that wait for each other by spinning slow large decompositions down tenfold.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from ehamj.native.hold import installed
+from ehamj.mujoco.hold import installed
 
 
 @pytest.fixture(autouse=True)

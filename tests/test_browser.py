@@ -12,8 +12,8 @@ import pytest
 
 from ehamj.report import write_report
 from ehamj.report.responses import write_transmissibility
-from ehamj.scenario import load_scenario
-from ehamj.simulate import simulate_many
+from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import load_scenario
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(
@@ -115,7 +115,7 @@ def test_a_browser_prints_the_report_on_a4(pages: dict[str, Path], tmp_path: Pat
 
 
 def test_a_browser_shows_the_page_of_a_transmissibility(tmp_path: Path) -> None:
-    from ehamj.analysis.comparison import TransmissibilitySettings, compare_scenario
+    from ehamj.rig.comparison import TransmissibilitySettings, compare_scenario
 
     scenario = load_scenario("recorded", ("plates=tied", 'control={kind="feedforward"}'))
     settings = TransmissibilitySettings(dofs=("z", "ry"), lines=6, first=5.0, last=50.0)

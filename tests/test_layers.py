@@ -10,20 +10,18 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 
 RANKS = (
-    ("errors", "layout", "compiled", "signals", "kinematics", "plots"),
-    ("parameters", "hydraulics"),
-    ("criteria",),
-    ("ground", "commands", "channels", "points", "forces"),
-    ("controllers", "model"),
-    ("scenario", "native", "chambers"),
-    ("isolation", "operating_point"),
-    ("linear",),
-    ("summary", "result"),
-    ("replay", "simulate"),
-    ("analysis",),
-    ("report", "studies", "bench"),
-    ("design",),
-    ("store", "verify"),
+    ("errors", "settings", "compiled", "signals", "plots"),
+    ("isolator", "estimate"),
+    ("plant", "criteria"),
+    ("memory", "ground", "forces"),
+    ("control",),
+    ("mujoco", "scenario"),
+    ("linear", "result"),
+    ("judge", "designs"),
+    ("run", "replay"),
+    ("rig", "bench"),
+    ("paper", "report", "studies"),
+    ("design", "verify", "store"),
     ("cli", "__init__"),
 )
 """Rooms of the package from the ground floor up; rooms of one rank do not know each other."""
@@ -67,7 +65,7 @@ def test_imports_go_down(path: Path) -> None:
 def test_import_does_nothing() -> None:
     """Importing ehamj installs no callback and pulls in none of the slow libraries."""
     code = (
-        "import sys, ehamj; from ehamj.native.hold import installed; "
+        "import sys, ehamj; from ehamj.mujoco.hold import installed; "
         "slow = {'obspy', 'rerun', 'control', 'matplotlib'} & set(sys.modules); "
         "sys.exit(f'{slow} {installed()}' if slow or any(installed().values()) else 0)"
     )

@@ -12,10 +12,10 @@ import xarray as xr
 
 import ehamj
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.judge.summary import levels
 from ehamj.result import Result, load_result, written_whole
-from ehamj.scenario import load_scenario, parse_scenario
-from ehamj.simulate import Incomplete, simulate, simulate_many
-from ehamj.summary import levels
+from ehamj.run.simulate import Incomplete, simulate, simulate_many
+from ehamj.scenario.load import load_scenario, parse_scenario
 
 AMPLITUDE, FREQUENCY = 2e-6, 12.5  # of the floor, vertical [m, Hz]
 SHORT = {

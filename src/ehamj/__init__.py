@@ -6,12 +6,13 @@ result = ehamj.simulate(scenario)
 result.dataset["cg_velocity"]
 """
 
-from ehamj.controllers import Controller, ControllerBank, PythonController, load_controller
+from ehamj.control import Controller, ControllerBank, PythonController, load_controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.linear.machine import linearise
 from ehamj.result import Result, load_result
-from ehamj.scenario import Scenario, load_scenario, parse_scenario
-from ehamj.simulate import simulate, simulate_many
+from ehamj.run.simulate import simulate, simulate_many
+from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.scenario.model import Scenario
 
 __all__ = [
     "Controller",

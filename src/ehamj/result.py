@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ehamj.controllers import LinearController, load_controller
+from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
-from ehamj.layout import AXES, CHAMBERS, DOFS, MOUNTS
-from ehamj.scenario import Scenario, load_scenario
+from ehamj.plant.axes import AXES, CHAMBERS, DOFS
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import load_scenario
+from ehamj.scenario.model import Scenario
 
 RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
 """Files without which a folder is no result."""

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ehamj.criteria import iso2631, nist, vc
 from ehamj.criteria.curves import CANDIDATES, Norm, judge, rounded
 from ehamj.criteria.settings import CriteriaSettings
-from ehamj.criteria.third_octave import band_rms, bands
+from ehamj.estimate.third_octave import band_rms, bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.controllers.combined import CombinedSettings
+from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.design.adaptive import LineSettings, line_cancellation
 from ehamj.errors import InputError
-from ehamj.scenario import Scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 
 DELAY = 1.5e-4
 LINES = (24.5, 49.0)

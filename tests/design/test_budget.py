@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.controllers import LinearController
-from ehamj.criteria.third_octave import band_rms
+from ehamj.control import LinearController
 from ehamj.design.budget import BANDS, Budget, budget
+from ehamj.estimate.third_octave import band_rms
 from ehamj.linear.machine import linear_model
 from ehamj.result import Result
-from ehamj.scenario import Scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 
 SENSORS = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}}
 SHOWN = ("5", "10", "20", "50", "100")
@@ -87,7 +88,7 @@ def test_a_stronger_floor_clips_for_a_share_that_a_gaussian_command_would() -> N
     law = stated.controller()
     assert isinstance(law, LinearController)
     limits = budget(stated, linear_model(stated), law)
-    assert limits.command_rms == pytest.approx(5.9, rel=0.1)  # `ehamj.controllers.lowend`
+    assert limits.command_rms == pytest.approx(5.9, rel=0.1)  # `ehamj.control.lowend`
     assert limits.saturated == pytest.approx(2 * norm.sf(10.0 / limits.command_rms), rel=1e-9)
 
 

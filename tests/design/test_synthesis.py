@@ -7,13 +7,11 @@ import control
 import numpy as np
 import pytest
 
-from ehamj.analysis.modes import modes
-from ehamj.analysis.transmissibility import rigid_floor, sampled_plant
-from ehamj.controllers import Controller
-from ehamj.controllers.blocks import Block
-from ehamj.controllers.combined import CombinedSettings
-from ehamj.controllers.inertial import Blend
-from ehamj.controllers.modal import MOTIONS, WarpBalance
+from ehamj.control import Controller
+from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.architectures.modal import MOTIONS, WarpBalance
+from ehamj.control.blocks import Block
+from ehamj.control.inertial import Blend
 from ehamj.design.command import design_controller, write_design
 from ehamj.design.hinfinity import HInfinitySettings, generalised, hinfinity, mixed_sensitivity
 from ehamj.design.lqg import LqgSettings, lqg, regulator
@@ -27,10 +25,13 @@ from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import holds
 from ehamj.errors import InputError
-from ehamj.layout import MOUNTS
-from ehamj.linear.loops import report
-from ehamj.scenario import Scenario, load_scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.linear.margins import report
+from ehamj.linear.modes import modes
+from ehamj.linear.response import rigid_floor, sampled_plant
+from ehamj.plant.mounts import MOUNTS
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.scenario.model import Scenario
 
 DELAY = 1.5e-4
 PERIOD = 1e-4

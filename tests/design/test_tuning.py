@@ -5,15 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.analysis.modes import modes
-from ehamj.controllers.combined import CombinedSettings
-from ehamj.controllers.modal import MOTIONS, ModalSettings
+from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.architectures.modal import MOTIONS, ModalSettings
 from ehamj.design.requirements import Machines, Requirements, Variations, with_factors
 from ehamj.design.tuning import Design, tune
 from ehamj.errors import InputError
-from ehamj.linear.loops import report
 from ehamj.linear.machine import linear_model
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.linear.margins import report
+from ehamj.linear.modes import modes
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 
 HEAVY = {"machine": {"mass": 6000.0, "cg": [0.0, 0.0, 1.1], "inertia": [4000.0, 5000.0, 6000.0]}}
 LIGHT = {"machine": {"mass": 2500.0, "cg": [0.0, 0.0, 0.6], "inertia": [1200.0, 1800.0, 2400.0]}}

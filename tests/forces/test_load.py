@@ -9,8 +9,9 @@ import xarray as xr
 
 from ehamj.errors import InputError
 from ehamj.linear.machine import FORCES, linear_model
-from ehamj.scenario import Scenario, load_scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.scenario.model import Scenario
 
 LINES = [7.0, 31.0, 64.0, 90.0]
 SPINDLE = [0.3, 0.2, 1.3]

@@ -9,7 +9,7 @@ from scipy import signal
 from ehamj.errors import InputError
 from ehamj.ground import Motion
 from ehamj.ground.lines import even_phases
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 
 LEVEL = 20e-6
 DURATION = 10.0

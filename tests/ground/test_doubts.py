@@ -9,7 +9,7 @@ import pytest
 from ehamj.ground import Start
 from ehamj.ground.doubts import too_slow
 from ehamj.ground.records import RecordGround
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 
 POSITIONS = np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]])
 RATE = 400.0

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.criteria.third_octave import band_rms, bands
 from ehamj.criteria.vc import judge
 from ehamj.errors import InputError
+from ehamj.estimate.third_octave import band_rms, bands
 from ehamj.ground import Motion
 from ehamj.ground.broadband import LEAST_REPEAT, Swell
 from ehamj.ground.floors import FLOORS, LINES
-from ehamj.scenario import load_scenario, parse_scenario, shipped_scenarios
+from ehamj.scenario.load import load_scenario, parse_scenario, shipped_scenarios
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

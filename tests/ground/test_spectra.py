@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.criteria.third_octave import Band, band_rms, bands
 from ehamj.errors import InputError
+from ehamj.estimate.third_octave import Band, band_rms, bands
 from ehamj.ground import Motion
 from ehamj.ground.spectra import from_psd, from_third_octaves
 from ehamj.ground.targets import FileTarget, PetersonTarget, band_numbers
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
@@ -191,7 +191,7 @@ def test_a_file_of_roots_and_columns_per_axis(tmp_path: Path) -> None:
 
 
 def test_a_scenario_finds_its_file_beside_it_and_runs_again(tmp_path: Path) -> None:
-    from ehamj.scenario import load_scenario
+    from ehamj.scenario.load import load_scenario
 
     (tmp_path / "floor.csv").write_text("band [Hz], level [um/s]\n8, 10\n10, 20\n12.5, 10\n")
     table = '[ground]\nkind = "shaped"\n[ground.target]\nkind = "file"\nfile = "floor.csv"\n'

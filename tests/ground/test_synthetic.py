@@ -10,7 +10,7 @@ from oracles import linear
 
 from ehamj.errors import InputError
 from ehamj.ground import Motion
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

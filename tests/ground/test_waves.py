@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from ehamj.errors import InputError
 from ehamj.ground import Motion
-from ehamj.layout import MOUNTS
-from ehamj.scenario import parse_scenario
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

@@ -9,11 +9,12 @@ import pytest
 from oracles import linear, machine
 
 import ehamj
-from ehamj.channels import channel_names
+from ehamj.control.channels import channel_names
 from ehamj.errors import InputError
-from ehamj.layout import MOUNTS
 from ehamj.linear.machine import LinearModel, linear_model, linearise
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 AXES = ("x", "y", "z")

@@ -6,15 +6,15 @@ import control
 import numpy as np
 import pytest
 
-from ehamj.analysis.modes import modes
-from ehamj.analysis.transmissibility import rigid_floor
-from ehamj.controllers import Controller, ControllerBank
-from ehamj.controllers.sensors import Sensors
-from ehamj.layout import MOUNTS
+from ehamj.control import Controller, ControllerBank
+from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.modes import modes
+from ehamj.linear.response import rigid_floor
 from ehamj.linear.sampled import sampled_loop, sampled_machine
-from ehamj.scenario import parse_scenario
-from ehamj.simulate import simulate
+from ehamj.plant.mounts import MOUNTS
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
 
 SENSORS: dict[str, Any] = {"inertial": {"kind": "geophone"}, "stroke": {"high": 1000.0}}
 STROKES = tuple(f"stroke {mount}" for mount in MOUNTS)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ehamj.errors import InputError
+from ehamj.isolator.presets import FIRST_GENERATION
 from ehamj.linear.machine import linear_model
-from ehamj.parameters import FIRST_GENERATION
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 from ehamj.studies import failed as study
 from ehamj.studies.floors import Loop
 

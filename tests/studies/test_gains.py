@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import ehamj
-from ehamj.controllers import Controller
-from ehamj.controllers.sensors import Geophone, Sensors
+from ehamj.control import Controller
+from ehamj.control.sensors import Geophone, Sensors
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies import gains, valve_oil
 from ehamj.studies.floors import Loop
 

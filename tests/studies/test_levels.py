@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ehamj.errors import InputError
-from ehamj.scenario import load_scenario
+from ehamj.scenario.load import load_scenario
 from ehamj.studies.levels import LevelStudy, levels
 from ehamj.studies.outcome import Outcome
 
@@ -32,7 +32,7 @@ def test_on_a_quiet_floor_nothing_clips_and_ten_hertz_are_quiet(found: Outcome) 
 
 def test_isolating_from_later_on_costs_less_voltage(found: Outcome) -> None:
     command = found.tables["levels"].sel(level="VC-D").command
-    # 3.7 of 5.9 V by design (`ehamj.controllers.lowend`); 6 s of a floor scatter.
+    # 3.7 of 5.9 V by design (`ehamj.control.lowend`); 6 s of a floor scatter.
     assert float(command.sel(law="from 5 Hz")) < 0.75 * float(command.sel(law="everywhere"))
 
 

@@ -11,12 +11,13 @@ from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
-from ehamj.analysis.modes import modes
 from ehamj.cli import app
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
+from ehamj.linear.modes import modes
 from ehamj.replay import modes as drawn
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.gains import inertial_position
 from ehamj.studies.mode_replay import replay_modes, swing
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from ehamj.cli import app
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.scenario import load_scenario, parse_scenario
+from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.studies.catalogue import STUDIES
 from ehamj.studies.outcome import Drawing, Outcome, labelled
 from ehamj.studies.page import flat_table, write_outcome

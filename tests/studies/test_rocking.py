@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ehamj.errors import InputError
-from ehamj.scenario import parse_scenario
+from ehamj.scenario.load import parse_scenario
 from ehamj.studies import lateral, rocking, soft_mounts, unequal
 from ehamj.studies.variants import preset, resized, still, with_every_actuator
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from ehamj.analysis.modes import modes
 from ehamj.errors import InputError
+from ehamj.isolator.presets import ELASTIC_MOUNT, FIRST_GENERATION, PNEUMATIC_MOUNT
 from ehamj.linear.machine import linear_model
-from ehamj.parameters import ELASTIC_MOUNT, FIRST_GENERATION, PNEUMATIC_MOUNT
-from ehamj.scenario import Scenario, parse_scenario
+from ehamj.linear.modes import modes
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies import soft_mounts as study
 from ehamj.studies.variants import preset, resized, still, with_every_actuator
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import ehamj
 from ehamj.errors import InputError
-from ehamj.layout import DOFS
 from ehamj.linear.machine import linear_model
-from ehamj.scenario import parse_scenario
+from ehamj.plant.axes import DOFS
+from ehamj.scenario.load import parse_scenario
 from ehamj.studies import waves as study
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})

@@ -10,8 +10,9 @@ import pytest
 
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.result import Result
-from ehamj.scenario import Scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 from ehamj.verify import CASES, Case, Finding, Outcome, Subject, run_case, to_dict, verify, write_table
 from ehamj.verify.reference import simulate_reference
 

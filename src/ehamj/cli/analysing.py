@@ -28,9 +28,9 @@ def paper(
 
     Beyond the paper, amplitude.svg shows how its actuator answers commands of ±1 to ±90 % in the nonlinear simulation.
     """
-    from ehamj.scenario import load_scenario
-    from ehamj.studies.amplitude import AmplitudeStudy, amplitude_response, write_amplitude
-    from ehamj.studies.paper import reproduce, write_paper
+    from ehamj.paper.amplitude import AmplitudeStudy, amplitude_response, write_amplitude
+    from ehamj.paper.paper import reproduce, write_paper
+    from ehamj.scenario.load import load_scenario
 
     check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()

@@ -17,7 +17,7 @@ def bench(
     as_json: JsonOption = False,
 ) -> None:
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
-    from ehamj.bench import bench as measure
+    from ehamj.bench.bench import bench as measure
 
     with log.status("timing"):
         figures = measure(repetitions)

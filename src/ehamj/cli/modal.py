@@ -11,21 +11,22 @@ from rich.table import Column, Table
 
 from ehamj.cli.frame import JsonOption, ScenarioArgument, SetOption, app, log, out, print_json
 from ehamj.errors import InputError
-from ehamj.layout import AXES, DOFS, MOUNTS
+from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.mounts import MOUNTS
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ehamj.analysis.modal_test import ModalTest
-    from ehamj.analysis.modes import Mode
+    from ehamj.linear.modes import Mode
+    from ehamj.rig.modal_test import ModalTest
 
 VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
 """What modes are given of, by the key in the JSON object."""
 
 KINDS = ("ring-down", "random", "sweep", "hammer")
-"""Measurements that `ehamj.analysis.modal_test` makes; named here so that --help need not load it."""
+"""Measurements that `ehamj.rig.modal_test` makes; named here so that --help need not load it."""
 
 SHORT = {"modes": "valves held", "closed_loop": "closed loop", "bypassed": "membranes only"}
 """What the replay calls them, in its order."""
@@ -79,11 +80,11 @@ def modes(
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
-    from ehamj.analysis.modal_test import kind_of, modal_test
-    from ehamj.analysis.modes import modes as find
-    from ehamj.analysis.sensitivity import sensitivities
+    from ehamj.designs.sensitivity import sensitivities
     from ehamj.linear.machine import linear_model
-    from ehamj.scenario import load_scenario
+    from ehamj.linear.modes import modes as find
+    from ehamj.rig.modal_test import kind_of, modal_test
+    from ehamj.scenario.load import load_scenario
 
     if noise != 0.0 and measured is None:
         raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")

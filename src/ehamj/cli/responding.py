@@ -24,7 +24,7 @@ from ehamj.cli.frame import (
 from ehamj.errors import InputError
 
 if TYPE_CHECKING:
-    from ehamj.analysis.comparison import Comparison, TransmissibilitySettings
+    from ehamj.rig.comparison import Comparison, TransmissibilitySettings
 
 SHOWN_BANDS = ("1", "2", "5", "10", "20", "50", "100", "200")
 """Third-octave bands whose attenuation is printed [Hz]."""
@@ -73,8 +73,8 @@ def transmissibility(
     transmissibility.nc (all responses, those of single mounts too), transmissibility.csv and attenuation.csv (per
     third-octave), figures/ and scenario.toml.
     """
-    from ehamj.analysis.comparison import write_tables
     from ehamj.report.responses import write_transmissibility
+    from ehamj.rig.comparison import write_tables
 
     check_out(out_folder, overwrite, FILES)
     stored = Path(source).is_dir()
@@ -122,8 +122,8 @@ def _refuse_unused(context: typer.Context, method: str) -> None:
 def _settings(**values: Any) -> "TransmissibilitySettings":
     from pydantic import ValidationError
 
-    from ehamj.analysis.comparison import TransmissibilitySettings
-    from ehamj.scenario import explain
+    from ehamj.rig.comparison import TransmissibilitySettings
+    from ehamj.scenario.explain import explain
 
     try:
         return TransmissibilitySettings(**values)
@@ -132,10 +132,10 @@ def _settings(**values: Any) -> "TransmissibilitySettings":
 
 
 def _compare(source: str, stored: bool, overrides: list[str], settings: "TransmissibilitySettings") -> "Comparison":
-    from ehamj.analysis.comparison import compare_result, compare_scenario
     from ehamj.result import load_result
-    from ehamj.scenario import load_scenario
-    from ehamj.simulate import simulate
+    from ehamj.rig.comparison import compare_result, compare_scenario
+    from ehamj.run.simulate import simulate
+    from ehamj.scenario.load import load_scenario
 
     if stored:
         if overrides:

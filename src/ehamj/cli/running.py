@@ -26,7 +26,7 @@ from ehamj.cli.frame import (
 
 if TYPE_CHECKING:
     from ehamj.result import Result
-    from ehamj.scenario import Scenario
+    from ehamj.scenario.model import Scenario
 
 SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
 """Third-octave bands whose attenuation a run prints [Hz]."""
@@ -49,7 +49,7 @@ def run(
     (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
     """
     from ehamj.result import RESULT_FILES
-    from ehamj.scenario import load_scenario
+    from ehamj.scenario.load import load_scenario
     from ehamj.store import write_run
 
     check_out(out_folder, overwrite, RESULT_FILES)
@@ -73,7 +73,7 @@ def run(
 @app.command()
 def scenarios(as_json: JsonOption = False) -> None:
     """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
-    from ehamj.scenario import load_scenario, shipped_scenarios
+    from ehamj.scenario.load import load_scenario, shipped_scenarios
 
     found = {name: load_scenario(name).description for name in shipped_scenarios()}
     if as_json:
@@ -86,7 +86,7 @@ def scenarios(as_json: JsonOption = False) -> None:
 @app.command()
 def schema() -> None:
     """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
-    from ehamj.scenario import scenario_schema
+    from ehamj.scenario.load import scenario_schema
 
     sys.stdout.write(scenario_schema() + "\n")
 
@@ -95,7 +95,7 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from ehamj.simulate import Incomplete, simulate
+    from ehamj.run.simulate import Incomplete, simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)

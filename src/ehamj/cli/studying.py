@@ -34,7 +34,7 @@ def study(
     `ehamj study` lists the questions. Each writes study.html (read it first), tables as NetCDF and CSV with units,
     figures as SVG, study.json, and scenario.toml with which it comes out the same.
     """
-    from ehamj.scenario import load_scenario
+    from ehamj.scenario.load import load_scenario
     from ehamj.studies.catalogue import STUDIES
     from ehamj.studies.catalogue import study as find
     from ehamj.studies.page import STUDY_FILES, to_dict, write_outcome

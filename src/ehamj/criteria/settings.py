@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ehamj.criteria import iso2631, nist, vc
 from ehamj.criteria.curves import Norm
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 
 NormName = Literal["vc", "nist-a", "iso-2631-2"]
 

@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.analysis.transmissibility import sampled_plant
-from ehamj.controllers import Controller, PythonController
-from ehamj.controllers.blocks import TWO_PI
-from ehamj.controllers.inertial import FEET
-from ehamj.controllers.isolator import Inverse
-from ehamj.controllers.modal import plane
-from ehamj.controllers.settings import DigitalSettings, Positive
+from ehamj.control import Controller, PythonController
+from ehamj.control.architectures.modal import plane
+from ehamj.control.blocks import TWO_PI
+from ehamj.control.inertial import FEET
+from ehamj.control.inverse import Inverse
+from ehamj.control.settings import DigitalSettings, Positive
 from ehamj.errors import InputError
-from ehamj.layout import N_MOUNTS
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.scenario import Scenario
+from ehamj.linear.response import sampled_plant
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

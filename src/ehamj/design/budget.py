@@ -17,17 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfc
 
-from ehamj.analysis.transmissibility import ground_response, slab_pattern
-from ehamj.controllers import LinearController
-from ehamj.controllers.isolator import Inverse, instrument_poles, lag, valve_poles
-from ehamj.controllers.law import OUTPUTS
-from ehamj.controllers.sensors import Sensors
-from ehamj.criteria.third_octave import BAND_LOG_WIDTH, Band, PowerSpectrum, bands
+from ehamj.control import LinearController
+from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
+from ehamj.control.law import OUTPUTS
+from ehamj.control.sensors import Sensors
+from ehamj.estimate.third_octave import BAND_LOG_WIDTH, Band, PowerSpectrum, bands
 from ehamj.ground.broadband import BroadbandGround
-from ehamj.layout import AXES, N_MOUNTS
-from ehamj.linear.loops import feeds_back, loop_gain, own_readings
 from ehamj.linear.machine import LinearModel
-from ehamj.scenario import Scenario
+from ehamj.linear.margins import feeds_back, loop_gain, own_readings
+from ehamj.linear.response import ground_response, slab_pattern
+from ehamj.plant.axes import AXES
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -5,21 +5,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from ehamj.controllers.combined import SHARED, CombinedSettings
-from ehamj.controllers.feedforward import FeedforwardSettings
-from ehamj.controllers.modal import ModalSettings
-from ehamj.controllers.servo import StrokeServoSettings
-from ehamj.controllers.settings import DigitalSettings
-from ehamj.controllers.skyhook import SkyhookSettings
+from ehamj.control.architectures.combined import SHARED, CombinedSettings
+from ehamj.control.architectures.feedforward import FeedforwardSettings
+from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.architectures.servo import StrokeServoSettings
+from ehamj.control.architectures.skyhook import SkyhookSettings
+from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import budget
 from ehamj.design.outcome import outcome
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
-from ehamj.linear.loops import feeds_back
+from ehamj.linear.margins import feeds_back
 from ehamj.result import CONTROLLER_FILE, written_whole
-from ehamj.scenario import Law, Scenario, load_scenario
+from ehamj.scenario.load import load_scenario
+from ehamj.scenario.model import Law, Scenario
 from ehamj.studies.outcome import Outcome
 from ehamj.studies.page import write_outcome
 

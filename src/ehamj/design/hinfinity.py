@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.controllers import Controller
-from ehamj.controllers.blocks import TWO_PI, Block, added, beside
-from ehamj.controllers.isolator import Inverse
-from ehamj.controllers.modal import MOTIONS
+from ehamj.control import Controller
+from ehamj.control.architectures.modal import MOTIONS
+from ehamj.control.blocks import TWO_PI, Block, added, beside
+from ehamj.control.inverse import Inverse
 from ehamj.design.motions import (
     MotionWeights,
     SynthesisSettings,
@@ -38,7 +38,7 @@ from ehamj.design.motions import (
 )
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from ehamj.controllers import Controller
-from ehamj.controllers.blocks import Block
-from ehamj.controllers.modal import MOTIONS
+from ehamj.control import Controller
+from ehamj.control.architectures.modal import MOTIONS
+from ehamj.control.blocks import Block
 from ehamj.design.motions import (
     MotionWeights,
     SynthesisSettings,
@@ -33,7 +33,7 @@ from ehamj.design.motions import (
 )
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """What synthesis starts from and ends in: the plant of one motion, and the law that loops of motions make.
 
-Heave, roll and pitch are nearly decoupled (`ehamj.controllers.modal`). The plant of one is what its loop sees from
-sample to sample: from the piston velocity that it asks for to the blended displacement (`ehamj.controllers.inertial`),
+Heave, roll and pitch are nearly decoupled (`ehamj.control.architectures.modal`). The plant of one is what its loop sees
+from sample to sample: from the piston velocity that it asks for to the blended displacement (`ehamj.control.inertial`),
 through converter delay and hold, valves, oil, machine and instruments, with the warp balance closed. Roll and pitch are
 measured by the feet's sideways velocity too: with the angle held still, sway has the damping of the membranes alone.
 
@@ -18,22 +18,23 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
-from ehamj.controllers import Controller
-from ehamj.controllers.blocks import TWO_PI, Block, beside
-from ehamj.controllers.combined import SHARED
-from ehamj.controllers.feedforward import FeedforwardSettings
-from ehamj.controllers.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoop
-from ehamj.controllers.isolator import Inverse
-from ehamj.controllers.law import stack
-from ehamj.controllers.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
-from ehamj.controllers.sensors import Sensors
-from ehamj.controllers.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control import Controller
+from ehamj.control.architectures.combined import SHARED
+from ehamj.control.architectures.feedforward import FeedforwardSettings
+from ehamj.control.architectures.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
+from ehamj.control.blocks import TWO_PI, Block, beside
+from ehamj.control.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoop
+from ehamj.control.inverse import Inverse
+from ehamj.control.law import stack
+from ehamj.control.sensors import Sensors
+from ehamj.control.settings import DigitalSettings, NotNegative, Positive
 from ehamj.errors import InputError
-from ehamj.layout import N_MOUNTS
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
-from ehamj.parameters import Plant, Settings
-from ehamj.scenario import Scenario
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.plant import Plant
+from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 

@@ -5,14 +5,14 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from ehamj.controllers import LinearController
-from ehamj.controllers.modal import plane, warp
+from ehamj.control import LinearController
+from ehamj.control.architectures.modal import plane, warp
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
-from ehamj.linear.loops import PATTERNS, feeds_back, grid, loop_gain
+from ehamj.linear.margins import PATTERNS, feeds_back, grid, loop_gain
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled
 
 SHOWN: Final = ("5", "10", "20", "50", "100")

@@ -6,8 +6,8 @@ from typing import Annotated
 from pydantic import Field
 
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.parameters import Settings
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 
 Factor = Annotated[float, Field(gt=0)]
 

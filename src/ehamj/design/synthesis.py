@@ -3,20 +3,20 @@
 from collections.abc import Callable
 from typing import Final
 
-from ehamj.controllers import Controller
-from ehamj.controllers.combined import SHARED, CombinedSettings
-from ehamj.controllers.feedforward import FeedforwardSettings
-from ehamj.controllers.modal import MOTIONS
-from ehamj.controllers.settings import DigitalSettings
+from ehamj.control import Controller
+from ehamj.control.architectures.combined import SHARED, CombinedSettings
+from ehamj.control.architectures.feedforward import FeedforwardSettings
+from ehamj.control.architectures.modal import MOTIONS
+from ehamj.control.settings import DigitalSettings
 from ehamj.design.hinfinity import HInfinitySettings, hinfinity
 from ehamj.design.lqg import LqgSettings, lqg
 from ehamj.design.motions import MotionWeights
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, holds
 from ehamj.errors import InputError
-from ehamj.linear.loops import LoopReport, report
 from ehamj.linear.machine import LinearModel
-from ehamj.scenario import Scenario
+from ehamj.linear.margins import LoopReport, report
+from ehamj.scenario.model import Scenario
 
 Synthesised = HInfinitySettings | LqgSettings
 

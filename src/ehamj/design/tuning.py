@@ -17,20 +17,20 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.analysis.modes import modes
-from ehamj.controllers import LinearController
-from ehamj.controllers.blocks import Block
-from ehamj.controllers.combined import CombinedSettings
-from ehamj.controllers.inertial import MotionLoop
-from ehamj.controllers.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
-from ehamj.controllers.servo import StrokeServoSettings
-from ehamj.controllers.settings import DigitalSettings
-from ehamj.controllers.skyhook import SkyhookSettings
+from ehamj.control import LinearController
+from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
+from ehamj.control.architectures.servo import StrokeServoSettings
+from ehamj.control.architectures.skyhook import SkyhookSettings
+from ehamj.control.blocks import Block
+from ehamj.control.inertial import MotionLoop
+from ehamj.control.settings import DigitalSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.layout import N_MOUNTS
-from ehamj.linear.loops import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
-from ehamj.scenario import Scenario
+from ehamj.linear.margins import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
+from ehamj.linear.modes import modes
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.layout import DOFS
+from ehamj.plant.axes import DOFS
 from ehamj.signals import Signal
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from ehamj.errors import InputError
 from ehamj.forces.load import NO_LOAD, Load, pattern
 from ehamj.forces.waveforms import Blows, Pieces, Rotating, jerk_limited, random_force
-from ehamj.parameters import Settings, Vector3
+from ehamj.settings import Settings, Vector3
 from ehamj.signals import Faded, Multisine, Signal, schroeder_phases
 
 Array = NDArray[np.float64]

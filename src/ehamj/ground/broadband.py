@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from ehamj.criteria.third_octave import BAND_LOG_WIDTH, G
 from ehamj.criteria.vc import CLASSES
+from ehamj.estimate.third_octave import BAND_LOG_WIDTH, G
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.lines import random_floor
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum
 from ehamj.ground.waves import Wave
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 from ehamj.signals import Sample, Signal
 
 Array = NDArray[np.float64]

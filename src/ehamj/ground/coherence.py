@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 

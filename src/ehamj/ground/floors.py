@@ -21,7 +21,7 @@ from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import Dof, MultisineGround, ShockGround
 from ehamj.ground.targets import PetersonTarget
 from ehamj.ground.waves import Wave
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 Part = BroadbandGround | BurstGround | ShapedGround | MultisineGround | ShockGround

@@ -18,7 +18,7 @@ from ehamj.ground.coherence import Coherence
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Axis, Spectrum
 from ehamj.ground.waves import Wave, spread
-from ehamj.layout import AXES
+from ehamj.plant.axes import AXES
 from ehamj.signals import Lines, Product, Signal
 
 Array = NDArray[np.float64]

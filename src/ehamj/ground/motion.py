@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.layout import DOFS
+from ehamj.plant.axes import DOFS
 from ehamj.signals import Signal
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.fft import irfft, next_fast_len, rfft
 
-from ehamj.parameters import Settings, Unlimited
+from ehamj.settings import Settings, Unlimited
 from ehamj.signals import Array, Sampled
 
 Quantity = Literal["displacement", "velocity", "acceleration"]

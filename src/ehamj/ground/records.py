@@ -18,7 +18,8 @@ from ehamj.ground.tables import UNITS
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
-from ehamj.layout import AXES, MOUNTS
+from ehamj.plant.axes import AXES
+from ehamj.plant.mounts import MOUNTS
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
 READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab}

@@ -9,7 +9,7 @@ from ehamj.ground.lines import random_floor
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.targets import Target
 from ehamj.ground.waves import Wave
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 
 Positive = Annotated[float, Field(gt=0)]
 

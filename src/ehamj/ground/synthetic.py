@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ehamj.ground.motion import Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 from ehamj.signals import Chirp, Multisine, Sample, Signal, schroeder_phases
 
 Array = NDArray[np.float64]

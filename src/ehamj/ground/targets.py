@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from ehamj.ground.spectra import Axis, Quantity, Spectrum, from_psd, from_third_octaves
 from ehamj.ground.tables import UNITS, Column, read_table, spelled
-from ehamj.parameters import Settings
+from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.ground.motion import GroundSample, Motion, Slab, Start
-from ehamj.layout import AXES
-from ehamj.parameters import Settings
+from ehamj.plant.axes import AXES
+from ehamj.settings import Settings
 from ehamj.signals import Faded, Sample, Signal
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.channels import (
+from ehamj.control.channels import (
     ACCELERATION,
     DISPLACEMENT,
     GROUND,
@@ -20,15 +20,17 @@ from ehamj.channels import (
     channel_row,
     point_row,
 )
-from ehamj.controllers.law import OUTPUTS as COMMANDS
+from ehamj.control.law import OUTPUTS as COMMANDS
 from ehamj.errors import InputError
-from ehamj.layout import AXES, DOF_OF_JOINT, DOFS, JOINTS, MOUNTS, N_MOUNTS, N_STATES, SUPPLY_STATES
-from ehamj.layout import STATES as ACTUATOR_STATES
-from ehamj.model import build_model, reduced
-from ehamj.native import hydraulics
-from ehamj.operating_point import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
-from ehamj.parameters import Plant
-from ehamj.scenario import Scenario
+from ehamj.memory import N_STATES, SUPPLY_STATES
+from ehamj.memory import STATES as ACTUATOR_STATES
+from ehamj.mujoco import hydraulics
+from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
+from ehamj.mujoco.model import build_model, reduced
+from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.plant import Plant
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -45,8 +47,8 @@ class LinearModel:
     """ẋ = A x + B u about an operating point; channels y = S·signals, signals = C x + D u.
 
     ``states`` and ``inputs`` name the columns; deviations are in SI, spools in mA, commands in V. ``signals`` (C, D)
-    are the vector of `ehamj.channels` from which every output is composed; the ground's acceleration is not among
-    them, since displacement and velocity are the inputs.
+    are the vector of `ehamj.control.channels` from which every output is composed; the ground's acceleration is not
+    among them, since displacement and velocity are the inputs.
     """
 
     plant: Plant
@@ -156,8 +158,8 @@ def linearise(
     """The machine of a scenario as a ``control.StateSpace`` with named states, inputs and outputs.
 
     Inputs are the four commands [V], displacement [m] and velocity [m/s] of the ground at each mount and axis, and
-    forces at the centre of gravity (`INPUTS`). Outputs are channels as in the result (`ehamj.channels`), all of them
-    by default.
+    forces at the centre of gravity (`INPUTS`). Outputs are channels as in the result (`ehamj.control.channels`), all
+    of them by default.
 
     Args:
         scenario: what is linearised about its static equilibrium.
@@ -232,7 +234,7 @@ def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held
 
 
 def _signal_matrices(model: mujoco.MjModel, plant: Plant, A: Array, B: Array) -> tuple[Array, Array]:
-    """The vector of signals (`ehamj.channels`) from state and input."""
+    """The vector of signals (`ehamj.control.channels`) from state and input."""
     nq, nv, n = model.nq, model.nv, A.shape[0]
     C, D = np.zeros((N_SIGNALS, n)), np.zeros((N_SIGNALS, B.shape[1]))
     for dof, column in enumerate(DOF_OF_JOINT):

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from ehamj.controllers import Controller, LinearController
-from ehamj.controllers.law import OUTPUTS
-from ehamj.controllers.sensors import IDEAL, Sensors, quantity_of
-from ehamj.layout import N_MOUNTS
+from ehamj.control import Controller, LinearController
+from ehamj.control.law import OUTPUTS
+from ehamj.control.sensors import IDEAL, Sensors, quantity_of
 from ehamj.linear.machine import LinearModel
+from ehamj.plant.mounts import N_MOUNTS
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -41,7 +41,7 @@ def measured_machine(
 
     Args:
         model: linearised machine.
-        channels: what is measured, see `ehamj.channels`.
+        channels: what is measured, see `ehamj.control.channels`.
         sensors: instruments.
         seed: of the scenario; it draws the directions of misalignments.
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.parameters import Parameters
 from ehamj.replay.marks import length_text
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
+from ehamj.settings import Parameters
 
 DIRECTIONS = {"vertical": "z", "horizontal": "xy"}
 """Axes of each verdict."""

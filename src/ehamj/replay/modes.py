@@ -18,9 +18,9 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 from rerun.error_utils import catch_and_log_exceptions
 
-from ehamj.layout import MOUNTS
-from ehamj.model import build_spec
-from ehamj.parameters import Plant
+from ehamj.mujoco.model import build_spec
+from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.plant import Plant
 from ehamj.replay.blueprint import BACKGROUND
 from ehamj.replay.names import Array, Color, entity, nanoseconds, result_color, time_column
 from ehamj.replay.recording import check_whole

@@ -8,7 +8,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from ehamj.layout import MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, nanoseconds, result_color, time_column
 from ehamj.replay.scene import fitted_slab
 from ehamj.result import Result

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from ehamj.kinematics import point_motion
-from ehamj.layout import MOUNTS
-from ehamj.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
+from ehamj.mujoco.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
+from ehamj.plant.kinematics import point_motion
+from ehamj.plant.mounts import MOUNTS
 from ehamj.replay.names import Array, entity, nanoseconds, time_column
 from ehamj.result import Result
 
@@ -123,7 +123,7 @@ def quaternion(angles: Array) -> Array:
     """Rotation by yaw rz, then rx, then ry about the turned axes, as quaternion xyzw, shape (n, 4).
 
     Args:
-        angles: rx, ry, rz [rad], shape (n, 3); the order of turns is that of `ehamj.kinematics`.
+        angles: rx, ry, rz [rad], shape (n, 3); the order of turns is that of `ehamj.plant.kinematics`.
     """
     (sx, sy, sz), (cx, cy, cz) = np.sin(0.5 * angles.T), np.cos(0.5 * angles.T)
     return np.column_stack(

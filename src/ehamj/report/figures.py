@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ehamj import plots
-from ehamj.layout import MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plots import Levels, Mark
 from ehamj.report.parts import Picture, Results, ground_parts
 from ehamj.report.words import AXIS_NAMES
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 
 def machine(scenario: Scenario) -> Iterator[Picture]:

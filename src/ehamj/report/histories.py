@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from ehamj import plots
-from ehamj.layout import MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plots import Limit, Trace
 from ehamj.report.parts import Array, Picture, Results
 from ehamj.report.words import BAR, LITRE_PER_MINUTE, MICRO

@@ -7,12 +7,12 @@ from typing import Any
 from markupsafe import Markup, escape
 from pydantic import BaseModel
 
-from ehamj.layout import MOUNTS
-from ehamj.parameters import Parameters
-from ehamj.points import default_points
+from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.points import default_points
 from ehamj.report.parts import Results, Table
 from ehamj.report.words import BAR, exact, plain
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
+from ehamj.settings import Parameters
 
 
 def inputs(results: Results) -> Iterator[Table]:

@@ -8,17 +8,17 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from ehamj.analysis.footprint import rocking_modes, slowest_rocking
-from ehamj.analysis.modes import Mode, modes
+from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
-from ehamj.layout import DOFS
-from ehamj.linear.loops import feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.margins import feeds_back
+from ehamj.linear.modes import Mode, modes
+from ehamj.plant.axes import DOFS
 from ehamj.plots.charts import Line, map_chart
 from ehamj.report.parts import Picture, Results, Table
 from ehamj.report.words import DASH, number
 from ehamj.result import Result
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 NOTABLE: Final = 0.05
 """Share of a shape's largest part below which a part is left out."""
@@ -118,7 +118,7 @@ def _moves(mode: Mode) -> str:
 def rocking_map(scenario: Scenario) -> Iterator[Picture]:
     """The slowest sway-rocking mode over CG height and footprint, the machine marked.
 
-    There is none for machines whose linear model has no closed form (`ehamj.analysis.designs.Designs`).
+    There is none for machines whose linear model has no closed form (`ehamj.designs.designs.Designs`).
     """
     height, across = scenario.machine.cg[2], float(np.ptp(np.array(scenario.plant.positions)[:, 1]))
     heights = xr.DataArray(np.linspace(*HEIGHTS, DESIGNS) * max(height, LEAST_HEIGHT), dims="height")

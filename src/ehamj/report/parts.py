@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ehamj import plots
 from ehamj.result import Result
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,16 +10,16 @@ from typing import Final
 import numpy as np
 
 from ehamj import plots
-from ehamj.analysis.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
-from ehamj.analysis.measured import Measurement, by_welch
-from ehamj.analysis.transmissibility import ZERO, Transfer, machine_channels, rigid_floor, unit
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
+from ehamj.linear.response import ZERO, Transfer, machine_channels, rigid_floor, unit
 from ehamj.plots import Response
 from ehamj.report.document import render, write_page
 from ehamj.report.parts import Picture, Results, Table
 from ehamj.report.words import AXIS_NAMES, decibel, exact, number
 from ehamj.result import Result
+from ehamj.rig.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
+from ehamj.rig.measured import Measurement, by_welch
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any, Final
 
-from ehamj.layout import MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.report.parts import Results, Table, ground_parts
 from ehamj.report.words import (
     BAR,

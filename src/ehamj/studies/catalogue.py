@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from ehamj.errors import InputError
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.failed import FailedStudy, failed_actuator
 from ehamj.studies.gains import GainStudy, loop_gains
 from ehamj.studies.lateral import LateralStudy, lateral_stiffness

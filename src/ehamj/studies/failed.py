@@ -12,12 +12,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.errors import InputError
-from ehamj.layout import MOUNTS, N_MOUNTS
+from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.parameters import Actuator
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.scenario import Scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.model import Scenario
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table

@@ -7,13 +7,14 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.analysis.transmissibility import ground_response, slab_pattern
-from ehamj.controllers import LinearController
-from ehamj.controllers.sensors import IDEAL, Sensors
-from ehamj.layout import AXES, N_MOUNTS
+from ehamj.control import LinearController
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.linear.machine import LinearModel
-from ehamj.parameters import Plant
-from ehamj.scenario import Scenario
+from ehamj.linear.response import ground_response, slab_pattern
+from ehamj.plant.axes import AXES
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.plant import Plant
+from ehamj.scenario.model import Scenario
 
 ComplexArray = NDArray[np.complex128]
 
@@ -51,7 +52,7 @@ def floor_response(
         model: linearised machine.
         loop: closes the sampled loop.
         hertz: frequencies (n,) [Hz].
-        outputs: channels (`ehamj.channels`).
+        outputs: channels (`ehamj.control.channels`).
         motion: complex amplitude of the ground, (mount, axis) or (frequency, mount, axis) [m].
     """
     f = np.atleast_1d(np.asarray(hertz, float))

@@ -7,15 +7,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.modes import eigen_of, modes, sampled_loop
-from ehamj.controllers import Controller
+from ehamj.control import Controller
 from ehamj.errors import InputError
-from ehamj.layout import MOUNTS, N_MOUNTS
-from ehamj.linear.loops import feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.parameters import Plant
+from ehamj.linear.margins import feeds_back
+from ehamj.linear.modes import eigen_of, modes, sampled_loop
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart, locus_chart
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 

@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.designs import Designs
-from ehamj.analysis.many import RIGID_MODES, floor_response, modes_of
+from ehamj.designs.designs import Designs
+from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
 from ehamj.errors import InputError
 from ehamj.plots.charts import Line, lines_chart, map_chart
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 
 if TYPE_CHECKING:

@@ -12,17 +12,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.commands import Passive
-from ehamj.controllers.combined import CombinedSettings
-from ehamj.controllers.feedforward import FeedforwardSettings
-from ehamj.controllers.modal import ModalSettings
+from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.architectures.feedforward import FeedforwardSettings
+from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.commands import Passive
 from ehamj.criteria.vc import CLASSES
 from ehamj.errors import InputError
-from ehamj.layout import WARP
+from ehamj.plant.mounts import WARP
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result
-from ehamj.scenario import Scenario
-from ehamj.simulate import simulate_many
+from ehamj.run.simulate import simulate_many
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ehamj.analysis.modes import Mode
-from ehamj.analysis.shapes import in_phase
 from ehamj.errors import InputError
-from ehamj.parameters import Machine
+from ehamj.linear.modes import Mode
+from ehamj.linear.shapes import in_phase
+from ehamj.plant.machine import Machine
 from ehamj.replay.modes import Swing, write_mode_replay
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 
 
 def swing(machine: Machine, mode: Mode) -> Swing:

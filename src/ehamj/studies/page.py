@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from ehamj.plots import inline, svg
 from ehamj.result import written_whole
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
 
 STUDY_FILES = ("study.json", "study.html")

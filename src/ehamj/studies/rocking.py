@@ -7,15 +7,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.footprint import LOWER, rocking_modes, slowest_rocking
-from ehamj.analysis.identification import realise
-from ehamj.analysis.ringdown import JOLTS, PULSE
+from ehamj.designs.footprint import LOWER, rocking_modes, slowest_rocking
 from ehamj.errors import InputError
-from ehamj.layout import DOFS
-from ehamj.native import hydraulics
+from ehamj.estimate.identification import realise
+from ehamj.mujoco import hydraulics
+from ehamj.plant.axes import DOFS
 from ehamj.plots.charts import Line, map_chart
-from ehamj.scenario import Scenario
-from ehamj.simulate import simulate
+from ehamj.rig.ringdown import JOLTS, PULSE
+from ehamj.run.simulate import simulate
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
 

@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ehamj.errors import InputError
-from ehamj.layout import AXES
+from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.native import hydraulics
-from ehamj.parameters import Actuator, Plant
+from ehamj.mujoco import hydraulics
+from ehamj.plant.axes import AXES
+from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.scenario import Scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.model import Scenario
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table

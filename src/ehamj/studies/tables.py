@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from ehamj.analysis.modes import modes
 from ehamj.linear.machine import LinearModel
+from ehamj.linear.modes import modes
 from ehamj.studies.outcome import labelled
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.designs import Designs
-from ehamj.analysis.many import floor_response, modes_of
+from ehamj.designs.designs import Designs
+from ehamj.designs.many import floor_response, modes_of
 from ehamj.errors import InputError
-from ehamj.layout import MOUNTS
 from ehamj.linear.machine import linear_model
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plots.charts import Line, map_chart
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.failed import static_forces
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import positions, resized, still

@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.analysis.designs import Designs
-from ehamj.analysis.many import RIGID_MODES, modes_of
+from ehamj.designs.designs import Designs
+from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.errors import InputError
+from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import linear_model
-from ehamj.parameters import Actuator
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.floors import Loop
 from ehamj.studies.gains import highest_factor, inertial_position
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent

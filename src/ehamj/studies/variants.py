@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.layout import MOUNTS
-from ehamj.parameters import Actuator
-from ehamj.scenario import Isolator, Scenario, parse_scenario
+from ehamj.isolator.actuator import Actuator
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Isolator, Scenario
 
 
 def changed(scenario: Scenario, **tables: Any) -> Scenario:

@@ -13,11 +13,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.errors import InputError
-from ehamj.layout import AXES, DOFS
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
-from ehamj.scenario import Scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.model import Scenario
 from ehamj.studies.floors import Loop, floor_response, ground_to, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed, positions, still

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.result import Result
-from ehamj.scenario import Scenario, parse_scenario
-from ehamj.simulate import simulate
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.layout import MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
-from ehamj.scenario import Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.verify.case import Case, Finding, Subject, fitted_order, open_loop, scenario_of
 
 Array = NDArray[np.float64]

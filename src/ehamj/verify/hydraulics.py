@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ehamj.layout import MOUNTS
-from ehamj.parameters import Actuator
+from ehamj.isolator.actuator import Actuator
+from ehamj.plant.mounts import MOUNTS
 from ehamj.verify.case import Case, Finding, Subject, chamber_pressures, open_loop, scenario_of
 
 Array = NDArray[np.float64]

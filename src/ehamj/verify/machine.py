@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ehamj.analysis.modes import modes
+from ehamj.linear.modes import modes
 from ehamj.result import Result
-from ehamj.scenario import Scenario, load_scenario, parse_scenario, shipped_scenarios
+from ehamj.scenario.load import load_scenario, parse_scenario, shipped_scenarios
+from ehamj.scenario.model import Scenario
 from ehamj.verify.case import Case, Finding, Subject, fitted_order, open_loop, scenario_of
 from ehamj.verify.reference import ReferenceRun, simulate_reference
 

@@ -19,11 +19,12 @@ from scipy.integrate import DOP853, RK45
 from scipy.integrate import OdeSolver as Solver
 from scipy.optimize import brentq
 
-from ehamj.controllers import Controller
-from ehamj.controllers.sensors import IDEAL
-from ehamj.layout import AXES, MOUNTS
-from ehamj.parameters import Plant
-from ehamj.scenario import Scenario
+from ehamj.control import Controller
+from ehamj.control.sensors import IDEAL
+from ehamj.plant.axes import AXES
+from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.plant import Plant
+from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 

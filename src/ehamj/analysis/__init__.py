@@ -1,1 +1,0 @@
-"""Linear analysis: the single actuator of the paper, the whole machine at its operating point."""

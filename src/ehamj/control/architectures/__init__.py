@@ -1,0 +1,1 @@
+"""The laws that ehamj knows, one file each."""

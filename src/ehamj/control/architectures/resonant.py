@@ -1,0 +1,74 @@
+"""Narrow-band feedback of the machine's motion at the lines of motors and fans.
+
+For each line a resonator on the velocities of heave, roll and pitch,
+
+    ẋ_p = −g·2ζω·(s cos φ − ω sin φ)/(s² + 2ζωs + ω²)·v,
+
+whose loop gain at its line is g, and whose phase φ takes back the lag of instrument, computation, hold and valve there.
+Beside a broadband loop (`ehamj.control.architectures.modal`) φ also takes back the turn of that loop's sensitivity.
+"""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from ehamj.control.architectures.modal import MOTIONS, ModalSettings, plane
+from ehamj.control.blocks import TWO_PI, Block, added, beside
+from ehamj.control.inertial import FEET
+from ehamj.control.inverse import Inverse, instrument_poles, valve_poles
+from ehamj.control.law import Controller
+from ehamj.control.sensors import IDEAL, Sensor, Sensors
+from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.isolator.actuator import Actuator
+from ehamj.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+
+class ResonantSettings(DigitalSettings):
+    """Resonators at given lines."""
+
+    kind: Literal["resonant"] = "resonant"
+    lines: tuple[Positive, ...] = Field(description="frequencies of the lines [Hz]", min_length=1)
+    gain: Positive = Field(3.0, description="loop gain at each line [-]; 3 attenuates by 12 dB")
+    bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
+
+    def controller(self, plant: Plant, sensors: Sensors = IDEAL, beside_of: ModalSettings | None = None) -> Controller:
+        """The law for a plant measured by ``sensors``; ``beside_of`` is the broadband loop that runs with it."""
+        volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
+        columns, fit = plane(plant), np.linalg.pinv(plane(plant))
+        actuator, sensor = plant.actuators[0], sensors.of(FEET[0])
+        loops = []
+        for motion in MOTIONS:
+            answers = [self._answer(line, motion, actuator, sensor, beside_of) for line in self.lines]
+            loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
+        law = beside(loops).between(fit, volts @ columns).sampled(self.period)
+        return self.digital(law, FEET, plant)
+
+    def _answer(
+        self, line: float, motion: str, actuator: Actuator, sensor: Sensor | None, modal: ModalSettings | None
+    ) -> complex:
+        """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with the broadband loop closed."""
+        s = 2j * np.pi * line
+        inverse = Inverse.of(actuator)
+        poles = valve_poles(actuator)
+        lag = np.exp(-s * self.hold) * np.prod(poles) / np.prod(s - poles)
+        slow, fast = instrument_poles(sensor)
+        lag *= np.prod(fast) / np.prod(fast - s) if fast.size else 1.0
+        plain = lag * s / (s + inverse.creep)
+        if modal is None or not getattr(modal, motion).crossing:
+            return complex(plain * (s**slow.size / np.prod(s - slow) if slow.size else 1.0))
+        A, B, C, D = getattr(modal, motion).block(inverse.creep)
+        law = (C @ np.linalg.solve(s * np.eye(A.shape[0]) - A, B) + D)[0, 0]  # of displacement, −
+        return complex(plain / (1.0 - law / s * plain))
+
+    def _resonator(self, line: float, answer: complex) -> Block:
+        """Piston velocity [m/s] over velocity [m/s]."""
+        omega, zeta = TWO_PI * line, self.bandwidth
+        wanted = -self.gain / answer
+        A = omega * np.array([[0.0, 1.0], [-1.0, -2.0 * zeta]])
+        # At its line, 2ζω s/(s² + 2ζωs + ω²) is one, and 2ζω·ω/(…) is −j.
+        C = 2.0 * zeta * np.array([[-wanted.imag, wanted.real]])
+        return Block(A, np.array([[0.0], [omega]]), C, np.zeros((1, 1)))

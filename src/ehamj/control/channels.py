@@ -1,0 +1,92 @@
+"""Named scalar channels of the machine as linear maps of its state: what sensors measure and linear models give.
+
+A channel is written as in the result's variables, with its labels: ``ground_velocity front-left z``,
+``stroke rear-right``, ``chamber_pressure front-left 1``, ``cg_acceleration z``. Rotations are small.
+"""
+
+import difflib
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.memory import N_STATES
+from ehamj.plant.axes import AXES, CHAMBERS, DOFS
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+DISPLACEMENT = 0  # machine dofs [m, rad]
+VELOCITY = DISPLACEMENT + len(DOFS)
+ACCELERATION = VELOCITY + len(DOFS)
+GROUND = ACCELERATION + len(DOFS)  # displacement, velocity, acceleration of each mount and axis
+STATE = GROUND + 3 * N_MOUNTS * len(AXES)  # spool, spool rate, two pressures of each actuator
+PLATE = STATE + N_MOUNTS * N_STATES  # height and velocity of each plate
+N_SIGNALS = PLATE + 2 * N_MOUNTS
+"""Offsets in the vector of signals that every channel is a combination of."""
+
+_MOTIONS = ("displacement", "velocity", "acceleration")
+
+
+class UnknownChannelError(ValueError):
+    """No channel has this name; the message lists what is near."""
+
+
+@cache
+def channel_names() -> tuple[str, ...]:
+    """Every channel there is."""
+    names = []
+    for motion in _MOTIONS:
+        names += [f"ground_{motion} {mount} {axis}" for mount in MOUNTS for axis in AXES]
+        names += [f"foot_{motion} {mount} {axis}" for mount in MOUNTS for axis in AXES]
+        names += [f"cg_{motion} {axis}" for axis in AXES]
+        names += [f"machine_{motion} {dof}" for dof in DOFS]
+    names += [f"{name} {mount}" for name in ("stroke", "stroke_velocity", "spool", "load_pressure") for mount in MOUNTS]
+    names += [f"chamber_pressure {mount} {chamber}" for mount in MOUNTS for chamber in CHAMBERS]
+    return tuple(names)
+
+
+def channel_row(name: str, plant: Plant) -> Array:
+    """The channel as a row over the vector of signals, shape (N_SIGNALS,).
+
+    Raises:
+        UnknownChannelError: if there is no such channel.
+    """
+    if name not in channel_names():
+        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.0)
+        raise UnknownChannelError(f"channel {name!r} is unknown; near it are: {', '.join(map(repr, near))}")
+    row = np.zeros(N_SIGNALS)
+    variable, *labels = name.split(" ")
+    what, _, motion = variable.rpartition("_")
+    if what in ("ground", "foot", "cg", "machine") and motion in _MOTIONS:
+        order = _MOTIONS.index(motion)
+        if what == "ground":
+            row[GROUND + 12 * order + 3 * MOUNTS.index(labels[0]) + AXES.index(labels[1])] = 1.0
+        elif what == "machine":
+            row[6 * order + DOFS.index(labels[0])] = 1.0
+        else:
+            foot = what == "foot"
+            point = (*plant.positions[MOUNTS.index(labels[0])], 0.0) if foot else plant.machine.cg
+            row[6 * order : 6 * order + 6] = point_row(point, AXES.index(labels[-1]))
+        return row
+    mount = MOUNTS.index(labels[0])
+    state = STATE + N_STATES * mount
+    if variable in ("stroke", "stroke_velocity"):
+        order = int(variable == "stroke_velocity")
+        row[PLATE + N_MOUNTS * order + mount] = 1.0
+        row[GROUND + 12 * order + 3 * mount + AXES.index("z")] = -1.0
+    elif variable == "spool":
+        row[state] = 1.0
+    elif variable == "load_pressure":
+        row[state + 2], row[state + 3] = 1.0, -1.0
+    else:
+        row[state + 1 + int(labels[1])] = 1.0
+    return row
+
+
+def point_row(point: tuple[float, ...], axis: int) -> Array:
+    """Displacement of a point of the machine along an axis, p + θ × r, per degree of freedom (6,)."""
+    x, y, z = point
+    rows = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
+    return rows[axis]

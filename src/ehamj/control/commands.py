@@ -1,0 +1,113 @@
+"""Open-loop valve commands: a signal per mount [V], or none."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.plant import Plant
+from ehamj.settings import Settings
+from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero, schroeder_phases
+
+MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class SignalSettings(Settings):
+    """What every command signal has: the mounts that it drives."""
+
+    mounts: tuple[MountName, ...] = Field(MOUNTS, description="mounts that receive the signal", min_length=1)
+
+
+class SineCommand(SignalSettings):
+    """amplitude·sin(2πft + phase)."""
+
+    kind: Literal["sine"]
+    amplitude: float = Field(description="amplitude [V]")
+    frequency: Positive = Field(description="frequency [Hz]")
+    phase: float = Field(0.0, description="phase [rad]")
+
+    def signal(self) -> Signal:
+        """Build the signal."""
+        return Multisine.of(self.amplitude, self.frequency, self.phase)
+
+
+class MultisineCommand(SignalSettings):
+    """Sum of sines of one amplitude."""
+
+    kind: Literal["multisine"]
+    amplitude: float = Field(description="amplitude of each sine [V]")
+    frequencies: tuple[Positive, ...] = Field(description="frequencies [Hz]", min_length=1)
+    phases: tuple[float, ...] | None = Field(None, description="phases [rad]; without: Schroeder's, of low peak")
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Self:
+        if self.phases is not None and len(self.phases) != len(self.frequencies):
+            raise ValueError(f"phases has {len(self.phases)} values; it must have {len(self.frequencies)}")
+        return self
+
+    def signal(self) -> Signal:
+        """Build the signal."""
+        phases = schroeder_phases(len(self.frequencies)) if self.phases is None else self.phases
+        return Multisine.of(self.amplitude, self.frequencies, phases)
+
+
+class StepCommand(SignalSettings):
+    """A jump; a negative ``start`` holds the value from the beginning, and the machine starts in its equilibrium."""
+
+    kind: Literal["step"]
+    amplitude: float = Field(description="height of the step [V]")
+    start: float = Field(0.0, description="time of the step [s]")
+
+    def signal(self) -> Signal:
+        """Build the signal."""
+        return Step(self.amplitude, self.start)
+
+
+class ChirpCommand(SignalSettings):
+    """Exponential sine sweep."""
+
+    kind: Literal["chirp"]
+    amplitude: float = Field(description="amplitude [V]")
+    first: Positive = Field(description="frequency at the beginning [Hz]")
+    last: Positive = Field(description="frequency at the end [Hz]")
+    sweep_time: Positive = Field(description="duration of the sweep [s]")
+    start: float = Field(0.0, ge=0, description="time at which the sweep begins [s]")
+
+    def signal(self) -> Signal:
+        """Build the signal."""
+        return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.start)
+
+
+CommandSignal = Annotated[SineCommand | MultisineCommand | StepCommand | ChirpCommand, Field(discriminator="kind")]
+
+
+class Passive(Settings):
+    """No command: the valves stay centred."""
+
+    kind: Literal["passive"] = "passive"
+
+    def controller(self, plant: Plant, sensors: object) -> None:
+        """There is none."""
+
+    def commands(self) -> tuple[Signal, ...]:
+        """One signal per mount [V]."""
+        return (Zero(),) * len(MOUNTS)
+
+
+class OpenLoop(Settings):
+    """Given command signals; several for one mount add up."""
+
+    kind: Literal["open-loop"]
+    signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
+
+    def controller(self, plant: Plant, sensors: object) -> None:
+        """There is none."""
+
+    def commands(self) -> tuple[Signal, ...]:
+        """One signal per mount [V]."""
+        found = []
+        for mount in MOUNTS:
+            own = tuple(setting.signal() for setting in self.signals if mount in setting.mounts)
+            found.append(Total(own) if own else Zero())
+        return tuple(found)

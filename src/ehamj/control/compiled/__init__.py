@@ -1,0 +1,1 @@
+"""What a digital controller does within a step, compiled."""

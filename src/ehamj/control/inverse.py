@@ -1,0 +1,102 @@
+"""What a law must know of an isolator: how fast a command moves its piston, and what instruments add.
+
+About rest, with the machine's inertia left out (eqs. 3, 6, 7 with M s² x_p = 0), a command v moves the piston as
+
+    ẋ_p = v·valve(s)/b·s/(s + c),   b = (A_p/(K_Q K_v))·(1 + K_L/K_h + K_C C/A_p²),   c = K_C K_L/A_p²/(1 + …)
+
+so that below c (7 Hz in the paper's prototype) leakage and membrane ask for a command that grows as 1/f. The term
+C s/K_h, 4e-4 at 100 Hz, is left out.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import signal
+
+from ehamj.control.blocks import Block
+from ehamj.control.sensors import Sensor
+from ehamj.isolator.actuator import Actuator
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+SLOW = 5.0
+"""Corner that parts an instrument's high-pass from its low-pass [Hz]."""
+
+
+class Inverse(NamedTuple):
+    """The inverse of an isolator without its valve's dynamics."""
+
+    volts: float
+    """b: command per piston velocity [V s/m]."""
+    creep: float
+    """c: corner below which leakage and membrane bind [rad/s]."""
+
+    @classmethod
+    def of(cls, actuator: Actuator) -> "Inverse":
+        """Of one actuator."""
+        a = actuator
+        damping = a.flow_pressure * a.membrane_damping / a.piston_area**2
+        speed = 1.0 + a.membrane_stiffness / a.hydraulic_stiffness + damping
+        creep = a.flow_pressure * a.membrane_stiffness / a.piston_area**2
+        return cls(a.piston_area / (a.flow_gain * a.valve_gain) * speed, creep / speed)
+
+
+def valve_poles(actuator: Actuator) -> ComplexArray:
+    """Roots of 1 + 2ζs/ω_v + s²/ω_v² [rad/s] (eq. 1)."""
+    omega = actuator.valve_frequency
+    return np.asarray(np.roots([1.0, 2.0 * actuator.valve_damping * omega, omega**2]), complex)
+
+
+def instrument_poles(sensor: Sensor | None) -> tuple[ComplexArray, ComplexArray]:
+    """Poles of an instrument's high-pass and of its low-pass [rad/s]; empty for an ideal one."""
+    slow: list[complex] = []
+    fast: list[complex] = []
+    if sensor is None:
+        return np.array(slow, complex), np.array(fast, complex)
+    for kind, corner in sensor.filters:
+        _, poles, _ = signal.butter(sensor.order, 2 * np.pi * corner, kind, analog=True, output="zpk")
+        (slow if kind == "highpass" else fast).extend(poles)
+    return np.array(slow, complex), np.array(fast, complex)
+
+
+def lag(poles: ArrayLike) -> float:
+    """Delay at low frequency of a low-pass with these poles [s]: Σ −1/p."""
+    return float(np.sum(-1.0 / np.asarray(poles, complex)).real)
+
+
+def lost(actuator: Actuator, late: float, recovery: float, period: float) -> Block:
+    """Sampled block: displacement that a piston owes, as it is measured [m], over what its valve did not get [V].
+
+    A law that subtracts it sees a machine without limits (internal-model anti-windup, Zheng, Kothare and Morari 1994):
+    its integrals do not wind up. What was lost is made good over ``recovery`` [s], slowly beside the bands that are to
+    be quiet, and not as the isolator by itself would, in 1/c (24 ms); `held` asks for the command that this takes.
+
+    Args:
+        actuator: isolator.
+        late: delay from a command to its reading [s].
+        recovery: time constant [s].
+        period: sampling period [s].
+    """
+    inverse = Inverse.of(actuator)
+    poles = np.concatenate([valve_poles(actuator), [-1.0 / recovery], np.full(2, -2.0 / late)])
+    gain = actuator.valve_frequency**2 * (2.0 / late) ** 2 / inverse.volts
+    return Block.filter([], poles, gain).held(period)
+
+
+def held(actuator: Actuator, recovery: float, period: float) -> Block:
+    """Sampled block: command that lets what was lost come back over ``recovery`` [s], over what was lost of it [V].
+
+    The isolator answers with (s + c)⁻¹; to answer with (s + 1/recovery)⁻¹ it needs (c − 1/recovery)/(s + 1/recovery).
+    """
+    creep, slow = Inverse.of(actuator).creep, 1.0 / recovery
+    return Block.filter([], [-slow], creep - slow).held(period)
+
+
+def restoring(slow: ComplexArray, corner: float) -> tuple[ComplexArray, ComplexArray]:
+    """Zeros and poles that move an instrument's high-pass down to ``corner`` [Hz]; it is not moved up."""
+    if slow.size == 0:
+        return slow, slow
+    shift = min(1.0, 2 * np.pi * corner / float(np.abs(slow).max()))
+    return slow, shift * slow

@@ -1,0 +1,1 @@
+"""Closed forms for many designs at once."""

@@ -1,0 +1,330 @@
+"""What many designs do: linear models, modes and floor responses of the passive machine as stacks of arrays.
+
+    many = Designs.of(scenario, {"machine.cg.2": heights, "footprint.x": spans, "footprint.y": spans})
+    table = modes_of(many)  # an xarray.Dataset over (height, span, mode)
+    table.frequency.sel(mode="lower about y"), table.tipping_margin
+    floor_response(many, hertz, "ry").sel(output="ry")
+
+Everything is in closed form about the static equilibrium under gravity (`ehamj.linear.elements`), so that 2,500
+designs take a second. `ehamj.linear.machine.linear_model` differentiates the simulated model itself and gives the
+same.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import linear_sum_assignment
+
+from ehamj.designs.designs import Designs
+from ehamj.errors import InputError
+from ehamj.linear.elements import Elements, Oil, solve
+from ehamj.linear.machine import INPUTS
+from ehamj.memory import STATES
+from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+RIGID_MODES: Final = ("lower about x", "lower about y", "yaw", "heave", "upper about x", "upper about y")
+"""Modes of the machine on its mounts as maps label them: two pairs of sway and rocking, yaw and heave."""
+
+_GROUPS: Final = (("y", "rx"), ("x", "ry"), ("rz",), ("z",), ("y", "rx"), ("x", "ry"))
+"""Degrees of freedom that each of them moves in."""
+
+OSCILLATES: Final = 1e-6
+"""Im λ over |λ| above which a pole is an oscillation."""
+
+
+def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
+    """A (…, n, n) and B (…, n, inputs) of every design, and the names of the states.
+
+    States and inputs are those of `ehamj.linear.machine.linear_model` (`INPUTS`), deviations in SI, spools in mA,
+    commands in V. NaN where a design has no static equilibrium inside its cylinders.
+    """
+    elements, oil, _ = _assembled(designs)
+    at = designs.values.mounts
+    n = elements.mass.shape[-1]
+    motion, pressures = _oil_motion(elements, oil)
+    size = 2 * n + N_MOUNTS * len(STATES)
+    own = [2 * n + len(STATES) * np.arange(N_MOUNTS) + k for k in range(len(STATES))]
+    keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
+    A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, len(INPUTS)))
+    A[..., keep[:, None], keep] = np.concatenate([motion, pressures], axis=-2)
+    A[..., own[0], own[1]] = 1.0
+    A[..., own[1], own[0]] = -(at["valve_frequency"] ** 2)
+    A[..., own[1], own[1]] = -2.0 * at["valve_damping"] * at["valve_frequency"]
+    B[..., own[1], np.arange(N_MOUNTS)] = at["valve_frequency"] ** 2 * at["valve_gain"]
+    ground = N_MOUNTS + 3 * np.arange(N_MOUNTS)
+    for chamber, sign in enumerate((1.0, -1.0)):
+        A[..., own[2 + chamber], own[0]] = sign * designs.values.gain / oil.compliances[chamber]
+        swept = sign * oil.stretch * oil.areas[chamber] / oil.compliances[chamber]
+        B[..., own[2 + chamber], ground + 3 * N_MOUNTS + AXES.index("z")] = swept
+    loads = [*_mount_loads(elements, "stiffness"), *_mount_loads(elements, "damping")]
+    columns = np.concatenate([ground + 3 * N_MOUNTS * order + axis for order in range(2) for axis in range(3)])
+    forces = np.arange(len(INPUTS) - len(DOFS), len(INPUTS))
+    right = np.concatenate([*loads, np.swapaxes(elements.cg, -1, -2)], axis=-1)
+    B[..., n : 2 * n, np.concatenate([columns, forces])] = solve(elements.mass, right)
+    soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)[0])
+    joints = (*JOINTS, *(f"plate {MOUNTS[mount]}" for mount in soft))
+    names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
+    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in STATES)
+    bad = _without_rest(designs, oil)
+    A[bad], B[bad] = np.nan, np.nan
+    return A, B, names
+
+
+def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
+    """Poles and modes of every design with its valves held, over the dimensions of the designs.
+
+    Args:
+        designs: what is computed.
+        hydraulics: with the oil; without, the chambers are bypassed and only membranes carry the machine.
+
+    Returns:
+        ``frequency`` [Hz], ``damping_ratio`` and ``shape`` (joint dimensions ``mode``, ``dof``; the mount plane's
+        centre, largest part one) of `RIGID_MODES`: of the pair in a plane the slower is ``lower``; NaN where a mode
+        does not oscillate (overdamped, or tipping over). ``pole`` (…, ``pole_number``) [1/s]: all eigenvalues of
+        motion and oil by magnitude; those of the valves, −ζω_v ± jω_v√(1 − ζ²), stand apart. ``growth_rate`` [1/s]:
+        the largest real part; 0 within rounding where the mean pressures are neutral (no leakage over edges).
+        ``tipping_margin`` [-]: 1 where nothing topples, 0 at the boundary: 1 minus the largest share of the membranes'
+        stiffness that gravity takes. ``rest_stroke`` (…, ``mount``) [m]: stroke under gravity. NaN in ``frequency`` and
+        ``pole`` also where a design has no rest inside its cylinders (``stands`` false).
+    """
+    elements, oil, strokes = _assembled(designs)
+    bad = _without_rest(designs, oil) if hydraulics else np.zeros(designs.shape, bool)
+    n = elements.mass.shape[-1]
+    matrix = np.concatenate(_oil_motion(elements, oil), axis=-2) if hydraulics else _motion(elements)
+    poles, vectors = np.linalg.eig(np.where(bad[..., None, None], 0.0, matrix))
+    order = np.argsort(np.round(np.abs(poles), 9), axis=-1, kind="stable")
+    poles = np.take_along_axis(poles.astype(complex), order, axis=-1)
+    vectors = np.take_along_axis(vectors.astype(complex), order[..., None, :], axis=-1)
+    poles[bad] = np.nan
+    chosen = _label(elements, poles, vectors, _plane_frequencies(elements, oil if hydraulics else None))
+    picked = np.where(chosen >= 0, np.take_along_axis(poles, np.maximum(chosen, 0), axis=-1), np.nan)
+    shape = np.take_along_axis(vectors[..., list(DOF_OF_JOINT), :], np.maximum(chosen, 0)[..., None, :], axis=-1)
+    largest = np.take_along_axis(shape, np.argmax(np.abs(shape), axis=-2)[..., None, :], axis=-2)
+    shape = np.where((chosen >= 0)[..., None, :], shape / largest, np.nan)
+    dims = tuple(designs.dims)
+    size = np.abs(picked)
+    margin = _tipping_margin(elements)
+    variables = {
+        "frequency": ((*dims, "mode"), size / (2 * np.pi), {"units": "Hz", "long_name": "natural frequency |λ|/2π"}),
+        "damping_ratio": ((*dims, "mode"), -picked.real / size, {"units": "1", "long_name": "damping ratio −Re λ/|λ|"}),
+        "shape": (
+            (*dims, "mode", "dof"),
+            np.moveaxis(shape, -1, -2),
+            {"units": "1", "long_name": "motion of the mount plane's centre (m, rad), largest part one"},
+        ),
+        "pole": ((*dims, "pole_number"), poles, {"units": "1/s", "long_name": "eigenvalue λ"}),
+        "growth_rate": (dims, poles.real.max(axis=-1), {"units": "1/s", "long_name": "largest real part of a pole"}),
+        "tipping_margin": (dims, margin, {"units": "1", "long_name": "stiffness left by gravity, smallest share"}),
+        "rest_stroke": ((*dims, "mount"), strokes, {"units": "m", "long_name": "stroke at rest"}),
+        "stands": (
+            dims,
+            (margin > 0.0) & ~bad,
+            {"units": "1", "long_name": "stands: no tipping, rest in its cylinders"},
+        ),
+    }
+    coords = designs.coords | {"mode": list(RIGID_MODES), "dof": list(DOFS), "mount": list(MOUNTS)}
+    return xr.Dataset(variables, coords, {"hydraulics": int(hydraulics), "states": poles.shape[-1], "coordinates": n})
+
+
+def floor_response(
+    designs: Designs, hertz: ArrayLike, motion: ArrayLike | str, points: Mapping[str, Sequence[float]] | None = None
+) -> xr.DataArray:
+    """Complex motion of the passive machine over the floor's: a slab that moves by one, or any motion of the mounts.
+
+    Args:
+        designs: what is computed.
+        hertz: frequencies [Hz], positive, (frequency,).
+        motion: one of `DOFS`, a rigid slab that moves or turns about the mount plane's centre by 1 (m or rad); or
+            complex displacements [m] of each mount and axis, (…, frequency, 4, 3) with leading axes of the designs
+            where they differ, such as a wave's, exp(−j2πf r·n/c).
+        points: further points of the machine by name [m from the mount plane's centre].
+
+    Returns:
+        Over (…, ``frequency``, ``output``) [m or rad]: ``cg x`` to ``cg z``, ``rx``, ``ry``, ``rz``, and ``NAME x`` …
+        of each point.
+
+    Raises:
+        InputError: if ``motion`` is none of these.
+    """
+    frequency = np.atleast_1d(np.asarray(hertz, float))
+    elements, oil, _ = _assembled(designs)
+    ground = _floor(elements, motion, frequency.size)
+    stiff, damp = (np.concatenate(_mount_loads(elements, kind), axis=-1) for kind in ("stiffness", "damping"))
+    stiffness, damping = elements.stiffness, elements.damping
+    # Motions of points are those of small rotations from level, as of `ehamj.control.channels`.
+    rows = [Elements.of(designs.values).cg, *(_point(elements, point) for point in (points or {}).values())]
+    to_outputs = np.concatenate(rows, axis=-2)
+    plate = elements.plate
+    found = np.empty((*designs.shape, frequency.size, to_outputs.shape[-2]), complex)
+    for k, omega in enumerate(2 * np.pi * frequency):
+        s = 1j * omega
+        impedance = _oil_stiffness(oil, s)
+        dynamic = s**2 * elements.mass + s * damping + stiffness
+        dynamic = dynamic + np.einsum("...in,...i,...im->...nm", plate, impedance, plate)
+        drive = stiff + s * damp
+        drive[..., 2 * N_MOUNTS :] += np.swapaxes(plate, -1, -2) * impedance[..., None, :]
+        amplitude = np.swapaxes(ground[..., k, :, :], -1, -2).reshape(*ground.shape[:-3], -1)
+        force = np.einsum("...nk,...k->...n", drive, amplitude)
+        found[..., k, :] = np.einsum("...on,...n->...o", to_outputs, np.linalg.solve(dynamic, force[..., None])[..., 0])
+    found[_without_rest(designs, oil)] = np.nan
+    labels = [*(f"cg {axis}" for axis in AXES), "rx", "ry", "rz"]
+    labels += [f"{name} {axis}" for name in points or {} for axis in AXES]
+    coords = designs.coords | {"frequency": ("frequency", frequency, {"units": "Hz"}), "output": labels}
+    attributes = {"units": "m or rad", "long_name": "motion of the machine"}
+    return xr.DataArray(found, coords, (*designs.dims, "frequency", "output"), "floor_response", attributes)
+
+
+# --- assembly -----------------------------------------------------------------------------------------------------
+
+
+def _assembled(designs: Designs) -> tuple[Elements, Oil, Array]:
+    """What the designs are made of, their oil, and their strokes at rest."""
+    elements, strokes = Elements.at_rest(designs.values)
+    return elements, Oil.of(designs.values, strokes), strokes
+
+
+def _without_rest(designs: Designs, oil: Oil) -> NDArray[np.bool_]:
+    return np.broadcast_to(oil.empty, designs.shape)
+
+
+def _motion(elements: Elements) -> Array:
+    """State matrix (…, 2n, 2n) of the machine on membranes alone."""
+    n = elements.mass.shape[-1]
+    both = solve(elements.mass, np.concatenate([elements.stiffness, elements.damping], axis=-1))
+    identity = np.broadcast_to(np.concatenate([np.zeros((n, n)), np.eye(n)], axis=-1), (*both.shape[:-2], n, 2 * n))
+    return np.concatenate([identity, -both], axis=-2)
+
+
+def _oil_motion(elements: Elements, oil: Oil) -> tuple[Array, Array]:
+    """Rows of motion and of pressures over (motion, P1 of all mounts, P2 of all mounts)."""
+    n = elements.mass.shape[-1]
+    shape = elements.mass.shape[:-2]
+    up = np.swapaxes(elements.plate, -1, -2)
+    push = solve(elements.mass, np.concatenate([up * oil.areas[0][..., None, :], -up * oil.areas[1][..., None, :]], -1))
+    motion = np.concatenate([_motion(elements), np.concatenate([np.zeros((*shape, n, 2 * N_MOUNTS)), push], -2)], -1)
+    pressures = np.zeros((*shape, 2 * N_MOUNTS, 2 * n + 2 * N_MOUNTS))
+    mounts = np.arange(N_MOUNTS)
+    for chamber, sign in enumerate((1.0, -1.0)):
+        rows, compliance = chamber * N_MOUNTS + mounts, oil.compliances[chamber]
+        swept = sign * oil.stretch * oil.areas[chamber] / compliance
+        pressures[..., rows, n : 2 * n] = -swept[..., None] * elements.plate
+        pressures[..., rows, 2 * n + rows] = -(2.0 * oil.edge + oil.cross) / compliance
+        pressures[..., rows, 2 * n + (1 - chamber) * N_MOUNTS + mounts] = oil.cross / compliance
+    return motion, pressures
+
+
+def _mount_loads(elements: Elements, kind: str) -> list[Array]:
+    """Generalised force (…, n, 4) of the ground at each mount, per axis; ``kind`` stiffness or damping."""
+    at = elements.values.mounts
+    weights = (at[f"lateral_{kind}"], at[f"lateral_{kind}"], at[f"membrane_{kind}"])
+    motions = (elements.along, elements.across, elements.plate)
+    return [np.swapaxes(m, -1, -2) * w[..., None, :] for m, w in zip(motions, weights, strict=True)]
+
+
+def _oil_stiffness(oil: Oil, s: complex) -> ComplexArray:
+    """Dynamic stiffness of the oil between plate and ground, (…, 4) [N/m]; valves held (eqs. 3 and 6).
+
+    Q into chamber k: ±s w A_k x + s C_k p_k + 2 g₀ p_k ± c (p₁ − p₂) = 0, force −(A₁ p₁ − A₂ p₂).
+    """
+    first, second = (s * compliance + 2.0 * oil.edge + oil.cross for compliance in oil.compliances)
+    a, b = oil.areas
+    inverse = oil.stretch * s / (first * second - oil.cross**2)
+    return np.asarray(inverse * (a * (second * a - oil.cross * b) + b * (first * b - oil.cross * a)))
+
+
+def _point(elements: Elements, point: Sequence[float]) -> Array:
+    """Motion of a point of the machine per coordinate, (…, 3, n)."""
+    x, y, z = point
+    rows = np.zeros((3, elements.mass.shape[-1]))
+    lever = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
+    rows[:, list(DOF_OF_JOINT)] = lever
+    return np.broadcast_to(rows, (*elements.mass.shape[:-2], *rows.shape))
+
+
+def _floor(elements: Elements, motion: ArrayLike | str, frequencies: int) -> ComplexArray:
+    """Displacement of each mount and axis, (…, frequency, 4, 3)."""
+    if isinstance(motion, str):
+        if motion not in DOFS:
+            raise InputError(f"motion = {motion!r}: must be one of {', '.join(DOFS)}, or displacements of the mounts")
+        column = JOINTS.index(motion)
+        up = elements.plate + elements.foot
+        parts = [part[..., column] for part in (elements.along, elements.across, up)]
+        slab = np.stack(parts, axis=-1)[..., None, :, :]
+        return np.broadcast_to(slab, (*slab.shape[:-3], frequencies, N_MOUNTS, len(AXES))).astype(complex)
+    array = np.asarray(motion, complex)
+    if array.ndim < 2 or array.shape[-2:] != (N_MOUNTS, len(AXES)):
+        raise InputError(f"motion: has shape {array.shape}; it must end in (frequency, {N_MOUNTS}, {len(AXES)})")
+    if array.ndim == 2:
+        array = array[None]
+    return np.broadcast_to(array, (*array.shape[:-3], frequencies, N_MOUNTS, len(AXES)))
+
+
+# --- modes --------------------------------------------------------------------------------------------------------
+
+
+def _tipping_margin(elements: Elements) -> Array:
+    """1 − the largest eigenvalue of K⁻¹G: stiffness K of the membranes and feet, G what gravity takes of it.
+
+    Heave and rocking (and plates) decide; sideways motion does not meet gravity. NaN where nothing carries.
+    """
+    sideways = [JOINTS.index(dof) for dof in ("x", "y", "rz")]
+    upright = [k for k in range(elements.mass.shape[-1]) if k not in sideways]
+    own, taken = (part[..., upright, :][..., upright] for part in (elements.stiffness, elements.toppling))
+    ratio = solve(own + taken, taken)
+    lost = np.asarray(~np.isfinite(ratio).all(axis=(-2, -1)))
+    share = np.linalg.eigvals(np.where(lost[..., None, None], 0.0, ratio)).real.max(axis=-1)
+    return np.asarray(np.where(lost, np.nan, 1.0 - share))
+
+
+def _plane_frequencies(elements: Elements, oil: Oil | None) -> Array:
+    """Geometric mean of the two undamped frequencies in the planes about x and y, (…, 2) [rad/s]; oil locked."""
+    stiffness = elements.stiffness
+    if oil is not None:
+        locked = oil.stretch * sum(a**2 / c for a, c in zip(oil.areas, oil.compliances, strict=True))
+        stiffness = stiffness + np.einsum("...in,...i,...im->...nm", elements.plate, locked, elements.plate)
+    planes = []
+    for dofs in _GROUPS[:2]:
+        own = [JOINTS.index(dof) for dof in dofs]
+        k, m = (np.linalg.det(matrix[..., own, :][..., own]) for matrix in (stiffness, elements.mass))
+        planes.append(np.abs(k / m) ** 0.25)
+    return np.stack(planes, axis=-1)
+
+
+def _label(
+    elements: Elements, poles: ComplexArray, vectors: ComplexArray, plane_frequencies: Array
+) -> NDArray[np.int64]:
+    """Which pole is which of `RIGID_MODES`, (…, 6); −1: none oscillates so.
+
+    Names go to the six slowest oscillations by where the machine's kinetic energy is, so that the sum of the shares is
+    greatest; within a plane by frequency. One that is left alone in its plane (the other tips over, or creeps) is the
+    upper or the lower by the side of the mean undamped frequency that it is on.
+    """
+    at = elements.values.common
+    n = elements.mass.shape[-1]
+    moved = np.einsum("...on,...np->...op", elements.cg, vectors[..., :n, :])
+    weights = np.stack([at["mass"]] * 3 + [at[f"inertia.{k}"] for k in range(3)], axis=-1)
+    energy = np.abs(moved) ** 2 * weights[..., None]
+    share = energy / np.maximum(energy.sum(axis=-2, keepdims=True), np.finfo(float).tiny)
+    groups = np.stack([sum(share[..., DOFS.index(dof), :] for dof in dofs) for dofs in _GROUPS], axis=-2)
+    chosen = np.full((*poles.shape[:-1], len(RIGID_MODES)), -1, np.int64)
+    for design in np.ndindex(*poles.shape[:-1]):
+        size, own = np.abs(poles[design]), chosen[design]
+        candidates = np.flatnonzero(poles[design].imag > OSCILLATES * size)[: len(RIGID_MODES)]
+        if candidates.size == 0:
+            continue
+        slots, picks = linear_sum_assignment(-groups[design][:, candidates])
+        own[slots] = candidates[picks]
+        for plane, (lower, upper) in enumerate(((0, 4), (1, 5))):
+            pair = sorted(k for k in (own[lower], own[upper]) if k >= 0)
+            if len(pair) == 1:
+                pair = [-1, *pair] if size[pair[0]] > plane_frequencies[design][plane] else [*pair, -1]
+            if pair:
+                own[lower], own[upper] = pair
+    return chosen

@@ -1,0 +1,1 @@
+"""What signals say: spectra, bands, identified modes. No machine in it."""

@@ -1,0 +1,80 @@
+"""Isolators and oils that a scenario names."""
+
+from ehamj.isolator.actuator import Actuator
+
+FIRST_GENERATION = Actuator()
+"""The paper's first prototype (Table I)."""
+
+RECOMMENDED = Actuator(
+    chamber_volume=FIRST_GENERATION.chamber_volume / 2,
+    piston_area=FIRST_GENERATION.piston_area * 2,
+    flow_pressure=FIRST_GENERATION.flow_pressure * 2,
+    sources={"chamber_volume": "paper", "piston_area": "paper", "flow_pressure": "paper"},
+)
+"""The paper's recommendation (section 5): half the volume, twice the area and the flow-pressure coefficient."""
+
+ELASTIC_MOUNT = Actuator(
+    piston_area=1e-6,  # its oil carries 7 N at most, of 10 kN
+    membrane_stiffness=1e6,
+    membrane_damping=3.2e3,
+    lateral_stiffness=5e5,
+    lateral_damping=1.6e3,
+    sources=dict.fromkeys(
+        ("piston_area", "membrane_stiffness", "membrane_damping", "lateral_stiffness", "lateral_damping"), "assumed"
+    ),
+)
+"""A passive spring mount, in place of the actuator: four carry 4 t at 5 Hz vertically, damping ratio 5 %."""
+
+PNEUMATIC_MOUNT = Actuator(
+    # Spring and damping chamber of 2.1 dm³ together at 6 bar, of which n·p·A²/V is membrane_stiffness; what the
+    # narrow bore between them adds above its frequency, as much again, is K_h = 4βA²/V_t, with β = n·p.
+    piston_area=0.02,
+    bulk_modulus=8.4e5,
+    chamber_volume=8.4e-3,
+    moving_volume=False,  # the pressure carries the weight, and the piston stays in the middle
+    flow_pressure=3.75e-8,
+    edge_leakage_share=1e-3,
+    membrane_stiffness=1.6e5,
+    membrane_damping=100.0,
+    lateral_stiffness=1e5,
+    lateral_damping=1.6e3,
+    sources=dict.fromkeys(
+        (
+            "piston_area",
+            "bulk_modulus",
+            "chamber_volume",
+            "flow_pressure",
+            "edge_leakage_share",
+            "membrane_stiffness",
+            "membrane_damping",
+            "lateral_stiffness",
+            "lateral_damping",
+        ),
+        "assumed",
+    ),
+)
+"""A passive air spring with a damping chamber, as a standard linear solid: four carry 4 t at 2 to 2.8 Hz vertically.
+
+Its spring is the membrane's, its bore the leakage across the piston (DeBra, Precision Engineering 1984). Levelling
+valves are not modelled: static stiffness is that of the gas.
+"""
+
+ACTUATOR_PRESETS: dict[str, Actuator] = {
+    "first-generation": FIRST_GENERATION,
+    "recommended": RECOMMENDED,
+    "elastic-mount": ELASTIC_MOUNT,
+    "pneumatic-mount": PNEUMATIC_MOUNT,
+}
+
+
+OILS: dict[str, dict[str, float]] = {
+    # The paper's effective modulus, with whatever air and hose it contained.
+    "paper": {},
+    # Mineral oil at 40 °C and well de-aerated; secant modulus as in textbooks (Merritt; Jelali and Kroll).
+    "mineral": {"bulk_modulus": 1.6e9, "air_fraction": 0.005, "vapour_pressure": 10.0},
+    # The same with the air of a tank that foams.
+    "mineral-aerated": {"bulk_modulus": 1.6e9, "air_fraction": 0.03, "vapour_pressure": 10.0},
+    # Fire-resistant HFC fluid: stiffer, and with the vapour pressure of its water at 40 °C.
+    "water-glycol": {"bulk_modulus": 3.2e9, "air_fraction": 0.005, "vapour_pressure": 6e3},
+}
+"""Values that belong to an oil, typical and assumed; those of an actuator's table override them."""

@@ -1,0 +1,63 @@
+"""Relative motions of a run: peak, RMS and third-octave levels."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ehamj.estimate.third_octave import band_rms
+from ehamj.judge.levels import BANDS, LEAST_ROWS, named, settled
+from ehamj.plant.axes import AXES
+from ehamj.plant.points import Relative
+
+Array = NDArray[np.float64]
+
+
+def relative_motions(
+    dataset: xr.Dataset, relatives: tuple[Relative, ...], rate: float, usable_to: float
+) -> dict[str, Any]:
+    """Each relative displacement by name, as plain data.
+
+    Returns:
+        ``from``, ``to``; ``peak`` and ``rms`` [m] per axis and ``total`` (of the distance moved), over the whole run
+        about its first value; ``third_octave_displacement`` per axis and ``total`` (of all axes together), band → RMS
+        [m], from where levels are taken.
+    """
+    if not relatives:
+        return {}
+    moved = dataset["relative_displacement"].values
+    end = float(dataset.time[-1]) if dataset.time.size else 0.0
+    part = dataset["relative_displacement"].sel(time=slice(settled(end), None)).values
+    known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
+    levels = np.full((len(known), *part.shape[1:]), np.nan)
+    if part.shape[0] >= LEAST_ROWS:
+        flat = part.reshape(part.shape[0], -1)
+        levels = band_rms(flat, rate, known).reshape(levels.shape)
+    return {
+        relative.name: {
+            "from": relative.origin,
+            "to": relative.to,
+            **_peak_and_rms(moved[:, k]),
+            "third_octave_displacement": {
+                **{axis: named(levels[:, k, a], known) for a, axis in enumerate(AXES)},
+                "total": named(np.sqrt((levels[:, k] ** 2).sum(axis=1)), known),
+            },
+        }
+        for k, relative in enumerate(relatives)
+    }
+
+
+def _peak_and_rms(moved: Array) -> dict[str, dict[str, float | None]]:
+    about = moved - moved[:1]
+    channels = {**{axis: about[:, k] for k, axis in enumerate(AXES)}, "total": np.sqrt((about**2).sum(axis=1))}
+    return {
+        "peak": {name: _number(np.abs(channel).max(initial=0.0)) for name, channel in channels.items()},
+        "rms": {
+            name: _number(np.sqrt((channel**2).mean())) if channel.size else None for name, channel in channels.items()
+        },
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

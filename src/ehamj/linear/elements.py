@@ -1,0 +1,270 @@
+"""Mass, springs, dampers and oil of the machine as matrices from closed forms, for many designs at once.
+
+Every array may have leading axes, one element per design. Coordinates are the model's joints
+(`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet; deviations from a static
+equilibrium at small rotations.
+Sources: docs/physics.md, sections 2 and 3.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ehamj.isolator.fluid import ATMOSPHERE
+from ehamj.plant.axes import JOINTS
+from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+NEWTON_STEPS = 3
+"""From level to the static equilibrium; micro-radians need one."""
+
+_X, _Y, _Z, _RX, _RY, _RZ = (JOINTS.index(dof) for dof in ("x", "y", "z", "rx", "ry", "rz"))
+
+MACHINE_VALUES = ("mass", "inertia.0", "inertia.1", "inertia.2", "cg.0", "cg.1", "cg.2")
+"""Values of the machine (`ehamj.plant.machine.Machine`), entries of vectors by number."""
+
+ACTUATOR_VALUES = (
+    "piston_area", "chamber_volume", "bulk_modulus", "vapour_pressure", "area_ratio", "volume_share", "air_fraction",
+    "polytropic_exponent", "wall_modulus", "membrane_stiffness", "membrane_damping", "lateral_stiffness",
+    "lateral_damping", "plate_mass", "foot_stiffness", "foot_damping", "flow_gain", "flow_pressure",
+    "edge_leakage_share", "laminar_ratio", "valve_gain", "valve_frequency", "valve_damping", "spool_stroke",
+    "rated_flow", "rated_drop",
+)  # fmt: skip
+"""Values of an actuator (`ehamj.isolator.actuator.Actuator`) that the linear machine depends on."""
+
+
+@dataclass(frozen=True)
+class Values:
+    """Physical values, each an array over the designs; those of the mounts with a last axis (4,).
+
+    ``common`` holds `MACHINE_VALUES`, ``gravity``, ``pressure`` and ``tank_pressure``; ``mounts`` holds
+    `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m], ``moving_volume`` (0 or 1) and ``opening_slope`` (the flow
+    curve's at null). SI, spools in mA.
+    """
+
+    common: Mapping[str, Array]
+    mounts: Mapping[str, Array]
+
+    @classmethod
+    def of(cls, plant: Plant) -> "Values":
+        """The values of one plant, shapes () and (4,)."""
+        machine = plant.machine
+        common = {"mass": machine.mass, "gravity": plant.gravity}
+        common |= {f"inertia.{k}": value for k, value in enumerate(machine.inertia)}
+        common |= {f"cg.{k}": value for k, value in enumerate(machine.cg)}
+        common |= {"pressure": plant.supply.pressure, "tank_pressure": plant.supply.tank_pressure}
+        mounts = {name: [getattr(a, name) for a in plant.actuators] for name in ACTUATOR_VALUES}
+        mounts["x"], mounts["y"] = ([position[k] for position in plant.positions] for k in range(2))
+        mounts["moving_volume"] = [float(a.moving_volume) for a in plant.actuators]
+        mounts["opening_slope"] = [
+            a.flow_curve[1][1] / a.flow_curve[1][0] if a.flow_curve else 1.0 for a in plant.actuators
+        ]
+        return cls(
+            {name: np.asarray(value, float) for name, value in common.items()},
+            {name: np.asarray(value, float) for name, value in mounts.items()},
+        )
+
+    @property
+    def middle(self) -> Array:
+        """Pressure of all chambers at rest, (P_s + P_t)/2 [Pa]: both edges of a port leak alike."""
+        return 0.5 * (self.common["pressure"] + self.common["tank_pressure"])
+
+    @property
+    def gain(self) -> Array:
+        """Flow gain at null and at rest, (…, 4) [m³/s/mA]: K_Q φ(1) times the flow curve's slope."""
+        at, rated = self.mounts, 0.5 * (self.common["pressure"] - self.common["tank_pressure"])
+        from_rating = at["rated_flow"] / at["spool_stroke"] * np.sqrt(rated[..., None] / at["rated_drop"])
+        gain = np.where(at["rated_flow"] > 0.0, from_rating, at["flow_gain"])
+        return np.asarray(gain * at["opening_slope"] / (1.0 + at["laminar_ratio"] ** 2) ** 0.25)
+
+
+@dataclass(frozen=True)
+class Elements:
+    """What the machine is made of; n coordinates, leading axes are designs.
+
+    Motions per coordinate: ``along``, ``across`` (…, 4, n) of each foot in x and y, ``plate`` (…, 4, n) of each plate
+    in z, ``foot`` (…, 4, n) of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of the
+    centre of gravity and the machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in those of
+    the machine, which stands tilted where its centre of gravity is off the centre.
+    """
+
+    values: Values
+    mass: Array
+    """Mass matrix (…, n, n)."""
+    toppling: Array
+    """What gravity takes from the stiffness (…, n, n): m g h on rocking."""
+    along: Array
+    across: Array
+    plate: Array
+    foot: Array
+    cg: Array
+    spin: Array
+
+    @classmethod
+    def of(cls, values: Values, tilt: Array | None = None) -> "Elements":
+        """Build them about a ``tilt`` (…, 2), rx and ry at rest [rad]; level without.
+
+        A foot is flexible where its stiffness is finite, which must be so in all designs or in none.
+        """
+        common, at = values.common, values.mounts
+        shape = np.broadcast_shapes(*(value.shape for value in common.values()), *(v.shape[:-1] for v in at.values()))
+        flexible = np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)
+        if (flexible != flexible[0]).any():
+            raise ValueError("foot_stiffness: must be finite in all designs, or infinite in all")
+        soft = np.flatnonzero(flexible[0])
+        n = len(JOINTS) + soft.size
+        along, across, up, plate = np.zeros((4, *shape, N_MOUNTS, n))
+        x, y = (np.broadcast_to(at[name], (*shape, N_MOUNTS)) for name in "xy")
+        along[..., _X], along[..., _RZ] = 1.0, -y
+        across[..., _Y], across[..., _RZ] = 1.0, x
+        up[..., _Z], up[..., _RX], up[..., _RY] = 1.0, y, -x
+        plate[...] = up
+        plate[..., soft, :] = 0.0
+        plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
+        cg, spin, lift = _turning(common, shape, n, np.zeros((*shape, 2)) if tilt is None else tilt)
+        weights = [common["mass"]] * 3 + [common[f"inertia.{k}"] for k in range(3)]
+        own = np.stack([np.broadcast_to(weight, shape) for weight in weights], axis=-1)
+        mass = _quadratic(cg[..., :3, :], own[..., :3]) + _quadratic(spin, own[..., 3:])
+        mass = mass + _quadratic(plate, at["plate_mass"])
+        toppling = np.zeros((*shape, n, n))
+        rocking = np.array([_RX, _RY])
+        toppling[..., rocking[:, None], rocking] = -(common["mass"] * common["gravity"])[..., None, None] * lift
+        return cls(values, mass, toppling, along, across, plate, up - plate, cg, spin)
+
+    @classmethod
+    def at_rest(cls, values: Values) -> tuple["Elements", Array]:
+        """About the static equilibrium under gravity, and the stroke of each mount there, (…, 4) [m].
+
+        Level, and NaN, where the stiffness is singular.
+        """
+        found = cls.of(values)
+        rest = found._rest(np.zeros(found.mass.shape[:-1]))
+        for _ in range(NEWTON_STEPS):
+            tilt = np.nan_to_num(rest[..., [_RX, _RY]], nan=0.0, posinf=0.0, neginf=0.0)
+            found = cls.of(values, tilt)
+            rest = found._rest(rest)
+        return found, np.asarray(np.einsum("...in,...n->...i", found.plate, rest))
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness (…, n, n) of membranes and feet, gravity's toppling included; without oil."""
+        return self._sum("lateral_stiffness", "membrane_stiffness", "foot_stiffness") - self.toppling
+
+    @property
+    def damping(self) -> Array:
+        """Damping (…, n, n) of membranes and feet."""
+        return self._sum("lateral_damping", "membrane_damping", "foot_damping")
+
+    def _sum(self, lateral: str, vertical: str, foot: str) -> Array:
+        at = self.values.mounts
+        own = np.where(np.isfinite(at["foot_stiffness"]), at[foot], 0.0)
+        sideways = _quadratic(self.along, at[lateral]) + _quadratic(self.across, at[lateral])
+        return sideways + _quadratic(self.plate, at[vertical]) + _quadratic(self.foot, own)
+
+    def _rest(self, near: Array) -> Array:
+        """Static equilibrium under gravity and the oil's mean pressure, (…, n): one step of Newton's from ``near``, at
+        whose tilt these elements are."""
+        at, common = self.values.mounts, self.values.common
+        oil = at["piston_area"] * (1.0 - at["area_ratio"]) * self.values.middle[..., None]
+        load = np.einsum("...in,...i->...n", self.plate, oil - at["plate_mass"] * common["gravity"][..., None])
+        load = load - (common["mass"] * common["gravity"])[..., None] * self.cg[..., 2, :]
+        return solve(self.stiffness, (load - np.einsum("...nm,...m->...n", self.toppling, near))[..., None])[..., 0]
+
+
+def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, tilt: Array) -> tuple[Array, Array, Array]:
+    """``cg`` and ``spin`` of `Elements` at a tilt, and the CG's height over rx and ry in second order, (…, 2, 2).
+
+    The joints turn in the order rz, rx, ry, each about an axis that those before have turned; rz is zero at rest.
+    """
+    sx, sy = np.sin(tilt[..., 0]), np.sin(tilt[..., 1])
+    qx, qy = np.cos(tilt[..., 0]), np.cos(tilt[..., 1])
+    one, zero = np.ones(shape), np.zeros(shape)
+    cx, cy, cz = (np.broadcast_to(common[f"cg.{k}"], shape) for k in range(3))
+    across, up = qy * cx + sy * cz, qy * cz - sy * cx  # after ry
+    place = np.stack([across, qx * cy - sx * up, sx * cy + qx * up], axis=-1)
+    axes = {_RZ: (zero, zero, one), _RX: (one, zero, zero), _RY: (zero, qx, sx)}
+    turned = {_RZ: (-qx * sy, sx, qx * qy), _RX: (qy, zero, sy), _RY: (zero, one, zero)}  # in the machine's axes
+    cg, spin = np.zeros((*shape, 6, n)), np.zeros((*shape, 3, n))
+    cg[..., range(3), [_X, _Y, _Z]] = 1.0
+    for joint, axis in axes.items():
+        about = np.stack(axis, axis=-1)
+        cg[..., :3, joint], cg[..., 3:, joint] = np.cross(about, place), about
+        spin[..., joint] = np.stack(turned[joint], axis=-1)
+    mixed = -sx * -across
+    lift = np.stack([np.stack([-place[..., 2], mixed], -1), np.stack([mixed, -qx * up], -1)], -2)
+    return cg, spin, lift
+
+
+@dataclass(frozen=True)
+class Oil:
+    """The chambers' oil about rest; last axis the mounts."""
+
+    areas: tuple[Array, Array]
+    """Areas of chambers 1 and 2 [m²]."""
+    compliances: tuple[Array, Array]
+    """Oil that enters per pressure, walls included, V (w/β + 1/β_w) [m³/Pa]."""
+    stretch: Array
+    """w = 1 + (p − p₀)/β_w [-]."""
+    edge: Array
+    """g₀ [m³/s/Pa]."""
+    cross: Array
+    """c [m³/s/Pa]."""
+
+    @classmethod
+    def of(cls, values: Values, strokes: Array, pressures: tuple[ArrayLike, ArrayLike] | None = None) -> "Oil":
+        """The oil with the pistons at ``strokes`` [m], chambers at ``pressures`` [Pa] (without: their middle)."""
+        at = values.mounts
+        middle = values.middle[..., None]
+        one, two = (middle, middle) if pressures is None else (np.asarray(p, float) for p in pressures)
+        areas = at["piston_area"], at["piston_area"] * at["area_ratio"]
+        moved = at["moving_volume"] * strokes
+        volumes = (
+            at["volume_share"] * at["chamber_volume"] + areas[0] * moved,
+            (1.0 - at["volume_share"]) * at["chamber_volume"] - areas[1] * moved,
+        )
+        stretch = 1.0 + (middle - ATMOSPHERE) / at["wall_modulus"]
+        compliances = tuple(
+            volume * ((1.0 + (p - ATMOSPHERE) / at["wall_modulus"]) / oil_modulus(values, p) + 1.0 / at["wall_modulus"])
+            for volume, p in zip(volumes, (one, two), strict=True)
+        )
+        leak = at["flow_pressure"]
+        edge = at["edge_leakage_share"] * leak
+        return cls(areas, compliances, stretch, edge, leak - edge)  # type: ignore[arg-type]
+
+    @property
+    def empty(self) -> Array:
+        """Where a chamber would have no room left (…,), or there is no rest at all."""
+        least = np.minimum(*self.compliances)
+        return np.asarray(~(least > 0.0).all(axis=-1))
+
+
+def oil_modulus(values: Values, pressure: Array) -> Array:
+    """Bulk modulus of oil with entrained air [Pa], as `ehamj.isolator.fluid.oil_modulus`, (…, 4)."""
+    at = values.mounts
+    liquid = (1.0 - at["air_fraction"]) * np.exp((ATMOSPHERE - pressure) / at["bulk_modulus"])
+    gas = at["air_fraction"] * (ATMOSPHERE / pressure) ** (1.0 / at["polytropic_exponent"])
+    compliance = liquid / at["bulk_modulus"] + gas / (at["polytropic_exponent"] * pressure)
+    return np.asarray((liquid + gas) / compliance)
+
+
+def _quadratic(motion: Array, weight: Array) -> Array:
+    """Σ w u uᵀ over the rows u of ``motion`` (…, k, n), weights (…, k)."""
+    return np.asarray(np.einsum("...in,...i,...im->...nm", motion, weight, motion))
+
+
+def solve(matrix: Array, right: Array) -> Array:
+    """Batched solution, NaN where a matrix is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right), float)
+    except np.linalg.LinAlgError:
+        shape = np.broadcast_shapes(matrix.shape[:-2], right.shape[:-2])
+        matrix, right = (np.broadcast_to(part, (*shape, *part.shape[-2:])) for part in (matrix, right))
+        found = np.full(right.shape, np.nan)
+        for at in np.ndindex(*shape):
+            if np.linalg.matrix_rank(matrix[at]) == matrix.shape[-1]:
+                found[at] = np.linalg.solve(matrix[at], right[at])
+        return found

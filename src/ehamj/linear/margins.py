@@ -1,0 +1,223 @@
+"""Loop gains of machine and digital controller, and the margins that practitioners ask for.
+
+The loop is broken at the four valves together, L(jω) = −C(e^{jωT})·hold·delay·G(jω), (valve, valve), G from the
+commands to the readings. Images of the machine around the sampling rate are left out: oil, valve and instruments let
+nothing through there (1e-4 of the loop gain). Broken at one place only (a valve, a motion, a reading) while everything
+else stays closed, the loop gain is 1/S_kk − 1 of the sensitivity S there.
+
+Margins of one place are classical; the disk margin of all valves at once (Seiler, Packard and Gahinet, "An introduction
+to disk margins", IEEE Control Systems 40(5), 2020; balanced, σ = 0) tells how much gain and phase may change at all
+four together and independently, since one loop at a time misleads.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ehamj.control import LinearController
+from ehamj.control.architectures.modal import MOTIONS, plane, warp
+from ehamj.control.law import OUTPUTS
+from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.sampled import sampled_loop
+from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+PATTERNS: Final = (*MOTIONS, "warp")
+"""The four patterns in which the valves move together."""
+
+STABLE: Final = 1.0 + 1e-9
+"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins of one loop gain: infinite where it never crosses.
+
+    ``gain`` [dB] is the smallest change of gain, up or down, to the stability boundary; ``phase`` [deg] likewise;
+    ``disk`` the balanced disk margin α (2 at most); ``peak`` the largest sensitivity |1/(1 + L)| and ``peak_hertz``
+    where it is; ``crossings`` the frequencies at which |L| = 1 [Hz].
+    """
+
+    gain: float
+    phase: float
+    disk: float
+    peak: float
+    peak_hertz: float
+    crossings: tuple[float, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data; null where a margin is infinite."""
+        gain, phase = (value if np.isfinite(value) else None for value in (self.gain, self.phase))
+        return {
+            "gain_db": gain, "phase_deg": phase, "disk": self.disk, "peak_sensitivity": self.peak,
+            "peak_hz": self.peak_hertz, "crossings_hz": list(self.crossings),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LoopReport:
+    """What a closed loop has in hand.
+
+    ``stable`` by the eigenvalues of the sampled loop. ``valves``, ``motions`` (heave, roll, pitch, warp) and
+    ``readings`` hold the margins at each place with the rest closed; ``disk`` is that of all four valves at once.
+    """
+
+    stable: bool
+    disk: float
+    valves: Mapping[str, Margins]
+    motions: Mapping[str, Margins]
+    readings: Mapping[str, Margins]
+
+    @property
+    def worst(self) -> tuple[float, float, float]:
+        """Least gain [dB], phase [deg] and disk margin over valves, motions and readings, and all valves at once."""
+        found = [*self.valves.values(), *self.motions.values(), *self.readings.values()]
+        return min(m.gain for m in found), min(m.phase for m in found), min(self.disk, *(m.disk for m in found))
+
+    def to_dict(self, places: Sequence[str] = ("valves", "motions", "readings")) -> dict[str, Any]:
+        """As plain data, with the margins at some kinds of ``places``."""
+        gain, phase, disk = self.worst
+        finite = [value if np.isfinite(value) else None for value in (gain, phase)]
+        chosen = {name: {key: m.to_dict() for key, m in getattr(self, name).items()} for name in places}
+        return {
+            "stable": self.stable, "gain_db": finite[0], "phase_deg": finite[1], "disk": disk,
+            "disk_all_valves": self.disk, **chosen,
+        }  # fmt: skip
+
+
+def own_readings(law: LinearController) -> list[int]:
+    """Numbers of the law's inputs that measure the machine, and not the ground."""
+    return [k for k, name in enumerate(law.inputs) if not name.startswith("ground_")]
+
+
+def feeds_back(law: LinearController | None) -> bool:
+    """Whether a law measures anything of the machine."""
+    return law is not None and bool(own_readings(law))
+
+
+def grid(law: LinearController, model: LinearModel | None = None) -> Array:
+    """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances."""
+    half = 0.5 / max(part.period for part in law.parts)
+    found = [np.geomspace(0.02, 0.99 * half, 250), np.geomspace(20.0, min(700.0, 0.9 * half), 150)]
+    if model is not None:
+        poles = np.linalg.eigvals(model.A)
+        for pole in poles[poles.imag > 0]:
+            centre, width = abs(pole) / (2 * np.pi), abs(pole.real) / (2 * np.pi)
+            found.append(centre + width * np.linspace(-4.0, 4.0, 17))
+    together = np.unique(np.concatenate(found))
+    return together[(together >= 0.02) & (together < half)]
+
+
+def loop_gain(
+    model: LinearModel, law: LinearController, hertz: ArrayLike, sensors: Sensors = IDEAL, seed: int = 0
+) -> ComplexArray:
+    """L at the valves, (frequency, 4, 4): negative feedback, u = −L u.
+
+    Args:
+        model: linearised machine.
+        law: digital controller.
+        hertz: frequencies (n,) below half the rate [Hz].
+        sensors: instruments of the law.
+        seed: of the scenario, which draws the directions of misalignments.
+    """
+    commands, plant = _halves(model, law, np.atleast_1d(np.asarray(hertz, float)), sensors, seed)
+    return -commands @ plant
+
+
+def _halves(
+    model: LinearModel, law: LinearController, f: Array, sensors: Sensors, seed: int
+) -> tuple[ComplexArray, ComplexArray]:
+    """Law with delay and hold (frequency, 4, readings), and readings over commands (frequency, readings, 4).
+
+    Readings are those of the machine (`own_readings`); the ground does not answer commands.
+    """
+    own = own_readings(law)
+    chosen = [law.inputs[k] for k in own]
+    names, shares = sensors.mixtures(chosen, seed)
+    answer = shares @ model.response(f, names, OUTPUTS)
+    return law.response(f)[:, :, own], sensors.response(chosen, f)[:, :, None] * answer
+
+
+def report(
+    model: LinearModel, law: LinearController, sensors: Sensors = IDEAL, seed: int = 0, hertz: ArrayLike | None = None
+) -> LoopReport:
+    """Margins at every place where the loop can be broken.
+
+    Args:
+        model: linearised machine.
+        law: digital controller that measures something of the machine.
+        sensors: instruments of the law.
+        seed: of the scenario.
+        hertz: frequencies [Hz]; `grid` without.
+
+    Raises:
+        ValueError: if the law only measures the ground: there is no loop.
+    """
+    if not feeds_back(law):
+        raise ValueError("the law measures nothing of the machine: there is no loop")
+    f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
+    commands, plant = _halves(model, law, f, sensors, seed)
+    sensitivity = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ plant), complex)
+    basis = np.column_stack([plane(model.plant), warp(model.plant)])
+    moved = np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
+    at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", plant, sensitivity, commands, optimize=True)
+    radius = float(np.abs(np.linalg.eigvals(sampled_loop(model, law, sensors, seed).A)).max())
+    return LoopReport(
+        radius < STABLE,
+        disk_margin(sensitivity),
+        {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(MOUNTS)},
+        {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(PATTERNS)},
+        {law.inputs[name]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k, name in enumerate(own_readings(law))},
+    )
+
+
+def disk_margin(sensitivity: ComplexArray) -> float:
+    """Balanced disk margin of all loops at once: 1/max µ(S − 1/2), µ for complex, diagonal changes (SLICOT AB13MD).
+
+    Args:
+        sensitivity: S, (frequency, n, n).
+    """
+    from slycot import ab13md
+
+    n = sensitivity.shape[1]
+    blocks, kinds = np.ones(n, int), np.full(n, 2)
+    centred = sensitivity - 0.5 * np.eye(n)
+    # µ lies between the spectral radius and the largest singular value: where that is small, µ cannot be the largest.
+    upper = np.linalg.norm(centred, 2, axis=(1, 2))
+    lower = np.abs(np.linalg.eigvals(centred)).max(axis=1)
+    worth = np.flatnonzero(upper >= lower.max() * (1.0 - 1e-9))
+    mu = max(float(ab13md(np.ascontiguousarray(centred[k]), blocks, kinds)[0]) for k in worth)
+    return 1.0 / max(mu, 0.5)
+
+
+def margins(hertz: Array, loop: NDArray[Any]) -> Margins:
+    """Margins of one loop gain (n,) at frequencies (n,) [Hz], interpolated between them."""
+    size, turn = np.abs(loop), np.unwrap(np.angle(loop))
+    sensitivity = 1.0 / (1.0 + loop)
+    disk = 1.0 / max(float(np.abs(sensitivity - 0.5).max()), 0.5)
+    log = np.log(np.maximum(size, 1e-300))
+    crossed = np.flatnonzero(log[:-1] * log[1:] < 0)
+    share = log[crossed] / (log[crossed] - log[crossed + 1])
+    angle = turn[crossed] + share * (turn[crossed + 1] - turn[crossed])
+    crossings = hertz[crossed] + share * (hertz[crossed + 1] - hertz[crossed])
+    off = np.abs((angle + 2 * np.pi) % (2 * np.pi) - np.pi)  # distance to −180°
+    halves = np.floor((turn + np.pi) / (2 * np.pi))
+    through = np.flatnonzero(halves[:-1] != halves[1:])
+    target = np.maximum(halves[through], halves[through + 1]) * 2 * np.pi - np.pi
+    part = (target - turn[through]) / (turn[through + 1] - turn[through])
+    level = log[through] + part * (log[through + 1] - log[through])
+    worst = int(np.argmax(np.abs(sensitivity)))
+    return Margins(
+        gain=float(np.abs(20.0 / np.log(10.0) * level).min(initial=np.inf)),
+        phase=float(np.degrees(off.min(initial=np.inf))),
+        disk=disk,
+        peak=float(np.abs(sensitivity[worst])),
+        peak_hertz=float(hertz[worst]),
+        crossings=tuple(float(value) for value in crossings),
+    )

@@ -1,0 +1,162 @@
+"""What a mode shape means: where it turns, whether it moves in step, where its energy is and what takes it.
+
+Shapes are complex: real where all parts are in step. Energies are means over a cycle.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.control.channels import point_row
+from ehamj.linear.elements import Elements, Oil, Values
+from ehamj.plant.axes import AXES, DOFS, JOINTS
+from ehamj.plant.machine import Machine
+from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.plant import Plant
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+FAR = 1e4
+"""Distance of an axis [m] beyond which a motion turns about nothing."""
+
+
+def at_point(shape: ComplexArray, point: Sequence[float]) -> ComplexArray:
+    """Motion of a point of the machine, (3,) [m], from that of the mount plane's centre (6,) [m, rad]."""
+    return np.array([point_row(tuple(point), axis) @ shape for axis in range(len(AXES))])
+
+
+def weights(machine: Machine) -> Array:
+    """Mass [kg] and inertias [kg m²] of a motion taken at the centre of gravity, (6,)."""
+    return np.array([machine.mass] * 3 + list(machine.inertia))
+
+
+def at_cg(machine: Machine, shape: ComplexArray) -> ComplexArray:
+    """Translation of the centre of gravity and rotation, (6,) [m, rad]."""
+    return np.concatenate([at_point(shape, machine.cg), shape[3:]])
+
+
+def in_phase(machine: Machine, shape: ComplexArray) -> tuple[Array, float]:
+    """The part of a shape that moves in step, and how far the rest is out of step.
+
+    The phase is that at which the kinetic energy of the part in step is greatest.
+
+    Returns:
+        The part in step (6,), its largest entry positive; and the angle whose tangent is the ratio of the root energies
+        out of step and in step [deg]: 0 where the shape is real, 45 where it circulates.
+    """
+    motion, w = at_cg(machine, shape), weights(machine)
+    turn = np.exp(-0.5j * np.angle(np.sum(w * motion**2)))
+    part = (shape * turn).real
+    if part[np.argmax(np.abs(part))] < 0.0:
+        part = -part
+    energies = [float(np.sum(w * size**2)) for size in ((motion * turn).imag, (motion * turn).real)]
+    return part, float(np.degrees(np.arctan2(*np.sqrt(energies))))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Where a small motion turns about: ``point`` [m], the nearest to the mount plane's centre, ``direction`` (unit),
+    and ``pitch`` [m/rad], how far it moves along the axis per angle (0: a plain turn)."""
+
+    point: Array
+    direction: Array
+    pitch: float
+
+    def __str__(self) -> str:
+        """In words: the axis that it is parallel to, and where it passes [m]."""
+        main = int(np.argmax(np.abs(self.direction)))
+        place = ", ".join(f"{AXES[k]} {round(self.point[k], 2) + 0.0:.2f}" for k in range(3) if k != main)
+        kind = f"{AXES[main]} axis" if abs(self.direction[main]) > 0.99 else "a slanted axis"
+        return f"{kind} at {place} m".replace("-", "−")
+
+
+def centre_of_rotation(motion: Array) -> Axis | None:
+    """Axis about which a real motion of the mount plane's centre (6,) [m, rad] turns; None: it translates."""
+    u, theta = motion[:3], motion[3:]
+    square = float(theta @ theta)
+    point = np.cross(theta, u)
+    if square == 0.0 or float(np.linalg.norm(point)) > FAR * square:
+        return None
+    direction = theta / np.sqrt(square)
+    if direction[np.argmax(np.abs(direction))] < 0.0:
+        direction = -direction
+    return Axis(point / square, direction, float(u @ theta) / square)
+
+
+@dataclass(frozen=True)
+class Energies:
+    """Where the energy of an oscillation is, as shares [-], and what damps it.
+
+    ``kinetic`` per degree of freedom of the machine at its centre of gravity, and of the ``plates``. ``strain`` per
+    mount: membranes, feet and oil. ``damping`` per mount: what its membranes and its leakage add to the damping ratio;
+    ``damping_by`` the same by cause. With valves held the sum is the mode's damping ratio.
+    """
+
+    kinetic: dict[str, float]
+    strain: dict[str, float]
+    strain_by: dict[str, float]
+    damping: dict[str, float]
+    damping_by: dict[str, float]
+
+
+def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: ComplexArray, omega: float) -> Energies:
+    """Energies of a complex state.
+
+    Args:
+        plant: the machine.
+        equilibrium: the state of rest that the vector deviates from (`LinearModel.equilibrium`).
+        states: names of the entries of ``vector``, of which more may follow; without pressures the oil counts nothing.
+        vector: deviations in SI.
+        omega: |λ| [rad/s], over which the lost power counts as damping.
+    """
+    values = Values.of(plant)
+    index = {name: k for k, name in enumerate(states)}
+    parts = Elements.of(values, equilibrium[[index["displacement rx"], index["displacement ry"]]])
+    joints = [*JOINTS, *(f"plate {m}" for m, a in zip(MOUNTS, plant.actuators, strict=True) if not a.rigid_foot)]
+    at = [index[f"displacement {joint}"] for joint in joints]
+    q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
+    mounts = values.mounts
+    sideways, up, foot = (parts.along, parts.across), parts.plate, parts.foot
+    k_foot, c_foot = (
+        np.where(np.isfinite(mounts["foot_stiffness"]), mounts[f"foot_{what}"], 0.0)
+        for what in ("stiffness", "damping")
+    )
+
+    def held(motion: ComplexArray, kind: str, own: Array) -> dict[str, Array]:
+        lateral = sum(np.abs(part @ motion) ** 2 for part in sideways)
+        return {
+            "lateral membranes": mounts[f"lateral_{kind}"] * lateral,
+            "vertical membranes": mounts[f"membrane_{kind}"] * np.abs(up @ motion) ** 2,
+            "feet": own * np.abs(foot @ motion) ** 2,
+        }
+
+    spring, lost = held(q, "stiffness", k_foot), held(qd, "damping", c_foot)
+    if f"pressure_1 {MOUNTS[0]}" in index:
+        columns = [[index[f"pressure_{chamber} {mount}"] for mount in MOUNTS] for chamber in (1, 2)]
+        one, two = (vector[column] for column in columns)
+        oil = Oil.of(values, up @ equilibrium[at], tuple(equilibrium[column] for column in columns))  # type: ignore[arg-type]
+        # Where walls give way a piston sweeps w times its area: what the oil takes up counts over w.
+        spring["oil"] = (oil.compliances[0] * np.abs(one) ** 2 + oil.compliances[1] * np.abs(two) ** 2) / oil.stretch
+        leaks = 2.0 * oil.edge * (np.abs(one) ** 2 + np.abs(two) ** 2) + oil.cross * np.abs(one - two) ** 2
+        lost["leakage"] = leaks / oil.stretch
+    turning = np.concatenate([parts.cg[:3], parts.spin]) @ qd
+    own_kinetic = weights(plant.machine) * np.abs(turning) ** 2
+    plates = float(np.sum(mounts["plate_mass"] * np.abs(up @ qd) ** 2))
+    moving = float(own_kinetic.sum()) + plates
+    kinetic = dict(zip((*DOFS, "plates"), (*own_kinetic / moving, plates / moving), strict=True))
+    strained = sum(float(part.sum()) for part in spring.values())
+    total = moving + strained - float(np.real(q.conj() @ parts.toppling @ q))
+    return Energies(
+        {name: float(share) for name, share in kinetic.items()},
+        _each(np.sum(list(spring.values()), axis=0) / strained),
+        {name: float(part.sum()) / strained for name, part in spring.items()},
+        _each(np.sum(list(lost.values()), axis=0) / (omega * total)),
+        {name: float(part.sum()) / (omega * total) for name, part in lost.items()},
+    )
+
+
+def _each(values: Array) -> dict[str, float]:
+    return dict(zip(MOUNTS, values.tolist(), strict=True))

@@ -1,9 +1,0 @@
-"""The corner where MuJoCo's process-global callbacks live.
-
-`offsets` finds the fields of mjModel and mjData, `pointers` reads them in compiled code, `callbacks` is the
-hydraulics as seen by MuJoCo, `stepping` the loop around it, `hold` the context manager that installs and restores.
-"""
-
-from ehamj.native.hold import ForeignCallbackError, hydraulics
-
-__all__ = ["ForeignCallbackError", "hydraulics"]

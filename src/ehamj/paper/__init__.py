@@ -1,0 +1,1 @@
+"""The source paper: its actuator, its cases and claims, its figures."""

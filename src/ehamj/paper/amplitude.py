@@ -1,0 +1,120 @@
+"""How the response changes with amplitude: sine commands from 1 to 90 % of full signal, measured in the simulation.
+
+The paper's valve is a lag at any amplitude; the real one is slow at large signals, since its drive saturates, and the
+root law of its edges bends with the load. Gain and phase are those of the fundamental (describing function).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ehamj.result import Result, written_whole
+from ehamj.rig.lines import channel
+from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
+
+SHARES = (0.01, 0.05, 0.25, 0.50, 0.90)
+FREQUENCIES = (5.0, 10.0, 20.0, 50.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 300.0)
+PERIODS = 10
+"""Whole periods that a gain is taken from."""
+
+
+@dataclass(frozen=True)
+class AmplitudeStudy:
+    """Which machine is driven how: all four valves alike, ``shares`` of full command, at ``frequencies`` [Hz]."""
+
+    scenario: Scenario
+    shares: Sequence[float] = SHARES
+    frequencies: Sequence[float] = FREQUENCIES
+    settling: float = 1.0
+    """Time before the evaluated periods [s]."""
+
+
+def amplitude_response(study: AmplitudeStudy) -> xr.Dataset:
+    """Response of spool and stroke to the command, by amplitude.
+
+    Returns:
+        ``spool_gain`` [mA/V], ``spool_phase`` [deg], ``stroke_gain`` [m/V], ``stroke_phase`` [deg] over ``share`` [-]
+        and ``frequency`` [Hz].
+    """
+    runs = simulate_many(_driven(study, share, hertz) for share in study.shares for hertz in study.frequencies)
+    limit = study.scenario.plant.actuators[0].voltage_limit
+    shape = (len(study.shares), len(study.frequencies))
+    cases = [(share * limit, hertz) for share in study.shares for hertz in study.frequencies]
+    data: dict[str, tuple[tuple[str, str], np.ndarray, dict[str, str]]] = {}
+    for name, unit, text in (("spool", "mA/V", "spool"), ("stroke", "m/V", "plate over the ground")):
+        pairs = zip(runs, cases, strict=True)
+        answer = np.array([_fundamental(run, f"{name} front-left", *case) for run, case in pairs]).reshape(shape)
+        over = ("share", "frequency")
+        data[f"{name}_gain"] = (over, np.abs(answer), {"units": unit, "long_name": f"gain, command to {text}"})
+        phase = np.degrees(np.unwrap(np.angle(answer), axis=1))
+        data[f"{name}_phase"] = (over, phase, {"units": "deg", "long_name": f"phase, command to {text}"})
+    coordinates = {
+        "share": ("share", list(study.shares), {"units": "1", "long_name": "command over its full range"}),
+        "frequency": ("frequency", list(study.frequencies), {"units": "Hz", "long_name": "frequency"}),
+    }
+    return xr.Dataset(data, coordinates, {"title": f"amplitude dependence of {study.scenario.name}"})
+
+
+def _driven(study: AmplitudeStudy, share: float, hertz: float) -> Scenario:
+    amplitude = share * study.scenario.plant.actuators[0].voltage_limit
+    signal = {"kind": "sine", "amplitude": amplitude, "frequency": hertz}
+    samples = int(np.ceil(8000.0 / hertz))  # per period: periods are whole numbers of rows, and steps fine enough
+    table = study.scenario.model_dump() | {
+        "ground": {"kind": "rest"},
+        "control": {"kind": "open-loop", "signals": (signal,)},
+        "compare": (),
+        "plates": "tied",
+        "duration": np.ceil(study.settling * hertz) / hertz + PERIODS / hertz,
+        "record_rate": samples * hertz,
+    }
+    return parse_scenario(table)
+
+
+def _fundamental(run: Result, name: str, amplitude: float, hertz: float) -> complex:
+    """Complex gain at the driving frequency over the last whole periods."""
+    rate = run.scenario.record_rate
+    count = round(PERIODS * rate / hertz)
+    time = run.dataset["time"].values[-count:]
+    values = channel(run.dataset, name)[-count:]
+    line = 2.0 * np.mean((values - values.mean()) * np.exp(-2j * np.pi * hertz * time))
+    return complex(line / (-1j * amplitude))
+
+
+def amplitude_figure(response: xr.Dataset):  # type: ignore[no-untyped-def]
+    """Gain and phase of the stroke over frequency, one line per amplitude, as a matplotlib Figure."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    colors = colormaps["viridis"](np.linspace(0.0, 0.85, response.sizes["share"]))
+    for share, color in zip(response["share"].values, colors, strict=True):
+        one = response.sel(share=share)
+        above.loglog(one["frequency"], 1e6 * one["stroke_gain"], "o-", ms=3.5, color=color, label=f"±{100 * share:g} %")
+        below.semilogx(one["frequency"], one["stroke_phase"], "o-", ms=3.5, color=color)
+    above.set_ylabel("stroke over command [µm/V]")
+    below.set_ylabel("phase [deg]")
+    below.set_xlabel("frequency [Hz]")
+    below.axhline(-180.0, color="0.5", lw=0.8)
+    above.legend(title="amplitude of the command", fontsize="small")
+    for axes in (above, below):
+        axes.grid(True, which="both", lw=0.3)
+    ticks = (5, 10, 20, 50, 100, 200, 300)
+    below.set_xticks(ticks, [str(tick) for tick in ticks])
+    below.minorticks_off()
+    return figure
+
+
+def write_amplitude(folder: Path, response: xr.Dataset) -> None:
+    """Write ``amplitude.svg``, ``amplitude.png`` and ``amplitude.nc`` into a folder."""
+    figure = amplitude_figure(response)
+    for suffix in ("svg", "png"):
+        with written_whole(folder / f"amplitude.{suffix}") as path:
+            figure.savefig(path, dpi=200)
+    with written_whole(folder / "amplitude.nc") as path:
+        response.to_netcdf(path, engine="h5netcdf")

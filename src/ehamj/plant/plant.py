@@ -1,0 +1,31 @@
+"""Everything physical that is simulated, as one value."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.supply import Supply
+from ehamj.plant.machine import Machine
+from ehamj.settings import Position2
+
+
+@dataclass(frozen=True)
+class Plant:
+    """Everything physical that is simulated: the machine, its four isolators in the order of the mounts, the supply."""
+
+    machine: Machine
+    positions: tuple[Position2, ...]
+    """x and y of each mount [m]."""
+    actuators: tuple[Actuator, ...]
+    supply: Supply
+    gravity: float
+    """Gravitational acceleration, downwards positive [m/s²]."""
+    plates: Literal["sliding", "tied"]
+    """``sliding``: each plate on a joint of its own; ``tied``: the plate's inertia on the stroke coordinate."""
+    bookkeeping: bool = False
+    """Whether oil and energy are balanced in the simulation's own states."""
+
+    @property
+    def total_mass(self) -> float:
+        """Machine and plates [kg]."""
+        return self.machine.mass + sum(actuator.plate_mass for actuator in self.actuators)

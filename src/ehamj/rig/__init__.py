@@ -1,0 +1,1 @@
+"""Virtual measurements of the simulated machine."""

@@ -1,0 +1,49 @@
+"""Free decay of a simulated machine after jolts of the floor."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.plant.axes import DOFS
+from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+
+PULSE = 0.7e-3
+"""Duration of the floor's jolt [s]; it excites up to about 1 kHz."""
+JOLTS = {"x": 5e-4, "y": 4e-4, "z": 3e-4, "rx": 4e-4, "ry": 3e-4, "rz": 6e-4}
+"""Peak velocity of the jolt in each degree of freedom [m/s, rad/s]: micrometres, where the machine is linear."""
+
+
+def free_decays(scenario: Scenario, duration: float = 0.12, rate: float = 4000.0, longest_step: float = 1e-4) -> Array:
+    """Displacement of the mount plane's centre about its rest after jolts of the floor, one in each direction.
+
+    Args:
+        scenario: the machine; its ground and control are replaced.
+        duration: of each simulation [s].
+        rate: recording rate [Hz].
+        longest_step: integration step [s] that is not exceeded.
+
+    Returns:
+        (jolt, n, 6) [m, rad], from the end of the jolt on.
+    """
+    table: dict[str, Any] = scenario.model_dump() | {"control": {"kind": "passive"}, "compare": ()}
+    table |= {
+        "record_rate": rate,
+        "duration": duration,
+        "timestep": 1.0 / rate / np.ceil(1.0 / (longest_step * rate) - 1e-9),
+    }
+    jolt = {"kind": "shock", "pulse_time": PULSE, "begin": 1e-3, "return_time": 1e6}
+    runs = simulate_many(
+        parse_scenario(table | {"ground": {**jolt, "dof": dof, "velocity": v}}) for dof, v in JOLTS.items()
+    )
+    decays = []
+    for dof, run in zip(JOLTS, runs, strict=True):
+        motion = run.dataset["machine_displacement"].sel(time=slice(1e-3 + PULSE + 0.5 / rate, None)).values
+        moved = np.zeros(len(DOFS))
+        moved[DOFS.index(dof)] = JOLTS[dof] * 2 * PULSE / np.pi  # where the floor has come to rest
+        decays.append(motion - moved - run.dataset["machine_displacement"].values[0])
+    return np.array(decays)

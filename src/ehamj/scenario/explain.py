@@ -1,0 +1,91 @@
+"""What is wrong with a scenario, in words: key, value, and what is allowed."""
+
+import difflib
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from pydantic import ValidationError
+
+from ehamj.scenario.model import Scenario
+
+
+def explain(error: ValidationError) -> str:
+    """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
+    findings = error.errors()
+    inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
+    lines: dict[str, list[str]] = {}
+    for found in findings:
+        if found["type"] == "too_short" and found["loc"] in inside:
+            continue  # only because pydantic left out the entry that another finding names
+        what, allowed = _finding(found)
+        lines.setdefault(what, []).append(allowed)
+    return "\n".join(
+        f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
+    )
+
+
+def _finding(found: Any) -> tuple[str, str]:
+    """One finding as ``key = value`` and what is allowed there."""
+    location, value, kind, context = found["loc"], found.get("input"), found["type"], found.get("ctx", {})
+    key = _key(location)
+    message = found["msg"].removeprefix("Value error, ").replace(" after validation", "")
+    message = re.sub(r"^(Input|String|Tuple|Dictionary) should (be|have)\b", r"must \2", message)
+    if kind == "extra_forbidden":
+        message = f"unknown key; {_allowed_beside(location)}"
+    elif kind == "union_tag_invalid":
+        key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
+    elif kind == "union_tag_not_found":
+        kinds = _walk(location)[1].get("discriminator", {}).get("mapping", {})
+        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, kinds))}"
+    elif kind in ("model_type", "model_attributes_type", "dict_type"):
+        message = "must be a table"
+    elif kind == "tuple_type":
+        message = "must be a list"
+    elif kind == "missing" and isinstance(location[-1], int):
+        key, message = _key(location[:-1]), f"entry {location[-1] + 1} is missing"
+    elif kind == "missing":
+        return key, "is missing"
+    elif kind == "value_error" and isinstance(value, Mapping):
+        return key, message
+    shown = repr(list(value) if isinstance(value, tuple) else value)
+    return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
+
+
+def _allowed_beside(location: tuple[int | str, ...]) -> str:
+    """The keys that stand where an unknown one was found, nearest first."""
+    keys = list(_walk(location[:-1])[1].get("properties", {}))
+    near = difflib.get_close_matches(str(location[-1]), keys, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"{hint}allowed: {', '.join(keys)}"
+
+
+def _key(location: tuple[int | str, ...]) -> str:
+    return ".".join(_walk(location)[0])
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    return Scenario.model_json_schema()
+
+
+def _walk(location: tuple[int | str, ...]) -> tuple[list[str], dict[str, Any]]:
+    """Where a location leads: the keys as the user wrote them (without the tags of unions), and the schema there."""
+    schema = _schema()
+    keys: list[str] = []
+    node: Any = schema
+    for part in location:
+        if "discriminator" in node:
+            node = {"$ref": node["discriminator"]["mapping"][part]}
+        elif "anyOf" in node:
+            node = {}
+        else:
+            keys.append(str(part))
+            further = node.get("items" if isinstance(part, int) else "additionalProperties", {})
+            node = node.get("properties", {}).get(part, further) or {}
+        choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
+        node = choices[0] if len(choices) == 1 else node  # what may be left out has one real choice
+        while "$ref" in node:
+            node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
+    return keys, node

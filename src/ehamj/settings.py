@@ -1,0 +1,85 @@
+"""What everything that a user writes is made of: frozen, validated, in SI, each physical value with its source.
+
+A source is one of
+
+- ``paper``: Table I or the text of the source paper,
+- ``identified``: fitted to something that the paper states,
+- ``assumed``: chosen, because nobody measured it,
+- ``given``: set by the user.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Source = Literal["paper", "identified", "assumed", "given"]
+Position2 = tuple[float, float]
+Vector3 = tuple[float, float, float]
+
+
+class Settings(BaseModel):
+    """Base of everything a user writes: frozen, no unknown keys, no conversion of types (a string or ``true`` is not a
+    number), finite numbers unless a field says otherwise."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _lists_are_tuples(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping):
+            return table
+        return {key: _tuples(value) for key, value in table.items()}
+
+
+def _tuples(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _tuples(entry) for key, entry in value.items()}
+    return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
+
+
+def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **limits: Any) -> Any:
+    """A field with its unit, symbol and source; ``limits`` are pydantic's (gt, ge, lt, le, …)."""
+    extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "source": source}
+    return Field(default, description=f"{text} [{unit}]", json_schema_extra=extra, **limits)
+
+
+class Parameters(Settings):
+    """Settings whose every value carries a source; a value that differs from the default is ``given``."""
+
+    sources: dict[str, Source] = Field(default_factory=dict, description="where each value comes from")
+
+    @model_validator(mode="after")
+    def _complete_sources(self) -> Self:
+        known = self.quantities()
+        for name in self.sources:
+            if name not in known:
+                raise ValueError(f"sources names {name!r}, which is not one of {', '.join(known)}")
+        complete: dict[str, Source] = {}
+        for name, (_, _, source) in known.items():
+            is_default = getattr(self, name) == type(self).model_fields[name].default
+            complete[name] = self.sources.get(name, source if is_default else "given")
+        object.__setattr__(self, "sources", complete)
+        return self
+
+    @classmethod
+    def quantities(cls) -> dict[str, tuple[str, str, Source]]:
+        """Unit, symbol and default source of each physical value, by name."""
+        found = {}
+        for name, field in cls.model_fields.items():
+            extra = field.json_schema_extra
+            if isinstance(extra, dict) and "unit" in extra:
+                found[name] = (str(extra["unit"]), str(extra["symbol"]), extra["source"])
+        return found  # type: ignore[return-value]
+
+    def with_values(self, values: dict[str, Any]) -> Self:
+        """A copy with other values, which become ``given`` unless they are what they were."""
+        changed = {
+            name: value for name, value in values.items() if name == "sources" or getattr(self, name, None) != value
+        }
+        sources = {name: source for name, source in self.sources.items() if name not in changed}
+        sources.update(changed.pop("sources", {}))
+        return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
+
+
+Unlimited = Annotated[float, Field(allow_inf_nan=True)]

@@ -1,0 +1,87 @@
+"""`ehamj design`: what it prints and writes, that what it writes runs, and what it refuses."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from ehamj.cli import main
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import load_scenario
+
+QUICK = ("--set", "plates='tied'", "--set", "compare=[]", "--set", "duration=5", "--set", "ground={kind='rest'}")
+FILES = {"design.json", "design.html", "controller.json", "scenario.toml"}
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("NO_COLOR", "1")
+
+
+@pytest.fixture
+def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):  # type: ignore[no-untyped-def]
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["ehamj", "design", *arguments])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        return (int(stop.value.code or 0), *capsys.readouterr())
+
+    return call
+
+
+def test_a_design_is_written_told_and_runs(cli) -> None:  # type: ignore[no-untyped-def]
+    code, out, _ = cli("benchmark", "--architecture", "modal", *QUICK, "--out", "made", "--json")
+    assert code == 0
+    told = json.loads(out)
+    assert told["meets"] is True
+    assert told["gain_margin_db"] >= 6.0
+    assert told["phase_margin_deg"] >= 45.0
+    assert told["disk_margin"] >= 0.5
+    assert any("Leaves the margins" in answer for answer in told["answers"])
+    folder = Path("made")
+    assert {path.name for path in folder.iterdir() if path.is_file()} >= FILES
+    law = json.loads((folder / "controller.json").read_text())
+    assert law["period_s"] == 1e-4
+    scenario = load_scenario(folder / "scenario.toml", ["duration=0.1"])
+    assert scenario.control.kind == "modal"
+    assert simulate(scenario).summary["margins"]["gain_db"] >= 6.0
+    by_file = load_scenario(
+        folder / "scenario.toml", ["duration=0.1", "control={kind='law', file='made/controller.json'}"]
+    )
+    assert simulate(by_file).summary["margins"]["gain_db"] >= 6.0
+    # A second time into the same folder it wants to be told so.
+    code, out, err = cli("benchmark", "--architecture", "feedforward", *QUICK, "--out", "made")
+    assert (code, out) == (2, "")
+    assert "--overwrite" in err
+
+
+def test_feedforward_has_no_margins_to_leave(cli) -> None:  # type: ignore[no-untyped-def]
+    code, out, _ = cli("benchmark", "--architecture", "feedforward", *QUICK, "--out", "made", "--json")
+    assert code == 0
+    assert json.loads(out)["gain_margin_db"] is None
+    assert any("there is no loop" in answer for answer in json.loads(out)["answers"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--architecture", "pid"), "--architecture 'pid': must be one of combined, modal"),
+        (("--phase-margin", "95"), "--phase-margin 95: must be from 0 to 89"),
+        (("--architecture", "modal", "--gain-margin", "45"), "no crossing of the loop"),
+    ],
+    ids=["architecture", "range", "impossible"],
+)
+def test_what_cannot_be_designed_is_refused_and_nothing_written(cli, arguments, message) -> None:  # type: ignore[no-untyped-def]
+    code, out, err = cli("benchmark", *QUICK, *arguments, "--out", "made")
+    assert (code, out) == (2, "")
+    assert message in " ".join(err.split())
+    assert not Path("made").exists()
+
+
+def test_a_scenario_keeps_its_own_architecture(cli) -> None:  # type: ignore[no-untyped-def]
+    control = "control={kind='stroke-servo', delay=1.5e-4}"
+    code, _, _ = cli("benchmark", *QUICK, "--set", control, "--out", "made", "--json")
+    assert code == 0
+    assert load_scenario(Path("made/scenario.toml")).control.kind == "stroke-servo"

@@ -1,0 +1,105 @@
+"""`ehamj modes`: what it prints for people and for programs."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ehamj.cli import main
+from ehamj.cli.frame import out
+from ehamj.cli.modal import KINDS
+from ehamj.rig import modal_test
+
+Cli = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Cli:
+    """The command in this process: exit code, standard output, standard error."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(out, "_width", 200)  # words stay whole
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["ehamj", "modes", *arguments])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        assert isinstance(stop.value.code, int)
+        return stop.value.code, *capsys.readouterr()
+
+    return call
+
+
+def test_tables_say_the_modes_and_what_moves(cli: Cli) -> None:
+    code, said, _ = cli("benchmark", "--point", "spindle=0.2,0,1.4")
+    assert code == 0
+    for word in ("heave", "rocking about y", "valve front-left", "translates", "leakage", "spindle", "25% each"):
+        assert word in said
+    assert "valves held" in said
+    assert "membranes only" in said
+
+
+def test_json_holds_every_variant(cli: Cli) -> None:
+    code, said, _ = cli("passing-wave", "--json", "--point", "spindle=0.2,0,1.4")
+    assert code == 0
+    table: dict[str, Any] = json.loads(said)
+    assert set(table) == {"modes", "bypassed", "closed_loop"}
+    heave = next(mode for mode in table["modes"] if mode["name"] == "heave")
+    assert heave["frequency_hz"] == pytest.approx(528.0, rel=1e-3)
+    assert heave["points"]["spindle"]["z"] == pytest.approx([1.0, 0.0], abs=1e-9)
+    assert heave["centre_of_rotation"] is None
+    assert sum(heave["energy"]["damping_ratio_per_actuator"].values()) == pytest.approx(heave["damping_ratio"])
+
+
+def test_json_holds_the_sensitivity_of_every_mode(cli: Cli) -> None:
+    table: dict[str, Any] = json.loads(cli("benchmark", "--json", "--sensitivity")[1])
+    slopes = table["sensitivity"]["modes"]["machine.inertia.2"]
+    assert (slopes["value"], slopes["unit"]) == (4000.0, "kg m²")
+    yaw = [mode["name"] for mode in table["modes"]].index("yaw")
+    assert slopes["frequency"][yaw] == pytest.approx(-0.5, abs=1e-5)
+    assert len(table["sensitivity"]["bypassed"]["machine.mass"]["damping"]) == len(table["bypassed"])
+
+
+def test_a_passive_scenario_has_no_closed_loop(cli: Cli) -> None:
+    assert set(json.loads(cli("benchmark", "--json")[1])) == {"modes", "bypassed"}
+
+
+def test_the_steepest_parameters_are_named(cli: Cli) -> None:
+    said = cli("benchmark", "--sensitivity")[1]
+    for parameter in ("lateral_stiffness", "valve_frequency", "footprint.x"):
+        assert parameter in said
+    assert "+1.00" in said
+
+
+@pytest.mark.parametrize("point", ["spindle", "spindle=1,2", "=1,2,3", "spindle=1,2,nan", "cg=0,0,1"])
+def test_a_point_that_is_none_is_refused(cli: Cli, point: str) -> None:
+    code, said, error = cli("benchmark", "--point", point)
+    assert (code, said) == (2, "")
+    assert repr(point) in error
+
+
+def test_identified_modes_stand_beside_the_computed(cli: Cli) -> None:
+    code, said, _ = cli("benchmark", "--measured", "ring-down", "--json")
+    assert code == 0
+    measured = json.loads(said)["measured"]
+    assert measured["missed"] == []
+    for mode in measured["modes"]:
+        assert mode["frequency_hz"] == pytest.approx(mode["computed_frequency_hz"], rel=2e-3)
+
+
+def test_an_unknown_measurement_is_refused(cli: Cli) -> None:
+    code, said, error = cli("benchmark", "--measured", "shaker")
+    assert (code, said) == (2, "")
+    assert "must be one of ring-down, random, sweep, hammer" in error
+
+
+def test_help_names_every_measurement() -> None:
+    assert KINDS == modal_test.KINDS
+
+
+def test_noise_without_a_measurement_is_refused(cli: Cli) -> None:
+    code, said, error = cli("benchmark", "--noise", "0.01")
+    assert (code, said) == (2, "")
+    assert "--noise 0.01: belongs to a measurement" in error
