@@ -10,7 +10,8 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 
 RANKS = (
-    ("errors", "settings", "compiled", "signals", "plots"),
+    ("errors",),
+    ("settings", "registry", "compiled", "signals", "plots"),
     ("isolator", "estimate"),
     ("plant", "criteria"),
     ("memory", "ground", "forces"),

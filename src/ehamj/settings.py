@@ -8,8 +8,8 @@ A source is one of
 - ``given``: set by the user.
 """
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, Literal, Self, Union
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -42,6 +42,11 @@ def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **
     """A field with its unit, symbol and source; ``limits`` are pydantic's (gt, ge, lt, le, …)."""
     extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "source": source}
     return Field(default, description=f"{text} [{unit}]", json_schema_extra=extra, **limits)
+
+
+def one_of(kinds: Iterable[type[Settings]]) -> Any:
+    """The type of a table whose ``kind`` says which of these settings it holds (a discriminated union)."""
+    return Annotated[Union[tuple(kinds)], Field(discriminator="kind")]  # noqa: UP007  # made from a registry
 
 
 class Parameters(Settings):

@@ -6,6 +6,7 @@ from typing import Literal
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.plant.machine import Machine
+from ehamj.plant.mounts import MOUNTS
 from ehamj.settings import Position2
 
 
@@ -22,6 +23,8 @@ class Plant:
     """Gravitational acceleration, downwards positive [m/s²]."""
     plates: Literal["sliding", "tied"]
     """``sliding``: each plate on a joint of its own; ``tied``: the plate's inertia on the stroke coordinate."""
+    mounts: tuple[str, ...] = MOUNTS
+    """Names of the mounts, in the order of everything that has one entry per mount."""
     bookkeeping: bool = False
     """Whether oil and energy are balanced in the simulation's own states."""
 

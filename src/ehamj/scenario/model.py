@@ -237,6 +237,7 @@ class Scenario(Settings):
             actuators=tuple(self.actuators[mount.actuator].rated_at(self.supply) for mount in self._mounts),
             supply=self.supply,
             gravity=self.gravity,
+            mounts=tuple(mount.name for mount in self._mounts),
             bookkeeping=self.output.bookkeeping,
             plates=self.plates,
         )
