@@ -1,7 +1,8 @@
-"""CONTRIBUTING.md tells the truth: each of its examples is applied to a copy of the tree, and its tests and commands run.
+"""CONTRIBUTING.md tells the truth: each of its examples is applied to a copy of the tree, and it runs.
 
-A fenced block whose first line is a comment ``# path`` is a new file. A ``diff`` block whose first line is ``+++ path`` adds
-lines to a file: its other lines, ``+`` left out, must stand there once. Commands are lines of ``console`` blocks after ``$``.
+A fenced block whose first line is a comment ``# path`` is a new file. A ``diff`` block whose first line is ``+++ path``
+adds lines to a file: its other lines, ``+`` left out, must stand there once. Commands are lines of ``console`` blocks
+after ``$``.
 """
 
 import os
