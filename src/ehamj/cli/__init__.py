@@ -9,22 +9,11 @@ from ehamj.cli.frame import app, log
 from ehamj.errors import InputError, SimulationFailed
 
 # Imported for their commands, which `ehamj --help` lists in this order.
-from ehamj.cli import run, scenarios, design, modes, paper, transmissibility, study, stored, bench, verify  # noqa: F401  # isort: skip
+from ehamj.cli import (  # noqa: F401  # isort: skip
+    run, scenarios, design, modes, paper, transmissibility, study, stored, bench, verify,
+)  # fmt: skip
 
 __all__ = ["app", "main"]
-    "app",
-    "bench",
-    "design",
-    "main",
-    "modes",
-    "paper",
-    "run",
-    "scenarios",
-    "stored",
-    "study",
-    "transmissibility",
-    "verify",
-]
 
 
 def main() -> NoReturn:
