@@ -24,7 +24,7 @@ from ehamj.isolator.supply import Supply
 from ehamj.memory import COLUMN, CUBICS, N_INPUTS, N_STATES, STEP_RATE, STEP_START
 from ehamj.mujoco import ForeignCallbackError, hydraulics
 from ehamj.mujoco.advance import CHAMBER_1_EMPTY, DONE, N_TALLY, NOT_FINITE, advance, columns, row_size
-from ehamj.mujoco.cache import compiled_here, folder
+from ehamj.compiled import compiled_here, folder
 from ehamj.mujoco.callbacks import callbacks
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, rates
 from ehamj.mujoco.hold import default_timer, installed, library

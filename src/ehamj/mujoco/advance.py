@@ -39,7 +39,7 @@ from ehamj.memory import (
     STEP_RATE,
     STEP_START,
 )
-from ehamj.mujoco.cache import compiled_here
+from ehamj.compiled import compiled_here
 from ehamj.mujoco.callbacks import (
     DRIVE_LIMIT,
     END_STOPS,
