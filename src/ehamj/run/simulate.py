@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ehamj.control import AnyController, Controller, PythonController, as_controller
 from ehamj.control.commands import Passive
 from ehamj.control.compiled.loop import Loop, make_loop
-from ehamj.control.sensors import ReadingNoise
+from ehamj.control.noise import ReadingNoise
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.forces import Load
 from ehamj.ground import Motion
