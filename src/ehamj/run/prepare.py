@@ -8,7 +8,7 @@ import numpy as np
 from ehamj.control import AnyController, LinearController, PythonController
 from ehamj.control.commands import Passive
 from ehamj.control.compiled.loop import Loop, make_loop
-from ehamj.control.sensors import ReadingNoise
+from ehamj.control.noise import ReadingNoise
 from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion

@@ -1,6 +1,5 @@
-"""Commands that simulate, and that list what can be simulated."""
+"""The command that simulates."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -68,27 +67,6 @@ def run(
         _print_summary(summary, folder)
     if failures:
         raise failures[0]
-
-
-@app.command()
-def scenarios(as_json: JsonOption = False) -> None:
-    """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
-    from ehamj.scenario.load import load_scenario, shipped_scenarios
-
-    found = {name: load_scenario(name).description for name in shipped_scenarios()}
-    if as_json:
-        print_json({"scenarios": [{"name": name, "description": text} for name, text in found.items()]})
-        return
-    for name, text in found.items():
-        out.print(f"[bold]{name:16}[/] {text}", highlight=False, soft_wrap=True)
-
-
-@app.command()
-def schema() -> None:
-    """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
-    from ehamj.scenario.load import scenario_schema
-
-    sys.stdout.write(scenario_schema() + "\n")
 
 
 def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
