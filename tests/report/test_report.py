@@ -30,7 +30,8 @@ from ehamj.report.responses import FREQUENCIES
 from ehamj.report.verdict import PROCESSING
 from ehamj.report.words import number
 from ehamj.result import Result
-from ehamj.run.simulate import Incomplete, simulate
+from ehamj.run.failures import Incomplete
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 
 FLOOR = {"kind": "broadband", "level": "VC-C", "axes": ("x", "z"), "wave": {"speed": 200.0, "direction": 30.0}}
@@ -598,7 +599,7 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
 
 
 def test_the_notes_of_a_real_record_are_told_apart() -> None:
-    start = Start(np.zeros((4, 2)), 20.0, 0, Path())
+    start = Start(MOUNTS, np.zeros((4, 2)), 20.0, 0)
     notes = load_scenario("recorded").ground.motion(start).notes
     limit, slow = (note for note in notes if not PROCESSING.match(note))
     assert "undecided" in limit
@@ -606,7 +607,7 @@ def test_the_notes_of_a_real_record_are_told_apart() -> None:
 
 
 def test_the_notes_of_a_floor_are_told_apart() -> None:
-    start = Start(np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0, Path())
+    start = Start(MOUNTS, np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0)
     notes = load_scenario("seismic-site").ground.motion(start).notes
     (limit,) = (note for note in notes if not PROCESSING.match(note))
     assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands above 10 Hz are undecided"
