@@ -21,7 +21,15 @@ from platformdirs import user_cache_path
 kernel = numba.njit(nogil=True, error_model="numpy", forceinline=True)
 """Decorator of every kernel. Kernels are compiled into their callers, which hold the cache."""
 
-COMPILED = ("isolator", "memory.py", "mujoco", "control/compiled", "control/channels.py", "compiled.py", "plant/axes.py")
+COMPILED = (
+    "isolator",
+    "memory.py",
+    "mujoco",
+    "control/compiled",
+    "control/channels.py",
+    "compiled.py",
+    "plant/axes.py",
+)
 """Files and folders of the package that compiled code depends on; a change in any other compiles nothing anew."""
 
 

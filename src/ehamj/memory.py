@@ -236,9 +236,10 @@ def rows(plant: Plant) -> list[Row]:
         }
         for name, value in values.items():
             table[name][mount] = value
-    at, others = n * size(ISOLATOR_STATE), []
+    others: list[Row] = []
+    at = n * size(ISOLATOR_STATE)
     for option, field in PLACES.items():
-        mine = [mount for mount, actuator in enumerate(plant.actuators) if option.on(actuator)]  # type: ignore[arg-type]
+        mine = [mount for mount, actuator in enumerate(plant.actuators) if option.on(actuator)]
         own = len(option.State._fields)
         table[field][mine] = at + own * np.arange(len(mine))
         if mine:
@@ -254,11 +255,11 @@ def rows(plant: Plant) -> list[Row]:
         at += others[-1].states
     table["mounts"], table["actuators"], table["activations"] = n, n + len(others), at
     width = size(ISOLATOR)
-    own = [
+    isolators = [
         Row(name, size(ISOLATOR_STATE), list(values))
         for name, values in zip(plant.mounts, table.view(np.float64).reshape(n, width), strict=True)
     ]
-    return own + [other._replace(values=other.values + [0.0] * (width - len(other.values))) for other in others]
+    return isolators + [other._replace(values=other.values + [0.0] * (width - len(other.values))) for other in others]
 
 
 # How compiled code takes a record apart.

@@ -1,10 +1,10 @@
 """One isolator as a user writes it: the components that it has, and the options of its valve."""
 
-from typing import Any, Final, Self, cast
+from typing import Final, Self
 
 from pydantic import model_validator
 
-from ehamj.isolator.component import HUGE, Component, Option
+from ehamj.isolator.component import Component, Option
 from ehamj.isolator.cylinder import Cylinder
 from ehamj.isolator.edges import Edges
 from ehamj.isolator.end_stops import EndStops
@@ -60,12 +60,7 @@ class Actuator(
 
     def record(self) -> dict[str, float]:
         """What the isolator's record in memory holds of it, by name."""
-        found: dict[str, float] = {}
-        for component in COMPONENTS:
-            derived = component.derived(cast(Any, self))
-            for name in component.Values._fields:
-                found[name] = min(float(derived[name] if name in derived else getattr(self, name)), HUGE)
-        return found
+        return {name: value for c in COMPONENTS for name, value in c.values_of(self)._asdict().items()}
 
     @property
     def hydraulic_stiffness(self) -> float:

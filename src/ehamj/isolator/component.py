@@ -28,6 +28,13 @@ class Component(Parameters):
         """Values that are no settings themselves."""
         return {}
 
+    @classmethod
+    def values_of(cls, isolator: Any) -> Any:
+        """``Values`` of an isolator that has this component."""
+        derived = cls.derived(isolator)
+        values = (derived[name] if name in derived else getattr(isolator, name) for name in cls.Values._fields)
+        return cls.Values(*(min(float(value), HUGE) for value in values))
+
 
 class At(NamedTuple):
     """Where the valve stands: position x [mA] and rate ẋ [mA/s] of the spool, and what its options ask for."""

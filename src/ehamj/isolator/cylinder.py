@@ -1,6 +1,6 @@
 """The double-acting cylinder: areas, chamber volumes, and the oil's force."""
 
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -28,7 +28,7 @@ class Cylinder(Component):
     area_ratio: float = quantity(1.0, "-", "A_2/A_1", "area of chamber 2 over that of chamber 1", "paper", gt=0)
     volume_share: float = quantity(0.5, "-", "V_1/V_t", "share of chamber 1 in the oil volume", "paper", gt=0, lt=1)
 
-    Values: ClassVar = CylinderValues
+    Values: ClassVar[Any] = CylinderValues
 
     def derived(self) -> dict[str, float]:
         """Area of chamber 2 and volumes of both."""

@@ -1,7 +1,7 @@
 """The valve's four metering edges: turbulent flow, and laminar leakage over them and across the piston."""
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
@@ -56,7 +56,7 @@ class Edges(Component):
         35e5, "Pa", "Δp_N", "pressure drop over one edge at which rated_flow holds", "assumed", gt=0
     )
 
-    Values: ClassVar = EdgeValues
+    Values: ClassVar[Any] = EdgeValues
 
     def derived(self) -> dict[str, float]:
         """Leakages."""
@@ -73,7 +73,7 @@ class Edges(Component):
         return (1.0 - self.edge_leakage_share) * self.flow_pressure
 
     def rated_gain(self, stroke: float, supply: Supply) -> float:
-        """Flow gain from rated-flow data [m³/s/mA], K_Q = q_N/x_max·√(Δp₀/Δp_N), of a valve of this full stroke [mA]."""
+        """Flow gain from rated-flow data [m³/s/mA], K_Q = q_N/x_max·√(Δp₀/Δp_N), at a full stroke [mA]."""
         return self.rated_flow / stroke * math.sqrt(supply.rating_pressure / self.rated_drop)
 
 

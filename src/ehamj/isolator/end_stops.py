@@ -1,7 +1,7 @@
 """End stops of the spool."""
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -42,5 +42,5 @@ class EndStops(Option):
 
     end_stops: bool = Field(False, description="the spool stops at ±spool_stroke")
 
-    Values: ClassVar = EndStopValues
-    path: ClassVar = {"motion": held_by_stop, "settled": at_stop}
+    Values: ClassVar[Any] = EndStopValues
+    path: ClassVar[Any] = {"motion": held_by_stop, "settled": at_stop}

@@ -5,20 +5,20 @@ calls has unpacked them, from records or from arrays of many machines.
 """
 
 from collections import namedtuple
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.actuator import COMPONENTS
 from ehamj.isolator.component import STAGES, At, in_turn
 from ehamj.isolator.cylinder import chamber_volumes, oil_force, swept_flows
-from ehamj.isolator.edges import Flows, chamber_flows, lapped_chamber_flows
+from ehamj.isolator.edges import chamber_flows, lapped_chamber_flows
 from ehamj.isolator.fluid import actual_pressure, chamber_rate, crossing
 from ehamj.isolator.membrane import lift
 from ehamj.isolator.overlap import edge_openings
 from ehamj.isolator.spool import full_stroke, spool_acceleration, spool_target
-from ehamj.isolator.supply import Feed
 
-Isolator = namedtuple("Isolator", (*(component.__name__.lower() for component in COMPONENTS), "places"))
+_PARTS = (*(component.__name__.lower() for component in COMPONENTS), "places")
+Isolator: Any = namedtuple("Isolator", _PARTS)  # type: ignore[misc]
 """The values of all components, and for each option with states where they are (0: the isolator has it not)."""
 
 
@@ -131,12 +131,12 @@ def settled(state, held, states, own):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def balance(state: State, rates: State, flows: Flows, plate: Plate, feed: Feed, own: Isolator) -> Sums:  # type: ignore[valid-type]
+def balance(state, rates, flows, plate, feed, own):  # type: ignore[no-untyped-def]
     """What crosses the borders of the chambers at these states, rates and flows."""
-    volume_1, volume_2 = chamber_volumes(plate.stroke, own.cylinder)  # type: ignore[attr-defined]
-    swept_1, swept_2 = swept_flows(plate.speed, own.cylinder)  # type: ignore[attr-defined]
-    one = crossing(state.pressure_1, rates.pressure_1, flows.into_1, swept_1, volume_1, own.fluid)  # type: ignore[attr-defined]
-    two = crossing(state.pressure_2, rates.pressure_2, flows.into_2, swept_2, volume_2, own.fluid)  # type: ignore[attr-defined]
+    volume_1, volume_2 = chamber_volumes(plate.stroke, own.cylinder)
+    swept_1, swept_2 = swept_flows(plate.speed, own.cylinder)
+    one = crossing(state.pressure_1, rates.pressure_1, flows.into_1, swept_1, volume_1, own.fluid)
+    two = crossing(state.pressure_2, rates.pressure_2, flows.into_2, swept_2, volume_2, own.fluid)
     supplied = feed.supply_pressure * flows.drawn
     drained = feed.tank_pressure * (flows.drawn - (flows.into_1 + flows.into_2))
     throttled = supplied - drained - (one.power + two.power)

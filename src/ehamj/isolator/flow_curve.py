@@ -17,7 +17,7 @@ POINTS = 11
 
 SHARES = tuple(f"flow_curve_{k}" for k in range(POINTS))
 
-FlowCurveValues = namedtuple("FlowCurveValues", (*SHARES, "curved"))
+FlowCurveValues: Any = namedtuple("FlowCurveValues", (*SHARES, "curved"))  # type: ignore[misc]
 """Share of the full flow at each point; 1 if the valve has a curve."""
 
 
@@ -43,8 +43,8 @@ class FlowCurve(Option):
         "assumed",
     )
 
-    Values: ClassVar = FlowCurveValues
-    path: ClassVar = {"flow": curved_opening}
+    Values: ClassVar[Any] = FlowCurveValues
+    path: ClassVar[Any] = {"flow": curved_opening}
 
     def derived(self) -> dict[str, float]:
         """The curve at the points in memory."""

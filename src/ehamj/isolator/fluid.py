@@ -6,7 +6,7 @@ the void has closed.
 """
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
@@ -48,7 +48,7 @@ class Fluid(Component):
         gt=0,
     )
 
-    Values: ClassVar = FluidValues
+    Values: ClassVar[Any] = FluidValues
 
     def derived(self) -> dict[str, float]:
         """Compliance of the walls."""
@@ -183,4 +183,6 @@ def crossing(state: float, rate: float, flow: float, swept: float, volume: float
     pressure = actual_pressure(state, oil.vapour_pressure)
     inflow = 1.0 / relative_volume(pressure, oil) * flow
     moved = stretch(state, oil.wall_compliance) * swept + volume * oil.wall_compliance * rate
-    return Crossing(inflow, inflow * specific_energy(pressure, oil) + pressure * flow, pressure * moved, pressure * flow)
+    return Crossing(
+        inflow, inflow * specific_energy(pressure, oil) + pressure * flow, pressure * moved, pressure * flow
+    )

@@ -1,6 +1,6 @@
 """Hysteresis of the valve: play between the spool and its metering edges."""
 
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
@@ -27,5 +27,5 @@ class Hysteresis(Option):
 
     hysteresis: float = quantity(0.0, "mA", "x_y", "play between spool and metering edges", "assumed", ge=0)
 
-    Values: ClassVar = HysteresisValues
-    path: ClassVar = {"metering": play}
+    Values: ClassVar[Any] = HysteresisValues
+    path: ClassVar[Any] = {"metering": play}

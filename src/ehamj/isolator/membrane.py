@@ -1,7 +1,7 @@
 """The membrane that carries the machine: vertical and lateral springs, the pressure plate, and the machine's foot."""
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
@@ -34,7 +34,7 @@ class Membrane(Component):
         0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0
     )
 
-    Values: ClassVar = MembraneValues
+    Values: ClassVar[Any] = MembraneValues
 
     @property
     def rigid_foot(self) -> bool:

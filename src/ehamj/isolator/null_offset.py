@@ -1,6 +1,6 @@
 """Null offset of the valve."""
 
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
@@ -24,5 +24,5 @@ class NullOffset(Option):
 
     null_offset: float = quantity(0.0, "mA", "x_n", "opening of the valve with its spool centred", "assumed")
 
-    Values: ClassVar = NullOffsetValues
-    path: ClassVar = {"opening": off_null}
+    Values: ClassVar[Any] = NullOffsetValues
+    path: ClassVar[Any] = {"opening": off_null}

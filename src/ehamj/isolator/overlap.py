@@ -1,6 +1,6 @@
 """Overlap of the valve: each of its four edges opens before or after null."""
 
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Option
@@ -45,7 +45,7 @@ class Overlap(Option):
         "assumed",
     )  # fmt: skip
 
-    Values: ClassVar = OverlapValues
+    Values: ClassVar[Any] = OverlapValues
 
     def derived(self) -> dict[str, float]:
         """Overlaps edge by edge."""

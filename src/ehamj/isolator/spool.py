@@ -1,7 +1,7 @@
 """The servo valve's spool: a second-order response whose drive saturates."""
 
 import math
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
@@ -33,7 +33,7 @@ class Spool(Component):
     )
     voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
 
-    Values: ClassVar = SpoolValues
+    Values: ClassVar[Any] = SpoolValues
 
 
 @kernel

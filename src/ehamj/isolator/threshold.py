@@ -1,6 +1,6 @@
 """Threshold of the valve: small errors of position do not move the spool."""
 
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
@@ -24,5 +24,5 @@ class Threshold(Option):
 
     threshold: float = quantity(0.0, "mA", "x_t", "error of position that does not move the spool", "assumed", ge=0)
 
-    Values: ClassVar = ThresholdValues
-    path: ClassVar = {"error": beyond_threshold}
+    Values: ClassVar[Any] = ThresholdValues
+    path: ClassVar[Any] = {"error": beyond_threshold}

@@ -22,10 +22,9 @@ from ehamj.control.channels import (
 )
 from ehamj.control.law import OUTPUTS as COMMANDS
 from ehamj.errors import InputError
-from ehamj.memory import N_STATES, SUPPLY_STATES
-from ehamj.memory import STATES as ACTUATOR_STATES
+from ehamj.memory import ISOLATOR_STATE, size, states_of
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
+from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
 from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
@@ -127,7 +126,7 @@ def linear_model(
     data = mujoco.MjData(model)
     force = _finite("load", load, len(DOFS))
     data.xfrc_applied[model.body("machine").id] = force
-    held = Inputs.rest()
+    held = Inputs.rest(model)
     held.command[:] = 0.0 if commands is None else _finite("commands", commands, N_MOUNTS)
     with hydraulics():
         try:
@@ -138,7 +137,7 @@ def linear_model(
             raise InputError(f"operating point: {error}; {held_at}; {limit}") from error
         A = jacobian(model, data, state, held)
         B = _input_matrix(model, data, state, held)
-    return LinearModel(plant, _state_names(model), A, B, _signal_matrices(model, plant, A, B), state)
+    return LinearModel(plant, _state_names(model, plant), A, B, _signal_matrices(model, plant, A, B), state)
 
 
 def _finite(name: str, values: ArrayLike, size: int) -> Array:
@@ -190,11 +189,10 @@ def linearise(
     )  # fmt: skip
 
 
-def _state_names(model: mujoco.MjModel) -> tuple[str, ...]:
-    joints = [*JOINTS, *(f"plate {mount}" for mount in MOUNTS)][: model.nq]
+def _state_names(model: mujoco.MjModel, plant: Plant) -> tuple[str, ...]:
+    joints = [*JOINTS, *(f"plate {mount}" for mount in plant.mounts)][: model.nq]
     motion = [f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints]
-    actuators = (f"{state} {mount}" for mount in MOUNTS for state in ACTUATOR_STATES)
-    return (*motion, *actuators, *(SUPPLY_STATES if supply_states(model) else ()))
+    return (*motion, *states_of(model))
 
 
 def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held: Inputs) -> Array:
@@ -210,17 +208,17 @@ def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held
         step[mount] = 1e-3
         difference(1e-3, *(Inputs(held.displacement, held.velocity, held.command + s * step) for s in (1, -1)))
     small = scales(model)
-    for order, size in ((0, small[0]), (1, small[model.nq])):
+    for order, move in ((0, small[0]), (1, small[model.nq])):
         for k in range(N_MOUNTS * len(AXES)):
             step = np.zeros(N_MOUNTS * len(AXES))
-            step[k] = size
+            step[k] = move
             parts = [held.displacement, held.velocity]
             pair = []
             for sign in (1, -1):
                 moved = list(parts)
                 moved[order] = parts[order] + sign * step.reshape(N_MOUNTS, len(AXES))
                 pair.append(Inputs(moved[0], moved[1], held.command))
-            difference(size, *pair)
+            difference(move, *pair)
     load = data.xfrc_applied[machine].copy()
     for dof in range(len(DOFS)):
         found = []
@@ -240,9 +238,9 @@ def _signal_matrices(model: mujoco.MjModel, plant: Plant, A: Array, B: Array) ->
     for dof, column in enumerate(DOF_OF_JOINT):
         C[DISPLACEMENT + dof, column] = C[VELOCITY + dof, nq + column] = 1.0
         C[ACCELERATION + dof], D[ACCELERATION + dof] = A[nq + column], B[nq + column]
-    size = N_MOUNTS * len(AXES)
-    D[GROUND : GROUND + 2 * size, N_MOUNTS : N_MOUNTS + 2 * size] = np.eye(2 * size)
-    own = N_MOUNTS * N_STATES
+    grounds = N_MOUNTS * len(AXES)
+    D[GROUND : GROUND + 2 * grounds, N_MOUNTS : N_MOUNTS + 2 * grounds] = np.eye(2 * grounds)
+    own = N_MOUNTS * size(ISOLATOR_STATE)
     C[STATE : STATE + own, nq + nv : nq + nv + own] = np.eye(own)
     for mount, (x, y) in enumerate(plant.positions):
         for order, first in enumerate((0, nq)):

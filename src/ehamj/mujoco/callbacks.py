@@ -11,6 +11,7 @@ import numba
 import numpy as np
 from numba import carray, types
 
+from ehamj.compiled import compiled_here, kernel
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance, isolator_rates
 from ehamj.isolator.membrane import pull
@@ -27,7 +28,6 @@ from ehamj.memory import (
     supply_of,
     supply_state_of,
 )
-from ehamj.compiled import compiled_here, kernel
 from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.pointers import address_at, doubles_at, load_double, pointer
 from ehamj.mujoco.views import (
@@ -153,7 +153,7 @@ def callbacks() -> Callbacks:
     at = offsets()
 
     def passive(model, data):  # type: ignore[no-untyped-def]
-        isolators, step = isolators_at(model, at), step_at(data, at)
+        isolators, step = isolators_at(model, at), step_at(data, at)[0]
         if step.rate == 0.0:  # no inputs: the ground rests, and only ctrl commands
             return
         s = (load_double(data, at.time) - step.start) * step.rate

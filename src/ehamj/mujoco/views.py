@@ -44,8 +44,8 @@ def supply_at(model, at, row):  # type: ignore[no-untyped-def]
 
 @kernel
 def step_at(data, at):  # type: ignore[no-untyped-def]
-    """The step's record."""
-    return carray(pointer(address_at(data, at.userdata)), 1, STEP)[0]
+    """The step's record (1,)."""
+    return carray(pointer(address_at(data, at.userdata)), 1, STEP)
 
 
 @kernel

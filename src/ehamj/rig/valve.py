@@ -1,6 +1,6 @@
 """A valve's response by amplitude, and the limit of its drive identified from what a maker's data sheet states.
 
-The spool's drive saturates (`ehamj.isolator.valve.spool_acceleration`), so that the frequency at which it lags by 90°
+The spool's drive saturates (`ehamj.isolator.spool.spool_acceleration`), so that the frequency at which it lags by 90°
 falls with the amplitude. A data sheet gives that frequency at a few amplitudes, which determines the limit.
 """
 
@@ -14,7 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.isolator.valve import spool_acceleration
+from ehamj.isolator.spool import Spool, spool_acceleration
 
 STEPS = 400
 """Integration steps per period."""
@@ -40,10 +40,7 @@ def spool_response(actuator: Actuator, share: float, hertz: float) -> complex:
     """
     amplitude = share * actuator.spool_stroke
     omega = 2.0 * np.pi * hertz
-    limit = min(actuator.spool_drive_limit, 1e300)
-    real, imaginary = _last_period()(
-        amplitude, omega, actuator.valve_frequency, actuator.valve_damping, limit, STEPS, SETTLING
-    )
+    real, imaginary = _last_period()(amplitude, omega, Spool.values_of(actuator), STEPS, SETTLING)
     return complex(real, imaginary) / amplitude
 
 
@@ -88,12 +85,12 @@ def identify_drive_limit(actuator: Actuator, points: Sequence[Point] = PAPER_POI
 
 @cache
 def _last_period() -> Any:
-    def rate(x, v, target, omega_v, zeta, limit):  # type: ignore[no-untyped-def]
-        return v, spool_acceleration(x, v, target, omega_v, zeta, limit, 0.0)
+    def rate(x, v, target, spool):  # type: ignore[no-untyped-def]
+        return v, spool_acceleration(target - x, v, spool)
 
     compiled_rate = numba.njit(rate)
 
-    def run(amplitude, omega, omega_v, zeta, limit, steps, settling):  # type: ignore[no-untyped-def]
+    def run(amplitude, omega, spool, steps, settling):  # type: ignore[no-untyped-def]
         h = 2.0 * np.pi / omega / steps
         x, v = 0.0, 0.0
         cosine, sine = 0.0, 0.0
@@ -104,10 +101,10 @@ def _last_period() -> Any:
             if k >= steps * settling:
                 cosine += 2.0 / steps * x * np.cos(angle)
                 sine += 2.0 / steps * x * np.sin(angle)
-            x1, v1 = compiled_rate(x, v, first, omega_v, zeta, limit)
-            x2, v2 = compiled_rate(x + 0.5 * h * x1, v + 0.5 * h * v1, middle, omega_v, zeta, limit)
-            x3, v3 = compiled_rate(x + 0.5 * h * x2, v + 0.5 * h * v2, middle, omega_v, zeta, limit)
-            x4, v4 = compiled_rate(x + h * x3, v + h * v3, last, omega_v, zeta, limit)
+            x1, v1 = compiled_rate(x, v, first, spool)
+            x2, v2 = compiled_rate(x + 0.5 * h * x1, v + 0.5 * h * v1, middle, spool)
+            x3, v3 = compiled_rate(x + 0.5 * h * x2, v + 0.5 * h * v2, middle, spool)
+            x4, v4 = compiled_rate(x + h * x3, v + h * v3, last, spool)
             x += h / 6.0 * (x1 + 2.0 * x2 + 2.0 * x3 + x4)
             v += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4)
         return sine, cosine
