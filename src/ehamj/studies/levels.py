@@ -6,16 +6,14 @@ spends its voltage where it counts, and holds on longer.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import ModalSettings
-from ehamj.control.commands import Passive
+from ehamj.control.kinds import CombinedSettings
+from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.errors import InputError
 from ehamj.plant.mounts import WARP
@@ -108,25 +106,17 @@ def levels(study: LevelStudy, progress: Progress = silent) -> Outcome:
     )
 
 
-def _laws(study: LevelStudy) -> dict[str, Any]:
+def _laws(study: LevelStudy) -> dict[str, ControlSettings]:
     """Controls by name."""
     control = study.scenario.control
-    if isinstance(control, Passive) or study.scenario.controller() is None:
+    if study.scenario.controller() is None:
         control = CombinedSettings()
     found = {"everywhere": control}
-    later = {"isolate_from": study.isolate_from}
-    if isinstance(control, CombinedSettings):
-        parts = tuple(
-            part.model_copy(update=later) if isinstance(part, FeedforwardSettings | ModalSettings) else part
-            for part in control.parts
-        )
-        found[f"from {study.isolate_from:g} Hz"] = control.model_copy(update={"parts": parts})
-    elif isinstance(control, FeedforwardSettings | ModalSettings):
-        found[f"from {study.isolate_from:g} Hz"] = control.model_copy(update=later)
-    return found
+    later = control.isolating_from(study.isolate_from) if isinstance(control, DigitalSettings) else control
+    return found if later == control else found | {f"from {study.isolate_from:g} Hz": later}
 
 
-def _case(study: LevelStudy, control: Any, level: str) -> Scenario:
+def _case(study: LevelStudy, control: ControlSettings, level: str) -> Scenario:
     floor = {"kind": "broadband", "level": level, "wave": {"speed": 200.0}}
     return changed(
         study.scenario,
