@@ -31,7 +31,8 @@ from ehamj.report.responses import FREQUENCIES
 from ehamj.report.shown import colors_of
 from ehamj.report.verdict import PROCESSING
 from ehamj.result import Result
-from ehamj.run.simulate import Incomplete, simulate
+from ehamj.run.failures import Incomplete
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 
 FLOOR = {"kind": "broadband", "level": "VC-C", "axes": ("x", "z"), "wave": {"speed": 200.0, "direction": 30.0}}

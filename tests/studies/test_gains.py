@@ -7,7 +7,8 @@ import pytest
 
 import ehamj
 from ehamj.control import Controller
-from ehamj.control.sensors import Geophone, Sensors
+from ehamj.control.instruments import Geophone
+from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
 from ehamj.scenario.load import parse_scenario
