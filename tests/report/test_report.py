@@ -600,7 +600,7 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
 
 
 def test_the_notes_of_a_real_record_are_told_apart() -> None:
-    start = Start(np.zeros((4, 2)), 20.0, 0, Path())
+    start = Start(MOUNTS, np.zeros((4, 2)), 20.0, 0)
     notes = load_scenario("recorded").ground.motion(start).notes
     limit, slow = (note for note in notes if not PROCESSING.match(note))
     assert "undecided" in limit
@@ -608,7 +608,7 @@ def test_the_notes_of_a_real_record_are_told_apart() -> None:
 
 
 def test_the_notes_of_a_floor_are_told_apart() -> None:
-    start = Start(np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0, Path())
+    start = Start(MOUNTS, np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0)
     notes = load_scenario("seismic-site").ground.motion(start).notes
     (limit,) = (note for note in notes if not PROCESSING.match(note))
     assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands above 10 Hz are undecided"
