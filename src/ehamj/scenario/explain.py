@@ -4,11 +4,27 @@ import difflib
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from ehamj.errors import InputError
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
+
+T = TypeVar("T", bound=Settings)
+
+
+def checked(kind: type[T], table: Mapping[str, Any]) -> T:
+    """Settings of a kind from a table.
+
+    Raises:
+        InputError: with one message that names the key, the value and what is allowed.
+    """
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        raise InputError(explain(error)) from None
 
 
 def explain(error: ValidationError) -> str:

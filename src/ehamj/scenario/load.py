@@ -3,16 +3,14 @@
 import json
 import math
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from ehamj.errors import InputError
 from ehamj.plant.mounts import DEFAULT_MOUNTS
-from ehamj.scenario.explain import explain
+from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
 
 
@@ -66,10 +64,7 @@ def parse_scenario(table: Mapping[str, Any]) -> Scenario:
     Raises:
         InputError: see `load_scenario`.
     """
-    try:
-        return Scenario.model_validate(table)
-    except ValidationError as error:
-        raise InputError(explain(error)) from None
+    return checked(Scenario, table)
 
 
 def _find(source: str | Path) -> Path:
@@ -84,30 +79,52 @@ def _find(source: str | Path) -> Path:
 
 def _override(table: dict[str, Any], text: str) -> None:
     key, equals, value = text.partition("=")
-    *parents, last = (part.strip() for part in key.split("."))
-    if not equals or not all((*parents, last)):
+    if not equals or not all(part.strip() for part in key.split(".")):
         raise InputError(f"--set {text!r}: must be key=value, such as machine.mass=4500")
+    table.update(replaced(table, key, written(value), f"--set {text!r}"))
+
+
+def written(text: str) -> Any:
+    """The value of a text that a user wrote: TOML, or else a string."""
     try:
-        parsed = tomllib.loads(f"value = {value}") if "\n" not in value else {}
+        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
     except tomllib.TOMLDecodeError:
-        parsed = {}
-    if parents[:1] == ["mount"]:
-        table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
-    place: Any = table
-    for depth, part in enumerate(parents):
-        is_list = isinstance(place, list)
-        place = place[_index(place, part, text)] if is_list else place.setdefault(part, {})
-        if not isinstance(place, dict | list):
-            raise InputError(f"--set {text!r}: {'.'.join(parents[: depth + 1])} is a value, not a table")
-    at = _index(place, last, text) if isinstance(place, list) else last
-    place[at] = parsed.get("value", value.strip())
-    if isinstance(place, dict) and isinstance(place.get("sources"), dict):
-        place["sources"].pop(last, None)  # a resolved scenario states the source of the value that was there before
+        return text.strip()
 
 
-def _index(place: list[Any], part: str, text: str) -> int:
+def replaced(table: Mapping[str, Any], key: str, value: Any, named: str) -> dict[str, Any]:
+    """A scenario's table with another value at a dotted key; messages call the change ``named``.
+
+    Raises:
+        InputError: if the key leads through a value, or to no entry of a list.
+    """
+    path = [part.strip() for part in key.split(".")]
+    if path[0] == "mount" and len(path) > 1 and "mount" not in table:
+        table = {**table, "mount": [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS]}
+    found: dict[str, Any] = _replaced(table, path, value, named, 0)
+    return found
+
+
+def _replaced(node: Any, path: list[str], value: Any, named: str, depth: int) -> Any:
+    if depth == len(path):
+        return value
+    part = path[depth]
+    if isinstance(node, Sequence) and not isinstance(node, str):
+        at = _index(node, part, named)
+        entry = _replaced(node[at], path, value, named, depth + 1)
+        return [*node[:at], entry, *node[at + 1 :]]
+    if not isinstance(node, Mapping):
+        raise InputError(f"{named}: {'.'.join(path[:depth])} is a value, not a table")
+    found = {**node, part: _replaced(node.get(part, {}), path, value, named, depth + 1)}
+    if depth == len(path) - 1 and isinstance(node.get("sources"), Mapping):
+        # A resolved scenario states the source of the value that was there before.
+        found["sources"] = {name: source for name, source in node["sources"].items() if name != part}
+    return found
+
+
+def _index(place: Sequence[Any], part: str, named: str) -> int:
     if not part.isdigit() or int(part) >= len(place):
-        raise InputError(f"--set {text!r}: {part!r} must be an index from 0 to {len(place) - 1}")
+        raise InputError(f"{named}: {part!r} must be an index from 0 to {len(place) - 1}")
     return int(part)
 
 
