@@ -16,6 +16,12 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 Source = Literal["paper", "identified", "assumed", "given"]
 Position2 = tuple[float, float]
 Vector3 = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+Unlimited = Annotated[float, Field(allow_inf_nan=True)]
+
+FILE = "file"
+FileName = Annotated[str, FILE]
+"""Name of a file that belongs to the scenario: relative to its folder as written, absolute once it is read."""
 
 
 class Settings(BaseModel):
@@ -85,6 +91,3 @@ class Parameters(Settings):
         sources = {name: source for name, source in self.sources.items() if name not in changed}
         sources.update(changed.pop("sources", {}))
         return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
-
-
-Unlimited = Annotated[float, Field(allow_inf_nan=True)]

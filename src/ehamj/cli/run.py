@@ -73,7 +73,8 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from ehamj.run.simulate import Incomplete, simulate
+    from ehamj.run.failures import Incomplete
+    from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)

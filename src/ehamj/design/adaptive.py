@@ -25,6 +25,7 @@ from ehamj.control.blocks import TWO_PI
 from ehamj.control.inertial import FEET
 from ehamj.control.inverse import Inverse
 from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.statespace import response
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import sampled_plant
@@ -85,7 +86,7 @@ def line_cancellation(
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
     answers = sampled_plant(linear, law, z, sensors, scenario.seed)
     feet = [law.inputs.index(name) for name in FEET]
-    closed = answers @ np.linalg.inv(np.eye(N_MOUNTS) - _at(law, z) @ answers)
+    closed = answers @ np.linalg.inv(np.eye(N_MOUNTS) - response(z, law.A, law.B, law.C, law.D) @ answers)
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, feet] @ volts), complex)
     function = _LineLaw(law, settings, np.asarray(fit, float), np.asarray(volts, float), inverses)
     return PythonController(
@@ -132,11 +133,3 @@ def _reading_feet(law: Controller) -> Controller:
         name: np.hstack([getattr(law, name), np.zeros((getattr(law, name).shape[0], len(more)))]) for name in "BD"
     }
     return replace(law, inputs=law.inputs + more, **wide)
-
-
-def _at(law: Controller, z: ComplexArray) -> ComplexArray:
-    """C (z − A)⁻¹ B + D, (z, 4, inputs)."""
-    if not law.states:
-        return np.broadcast_to(law.D.astype(complex), (z.size, *law.D.shape))
-    states = np.linalg.solve(z[:, None, None] * np.eye(law.states) - law.A, law.B.astype(complex))
-    return np.asarray(law.C @ states + law.D)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
-from ehamj.control import Controller
+from ehamj.control import Controller, statespace
 from ehamj.control.architectures.combined import SHARED
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
@@ -206,8 +206,7 @@ def reduced(block: Block, order: int) -> Block:
 def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
     """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
     s = 2j / period * np.tan(np.pi * hertz * period)
-    states = np.linalg.solve(s[:, None, None] * np.eye(block.A.shape[0]) - block.A, block.B)
-    return np.asarray(block.C @ states + block.D)
+    return statespace.response(s, *block)
 
 
 def _volts(plant: Plant) -> Array:

@@ -17,12 +17,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control import LinearController
+from ehamj.control import LinearController, statespace
 from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.architectures.skyhook import SkyhookSettings
-from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.requirements import Machines, Requirements
@@ -229,14 +228,8 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
     if other == loop:
         return trial
     z = np.exp(2j * np.pi * f * period)
-    old, new = (_sampled_response(one.block(0.0).sampled(period), z) for one in (loop, other))
-    return f, rest, each | {name: (new / old)[:, None, None] * each[name]}
-
-
-def _sampled_response(block: Block, z: ComplexArray) -> ComplexArray:
-    A, B, C, D = block
-    systems = z[:, None, None] * np.eye(A.shape[0]) - A
-    return np.asarray((C @ np.linalg.solve(systems, np.broadcast_to(B, (z.size, *B.shape))) + D)[:, 0, 0])
+    old, new = (statespace.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
+    return f, rest, each | {name: new / old * each[name]}
 
 
 def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:

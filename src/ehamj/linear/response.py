@@ -16,10 +16,10 @@ from ehamj.control.law import OUTPUTS as COMMANDS
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
 from ehamj.estimate.third_octave import Band
-from ehamj.ground.motion import Slab
 from ehamj.linear.machine import GROUND_INPUTS, LinearModel
 from ehamj.linear.sampled import measured_machine, sampled_machine
 from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.levers import levers
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
 
@@ -66,8 +66,7 @@ def slab_pattern(plant: Plant, dofs: Sequence[str] = DOFS) -> Array:
     unknown = [dof for dof in dofs if dof not in DOFS]
     if unknown or not dofs:
         raise InputError(f"dof = {unknown[0] if unknown else ''!r}: must be one of {', '.join(DOFS)}")
-    lever = Slab(np.array(plant.positions), {}).lever.reshape(-1, len(DOFS))
-    return lever[:, [DOFS.index(dof) for dof in dofs]]
+    return levers(plant.positions)[:, [DOFS.index(dof) for dof in dofs]]
 
 
 @dataclass(frozen=True)

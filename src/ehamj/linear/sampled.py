@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from ehamj.control import Controller, LinearController
+from ehamj.control.channels import quantity_of
 from ehamj.control.law import OUTPUTS
-from ehamj.control.sensors import IDEAL, Sensors, quantity_of
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.linear.machine import LinearModel
 from ehamj.plant.mounts import N_MOUNTS
 

@@ -9,9 +9,17 @@ Array = NDArray[np.float64]
 
 
 def lever(point: ArrayLike) -> Array:
-    """Displacement x, y, z [m] of a point per x, y, z [m] and rx, ry, rz [rad] of the origin: p + θ × r, (3, 6)."""
-    x, y, z = np.asarray(point, float)
+    """Displacement x, y, z [m] of a point per x, y, z [m] and rx, ry, rz [rad] of the origin: p + θ × r, (3, 6).
+
+    ``point`` is x, y, z [m], or x, y where it lies in the mount plane.
+    """
+    x, y, z = (*np.asarray(point, float), 0.0)[:3]
     return np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
+
+
+def levers(points: Sequence[ArrayLike] | Array) -> Array:
+    """`lever` of several points below each other, shape (3 points, 6)."""
+    return np.concatenate([lever(point) for point in points])
 
 
 def plane(positions: Sequence[Sequence[float]]) -> Array:

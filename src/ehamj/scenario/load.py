@@ -3,15 +3,17 @@
 import json
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from ehamj.errors import InputError
 from ehamj.plant.mounts import DEFAULT_MOUNTS
 from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
+from ehamj.settings import FILE, Settings
 
 
 def scenario_schema() -> str:
@@ -49,13 +51,10 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error
-    for part in ("ground", "control"):
-        _anchor_files(table.get(part), path.resolve().parent)
-    for override in overrides:
-        _override(table, override)
-    for part in ("ground", "control"):
-        _anchor_files(table.get(part), Path.cwd())
-    return parse_scenario(table)
+    table = anchored(table, Scenario, path.resolve().parent)
+    for text in overrides:
+        override(table, text)
+    return parse_scenario(anchored(table, Scenario, Path.cwd()))
 
 
 def parse_scenario(table: Mapping[str, Any]) -> Scenario:
@@ -65,6 +64,75 @@ def parse_scenario(table: Mapping[str, Any]) -> Scenario:
         InputError: see `load_scenario`.
     """
     return checked(Scenario, table)
+
+
+def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+    """The scenario with other values, checked as a file is.
+
+    Args:
+        scenario: what they differ from.
+        values: by dotted key, as ``--set`` has them: ``{"control.delay": 3e-4, "mount.0.actuator": "soft"}``; a whole
+            table replaces the one that is there.
+
+    Raises:
+        InputError: see `load_scenario`.
+    """
+    table = _listed(scenario.model_dump(mode="python", exclude_none=True))
+    if "points" not in scenario.model_fields_set:
+        del table["points"]  # they follow the machine's size
+    for key, value in values.items():
+        _place(table, key, _listed(value), f"{key} = {value!r}")
+    return parse_scenario(table)
+
+
+def override(table: dict[str, Any], text: str) -> None:
+    """Put ``key=value`` into a scenario's table: a dotted key, and a TOML value or else a string.
+
+    Raises:
+        InputError: if it has not that form, or the key leads nowhere.
+    """
+    key, equals, value = text.partition("=")
+    said = f"--set {text!r}"
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
+    _place(table, key, written(value), said)
+
+
+def written(text: str) -> Any:
+    """The value of what a user wrote: TOML, or else a string."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
+    except tomllib.TOMLDecodeError:
+        return text.strip()
+
+
+def _place(table: dict[str, Any], key: str, value: Any, said: str) -> None:
+    """Set the value of a dotted key; ``said`` is what messages begin with."""
+    *parents, last = (part.strip() for part in key.split("."))
+    if parents[:1] == ["mount"]:
+        table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
+    place: Any = table
+    for depth, part in enumerate(parents):
+        place = place[_index(place, part, said)] if isinstance(place, list) else place.setdefault(part, {})
+        if not isinstance(place, dict | list):
+            raise InputError(f"{said}: {'.'.join(parents[: depth + 1])} is a value, not a table")
+    at = _index(place, last, said) if isinstance(place, list) else last
+    place[at] = value
+    if isinstance(place, dict) and isinstance(place.get("sources"), dict):
+        place["sources"].pop(last, None)  # a resolved scenario states the source of the value that was there before
+
+
+def _index(place: list[Any], part: str, said: str) -> int:
+    if not part.isdigit() or int(part) >= len(place):
+        raise InputError(f"{said}: {part!r} must be an index from 0 to {len(place) - 1}")
+    return int(part)
+
+
+def _listed(value: Any) -> Any:
+    """The value as TOML would give it: lists for tuples."""
+    if isinstance(value, Mapping):
+        return {key: _listed(entry) for key, entry in value.items()}
+    return [_listed(entry) for entry in value] if isinstance(value, tuple | list) else value
 
 
 def _find(source: str | Path) -> Path:
@@ -77,65 +145,25 @@ def _find(source: str | Path) -> Path:
     return path
 
 
-def _override(table: dict[str, Any], text: str) -> None:
-    key, equals, value = text.partition("=")
-    if not equals or not all(part.strip() for part in key.split(".")):
-        raise InputError(f"--set {text!r}: must be key=value, such as machine.mass=4500")
-    table.update(replaced(table, key, written(value), f"--set {text!r}"))
+def anchored(value: Any, kind: Any, folder: Path) -> Any:
+    """``value`` of a field of type ``kind`` with the file names in it absolute, so that it is good from anywhere.
 
-
-def written(text: str) -> Any:
-    """The value of a text that a user wrote: TOML, or else a string."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
-    except tomllib.TOMLDecodeError:
-        return text.strip()
-
-
-def replaced(table: Mapping[str, Any], key: str, value: Any, named: str) -> dict[str, Any]:
-    """A scenario's table with another value at a dotted key; messages call the change ``named``.
-
-    Raises:
-        InputError: if the key leads through a value, or to no entry of a list.
+    Which strings are file names the settings say themselves (`ehamj.settings.FileName`); what does not fit its type is
+    left as it is.
     """
-    path = [part.strip() for part in key.split(".")]
-    if path[0] == "mount" and len(path) > 1 and "mount" not in table:
-        table = {**table, "mount": [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS]}
-    found: dict[str, Any] = _replaced(table, path, value, named, 0)
-    return found
-
-
-def _replaced(node: Any, path: list[str], value: Any, named: str, depth: int) -> Any:
-    if depth == len(path):
-        return value
-    part = path[depth]
-    if isinstance(node, Sequence) and not isinstance(node, str):
-        at = _index(node, part, named)
-        entry = _replaced(node[at], path, value, named, depth + 1)
-        return [*node[:at], entry, *node[at + 1 :]]
-    if not isinstance(node, Mapping):
-        raise InputError(f"{named}: {'.'.join(path[:depth])} is a value, not a table")
-    found = {**node, part: _replaced(node.get(part, {}), path, value, named, depth + 1)}
-    if depth == len(path) - 1 and isinstance(node.get("sources"), Mapping):
-        # A resolved scenario states the source of the value that was there before.
-        found["sources"] = {name: source for name, source in node["sources"].items() if name != part}
-    return found
-
-
-def _index(place: Sequence[Any], part: str, named: str) -> int:
-    if not part.isdigit() or int(part) >= len(place):
-        raise InputError(f"{named}: {part!r} must be an index from 0 to {len(place) - 1}")
-    return int(part)
-
-
-def _anchor_files(ground: Any, folder: Path) -> None:
-    """Make the file names of records absolute, so that the resolved scenario runs from anywhere."""
-    if not isinstance(ground, dict):
-        return
-    for part in ground.get("parts", []) if isinstance(ground.get("parts"), list) else []:
-        _anchor_files(part, folder)
-    _anchor_files(ground.get("target"), folder)
-    for key in ("file", "inventory"):
-        name = ground.get(key)
-        if isinstance(name, str) and name and not name.startswith("example:"):
-            ground[key] = str(folder / name)
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is Annotated and FILE in kind.__metadata__:
+        is_name = isinstance(value, str) and value and not value.startswith("example:")
+        return str(folder / value) if is_name else value
+    if origin in (Annotated, Union, UnionType):
+        for part in parts[:1] if origin is Annotated else parts:
+            value = anchored(value, part, folder)
+    elif origin is tuple and isinstance(value, list):
+        return [anchored(entry, parts[0], folder) for entry in value]
+    elif origin is dict and isinstance(value, dict):
+        return {key: anchored(entry, parts[1], folder) for key, entry in value.items()}
+    elif isinstance(kind, type) and issubclass(kind, Settings) and isinstance(value, dict):
+        types = get_type_hints(kind, include_extras=True)
+        if "kind" not in types or value.get("kind") in get_args(types["kind"]):
+            return {key: anchored(entry, types.get(key), folder) for key, entry in value.items()}
+    return value

@@ -14,16 +14,17 @@ from pydantic import Field
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.plant.levers import plane
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.rest import static_forces
 from ehamj.studies.study import WholeHertz, among, study
 from ehamj.studies.tables import modes_table, table
-from ehamj.studies.variants import changed, still, with_actuators
+from ehamj.studies.variants import still, with_actuators
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -111,20 +112,7 @@ def failed(scenario: Scenario, failure: str, mount: str | None = None) -> Scenar
         raise InputError(f"failure = {failure!r}: must be one of sound, {', '.join(FAILURES)}")
     name, plant = at_mount(scenario, mount), scenario.plant
     own = plant.actuators[plant.mounts.index(name)]
-    return changed(scenario, **with_actuators(scenario, {name: FAILURES[failure](own)}))
-
-
-def static_forces(model: LinearModel) -> dict[str, Array]:
-    """What mounts carry at rest: ``stroke`` [m], ``oil`` and ``membrane``, forces on the plate, up [N], (mount,)."""
-    plant, rest = model.plant, dict(zip(model.states, model.equilibrium.tolist(), strict=True))
-    moved = plane(plant.positions) @ [rest[f"displacement {joint}"] for joint in ("z", "rx", "ry")]
-    stroke = np.array(
-        [rest.get(f"displacement plate {name}", at) for name, at in zip(plant.mounts, moved, strict=True)]
-    )
-    pressure = np.array([[rest[f"pressure_{k} {mount}"] for k in (1, 2)] for mount in plant.mounts])
-    area = np.array([[a.piston_area, a.piston_area * a.area_ratio] for a in plant.actuators])
-    stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
-    return {"stroke": stroke, "oil": (pressure * area) @ [1.0, -1.0], "membrane": -stiffness * stroke}
+    return changed(scenario, with_actuators(scenario, {name: FAILURES[failure](own)}))
 
 
 OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displacement ry")

@@ -1,6 +1,5 @@
 """Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -8,17 +7,15 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control import Controller
-from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import feeds_back
-from ehamj.linear.modes import eigen_of, modes, sampled_loop
-from ehamj.plant.plant import Plant
+from ehamj.linear.modes import eigen_of, modes
 from ehamj.plots.charts import Line, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.position_loop import highest_factor, inertial_position, scaled
 from ehamj.studies.study import Positive, study
 from ehamj.studies.tables import table
 
@@ -28,14 +25,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-PERIOD: Final = 1e-4
-"""Sampling period of the study's own law [s]."""
-LEAK: Final = 0.05
-"""Corner below which its integrators forget [Hz]."""
-STABLE: Final = 1.0 + 1e-9
-"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
-UNLIMITED: Final = 1e4
-"""Factor on the gain beyond which no limit is looked for."""
 OWN_LAW: Final = (
     "The scenario's control measures nothing of the machine and moves no pole; a law of the study's own is looked at."
 )
@@ -54,50 +43,6 @@ class GainSettings(Settings):
         description="largest factor; without, a quarter beyond the limit of stability (3 where there is none)",
     )
     points: int = Field(121, ge=2, description="factors of the root locus")
-
-
-def inertial_position(plant: Plant, crossover: float) -> Controller:
-    """Feedback of each foot's absolute velocity, integrated, to its own valve: u = −2πf_c A_p/(K_Q K_v) ∫v dt.
-
-    The valve integrates its command into stroke, K_Q K_v/A_p, so each loop crosses at f_c = ``crossover`` [Hz].
-    """
-    pole = float(np.exp(-2 * np.pi * LEAK * PERIOD))
-    gains = [-2 * np.pi * crossover * a.piston_area / (a.flow_gain * a.valve_gain) for a in plant.actuators]
-    identity = np.eye(len(gains))
-    inputs = tuple(f"foot_velocity {mount} z" for mount in plant.mounts)
-    half = 0.5 * PERIOD  # trapezoidal rule
-    gain = np.diag(gains)
-    return Controller(pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain, inputs, PERIOD)
-
-
-def scaled(loop: Loop, factor: float) -> Loop:
-    """The loop with all gains of its law multiplied."""
-    return replace(loop, law=loop.law.scaled(factor))
-
-
-def radius(model: LinearModel, loop: Loop) -> float:
-    """Spectral radius of the sampled loop: stable below one."""
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop.law, loop.sensors, loop.seed).A)).max())
-
-
-def highest_factor(model: LinearModel, loop: Loop) -> float:
-    """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
-
-    Raises:
-        InputError: if even a thousandth of the gain is unstable.
-    """
-    low = 1e-3
-    if radius(model, scaled(loop, low)) > STABLE:
-        raise InputError("control: the loop is unstable even with a thousandth of its gain")
-    high = low
-    while radius(model, scaled(loop, high)) <= STABLE:
-        low, high = high, 3.0 * high
-        if high > UNLIMITED:
-            return float("inf")
-    while high / low > 1.0 + 1e-3:
-        middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
-    return float(np.sqrt(low * high))
 
 
 def root_locus(model: LinearModel, loop: Loop, factors: Array) -> ComplexArray:

@@ -21,12 +21,12 @@ from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result
 from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import among, study
 from ehamj.studies.tables import table
-from ehamj.studies.variants import changed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -103,16 +103,16 @@ def _laws(scenario: Scenario, isolate_from: float) -> dict[str, Any]:
 
 
 def _case(scenario: Scenario, settings: LevelSettings, control: Any, level: str) -> Scenario:
-    return changed(
-        scenario,
-        ground={"kind": "broadband", "level": level, "wave": {"speed": 200.0}},
-        control=control.model_dump(exclude_none=True),
-        duration=settings.duration,
-        record_rate=RECORD_RATE,
-        plates="tied" if all(a.rigid_foot for a in scenario.plant.actuators) else "sliding",
-        compare=(),
-        timestep="auto",
-    )
+    values = {
+        "ground": {"kind": "broadband", "level": level, "wave": {"speed": 200.0}},
+        "control": control.model_dump(exclude_none=True),
+        "duration": settings.duration,
+        "record_rate": RECORD_RATE,
+        "plates": "tied" if all(a.rigid_foot for a in scenario.plant.actuators) else "sliding",
+        "compare": (),
+        "timestep": "auto",
+    }
+    return changed(scenario, values)
 
 
 def level_table(laws: Sequence[str], chosen: Sequence[str], runs: Sequence[Result]) -> xr.Dataset:

@@ -23,13 +23,14 @@ from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.tables import modes_table, table
-from ehamj.studies.variants import changed, check_gravity, positions, preset, resized, still, with_every_actuator
+from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,8 +122,8 @@ def falls(scenario: Scenario, about: str, duration: float = 60.0) -> bool:
     """
     dof = "rx" if about == "about x" else "ry"
     nudge = {"kind": "shock", "dof": dof, "velocity": NUDGE, "pulse_time": 0.05, "return_time": 0.2, "begin": 0.01}
-    output = {"replay": False, "report": False}
-    run = simulate(changed(scenario, ground=nudge, duration=duration, record_rate=200.0, output=output))
+    values = {"ground": nudge, "duration": duration, "record_rate": 200.0}
+    run = simulate(changed(scenario, values))
     tilt = np.abs(run.dataset["machine_displacement"].sel(dof=dof).values)
     return bool(tilt[-tilt.size // 10 :].max() > 1.5 * tilt[: tilt.size // 2].max())
 

@@ -13,8 +13,8 @@ from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.failed import static_forces
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
+from ehamj.studies.rest import static_forces
 from ehamj.studies.study import Positive, Range, study
 from ehamj.studies.tables import table
 from ehamj.studies.variants import check_gravity, positions, resized, still

@@ -12,14 +12,14 @@ from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, lines_chart
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.floors import Loop
-from ehamj.studies.gains import highest_factor, inertial_position
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
+from ehamj.studies.position_loop import highest_factor, inertial_position
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.tables import table
-from ehamj.studies.variants import changed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,7 +85,7 @@ def _modes(scenario: Scenario, vary: dict[str, xr.DataArray]) -> xr.Dataset:
 def fastest_loops(scenario: Scenario, settings: ValveOilSettings, progress: Progress = silent) -> xr.Dataset:
     """Crossover [Hz] at which position loops of all valves become unstable, over (parameter, factor).
 
-    The loop is `ehamj.studies.gains.inertial_position`, built for the changed actuators.
+    The loop is `ehamj.studies.position_loop.inertial_position`, built for the changed actuators.
     """
     factors = sorted({1.0, 2.0, *settings.loops})
     crossover = np.empty((len(settings.looped), len(factors)))

@@ -8,26 +8,14 @@ from numpy.typing import NDArray
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.scenario.load import parse_scenario, replaced
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Isolator, Scenario
-
-
-def changed(scenario: Scenario, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Scenario:
-    """The scenario with other values at dotted keys, as ``--set`` changes them, and other tables at its top level.
-
-    Raises:
-        InputError: if a key or value is not allowed.
-    """
-    table = scenario.model_dump() | tables
-    for key, value in (changes or {}).items():
-        table = replaced(table, key, value, f"{key} = {value!r}")
-    return parse_scenario(table)
 
 
 def still(scenario: Scenario, **tables: Any) -> Scenario:
     """The bare machine: floor at rest, valves held, no variants."""
     bare = {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "compare": ()}
-    return changed(scenario, **(bare | tables))
+    return changed(scenario, bare | tables)
 
 
 def check_gravity(scenario: Scenario, without: str) -> None:
