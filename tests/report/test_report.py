@@ -18,6 +18,7 @@ from scipy import signal
 from ehamj import plots
 from ehamj.control import Controller
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
+from ehamj.evaluation import FREQUENCIES
 from ehamj.ground import Start
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
@@ -26,10 +27,9 @@ from ehamj.pages import Picture, render
 from ehamj.pages.words import number
 from ehamj.plant.mounts import MOUNTS
 from ehamj.report import report_page, write_report
-from ehamj.report.histories import characteristic_part
-from ehamj.report.responses import FREQUENCIES
-from ehamj.report.shown import colors_of
-from ehamj.report.verdict import PROCESSING
+from ehamj.report.sections.headline import PROCESSING
+from ehamj.report.sections.histories import characteristic_part
+from ehamj.report.shown import Shown
 from ehamj.result import Result
 from ehamj.run.failures import Incomplete
 from ehamj.run.simulate import simulate
@@ -237,7 +237,7 @@ def test_shares_oil_and_timing_are_the_summarys(results: dict[str, Result], whol
 
 def test_figures_show_the_summarys_levels(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
-    colors = colors_of(results)
+    colors = Shown.of(results).colors
     for axis in ("z", "x"):
         for figure, levels in (
             ("attenuation", lambda summary, axis=axis: summary["attenuation_db"][axis]),
@@ -272,7 +272,7 @@ def test_histories_reach_their_peaks(results: dict[str, Result], pictures: list[
 
 def test_the_linear_transmissibility_is_drawn(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
-    colors = colors_of(results)
+    colors = Shown.of(results).colors
     model = linear_model(results["passive"].scenario)
     for dof, output in (("z", "cg_displacement z"), ("rx", "machine_displacement rx")):
         above, phase, _ = figures[f"transmissibility-{dof}"].axes
@@ -297,7 +297,7 @@ def test_the_runs_own_transmissibility_is_drawn(results: dict[str, Result], pict
     settings = {"nperseg": 226, "detrend": "constant"}
     f, cross = signal.csd(floor, machine, 1000.0, **settings)
     _, own = signal.welch(floor, 1000.0, **settings)
-    color = colors_of(results)["passive"]
+    color = Shown.of(results).colors["passive"]
     line = next(x for x in figure.figure.axes[0].lines if x.get_color() == color and x.get_linestyle() == "None")
     shown = dict(zip(np.round(line.get_xdata(), 6), line.get_ydata(), strict=True))
     for k in (1, 2, 3, 4):
@@ -644,9 +644,9 @@ def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:
 
 def test_passive_keeps_its_colour(results: dict[str, Result]) -> None:
     active, passive = results["feedforward"], results["passive"]
-    assert colors_of({"a": active, "b": passive}) == {"a": plots.BLUE, "b": plots.VERMILLION}
-    assert colors_of({"b": passive, "a": active}) == {"b": plots.VERMILLION, "a": plots.BLUE}
-    many = colors_of({str(k): active for k in range(12)})
+    assert Shown.of({"a": active, "b": passive}).colors == {"a": plots.BLUE, "b": plots.VERMILLION}
+    assert Shown.of({"b": passive, "a": active}).colors == {"b": plots.VERMILLION, "a": plots.BLUE}
+    many = Shown.of({str(k): active for k in range(12)}).colors
     assert plots.VERMILLION not in many.values()
     assert plots.FLOOR_COLOR not in many.values()
 
