@@ -6,7 +6,7 @@ spends its voltage where it counts, and holds on longer.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import numpy as np
 import xarray as xr
