@@ -14,9 +14,9 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.csgraph import connected_components
 
 from ehamj.control.channels import N_SIGNALS, channel_names, channel_row
+from ehamj.control.statespace import state_space_response
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
@@ -169,13 +169,7 @@ class Controller:
         f = np.atleast_1d(np.asarray(hertz, float))
         omega = 2.0 * np.pi * f
         z = np.exp(1j * omega * self.period)
-        plain = np.broadcast_to(self.D, (f.size, *self.D.shape)).astype(complex)
-        # Laws are made of many small blocks that do not know each other: solved one by one, far faster than together.
-        count, labels = connected_components(self.A != 0.0, directed=False) if self.states else (0, np.zeros(0))
-        for own in (np.flatnonzero(labels == k) for k in range(count)):
-            systems = z[:, None, None] * np.eye(own.size) - self.A[np.ix_(own, own)]
-            right = np.broadcast_to(self.B[own], (f.size, own.size, self.B.shape[1]))
-            plain += self.C[:, own] @ np.linalg.solve(systems, right)
+        plain = state_space_response(z, self.A, self.B, self.C, self.D)
         hold = np.sinc(f * self.period) * np.exp(-1j * omega * (0.5 * self.period + self.latency))
         return np.asarray(hold[:, None, None] * plain)
 

@@ -26,8 +26,9 @@ from ehamj.control.inertial import FEET
 from ehamj.control.inverse import Inverse
 from ehamj.control.settings import DigitalSettings, Positive
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.response import sampled_plant
+from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.mounts import N_MOUNTS
 from ehamj.scenario.model import Scenario
 
@@ -66,8 +67,8 @@ def line_cancellation(
     Raises:
         InputError: if a line is at or above half the sampling rate.
     """
-    plant, sensors = scenario.plant, scenario.sensors
-    linear = model or linear_model(scenario)
+    plant = scenario.plant
+    linear = model or linear_model(scenario.plant)
     volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
     fit = np.linalg.pinv(plane(plant))
     limit = min(actuator.voltage_limit for actuator in plant.actuators)
@@ -83,10 +84,9 @@ def line_cancellation(
     if high:
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
-    answers = sampled_plant(linear, law, z, sensors, scenario.seed)
+    cut = opened_at_samples(linear, Loop.of(scenario, law), z)
     feet = [law.inputs.index(name) for name in FEET]
-    closed = answers @ np.linalg.inv(np.eye(N_MOUNTS) - _at(law, z) @ answers)
-    inverses = np.asarray(np.linalg.inv(fit @ closed[:, feet] @ volts), complex)
+    inverses = np.asarray(np.linalg.inv(fit @ (cut.plant @ cut.sensitivity)[:, feet] @ volts), complex)
     function = _LineLaw(law, settings, np.asarray(fit, float), np.asarray(volts, float), inverses)
     return PythonController(
         function, law.inputs, law.period, law.delay, law.voltage_limit, law.bits, law.switch_on, law.fade, law.from_rest
@@ -132,11 +132,3 @@ def _reading_feet(law: Controller) -> Controller:
         name: np.hstack([getattr(law, name), np.zeros((getattr(law, name).shape[0], len(more)))]) for name in "BD"
     }
     return replace(law, inputs=law.inputs + more, **wide)
-
-
-def _at(law: Controller, z: ComplexArray) -> ComplexArray:
-    """C (z − A)⁻¹ B + D, (z, 4, inputs)."""
-    if not law.states:
-        return np.broadcast_to(law.D.astype(complex), (z.size, *law.D.shape))
-    states = np.linalg.solve(z[:, None, None] * np.eye(law.states) - law.A, law.B.astype(complex))
-    return np.asarray(law.C @ states + law.D)

@@ -17,7 +17,7 @@ from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
-from ehamj.linear.margins import feeds_back
+from ehamj.linear.loop import feeds_back
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Law, Scenario

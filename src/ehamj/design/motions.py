@@ -11,6 +11,7 @@ loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -26,9 +27,10 @@ from ehamj.control.blocks import TWO_PI, Block, beside
 from ehamj.control.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoop
 from ehamj.control.inverse import Inverse
 from ehamj.control.law import stack
-from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.statespace import state_space_response
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.mounts import N_MOUNTS
@@ -140,7 +142,7 @@ def motion_plants(
         order: states that are kept.
     """
     plant, sensors = scenario.plant, scenario.sensors
-    machine = _with_inner(model, settings.modal().controller(plant, sensors), sensors)
+    machine = _with_inner(model, Loop.of(scenario, settings.modal().controller(plant, sensors)))
     blend = settings.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0])).sampled(settings.period)
     fit, mean = np.linalg.pinv(plane(plant)), np.full(N_MOUNTS, 1.0 / N_MOUNTS)
     along, across = np.kron([1.0, 0.0], mean), np.kron([0.0, 1.0], mean)
@@ -206,8 +208,7 @@ def reduced(block: Block, order: int) -> Block:
 def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
     """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
     s = 2j / period * np.tan(np.pi * hertz * period)
-    states = np.linalg.solve(s[:, None, None] * np.eye(block.A.shape[0]) - block.A, block.B)
-    return np.asarray(block.C @ states + block.D)
+    return state_space_response(s, *block)
 
 
 def _volts(plant: Plant) -> Array:
@@ -215,14 +216,15 @@ def _volts(plant: Plant) -> Array:
     return np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
 
 
-def _with_inner(model: LinearModel, inner: Controller, sensors: Sensors) -> Block:
-    """The sampled machine from commands to `CHANNELS`, the inner law closed around it."""
+def _with_inner(model: LinearModel, loop: Loop) -> Block:
+    """The sampled machine from commands to `CHANNELS`, the inner law of one rate closed around it."""
+    (inner,) = loop.law.parts
     names = (*CHANNELS, *inner.inputs)
     nothing = np.zeros((N_MOUNTS, len(names)))
     probe = Controller(
         np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, names, inner.period, inner.delay, inner.voltage_limit
     )
-    open_loop = sampled_machine(model, probe, sensors)
+    open_loop = sampled_machine(model, replace(loop, law=probe))
     seen, read = open_loop.C[: len(CHANNELS)], open_loop.C[len(CHANNELS) :]
     A = np.block([[open_loop.A + open_loop.B @ inner.D @ read, open_loop.B @ inner.C], [inner.B @ read, inner.A]])
     B = np.vstack([open_loop.B, np.zeros((inner.states, N_MOUNTS))])

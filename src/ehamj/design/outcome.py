@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 
 from ehamj.control import LinearController
-from ehamj.control.architectures.modal import plane, warp
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
-from ehamj.linear.margins import PATTERNS, feeds_back, grid, loop_gain
+from ehamj.linear.loop import Loop, feeds_back, opened
+from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled
@@ -156,10 +156,9 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
     gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
-    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
+    loop = Loop.of(scenario, law)
     for row, model in enumerate(machines.models.values()):
-        opened = np.linalg.inv(np.eye(4) + loop_gain(model, law, f, scenario.sensors, scenario.seed))
-        moved = np.linalg.inv(basis) @ opened @ basis
+        moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
         for column in range(len(patterns)):
             one = moved[:, column, column]
             gain[row, column] = 20 * np.log10(np.maximum(np.abs(1.0 / one - 1.0), 1e-12))

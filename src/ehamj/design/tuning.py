@@ -19,17 +19,19 @@ from numpy.typing import NDArray
 
 from ehamj.control import LinearController
 from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
+from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.architectures.skyhook import SkyhookSettings
-from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.settings import DigitalSettings
+from ehamj.control.statespace import state_space_response
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.linear.margins import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
+from ehamj.linear.loop import Loop, feeds_back, loop_gain
+from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, report
 from ehamj.linear.modes import modes
 from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -107,7 +109,7 @@ def judged(
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
     if not feeds_back(law):
         return Design(settings, law, {}, requirements)
-    reports = {name: report(model, law, scenario.sensors, scenario.seed) for name, model in machines.models.items()}
+    reports = {name: report(model, Loop.of(scenario, law)) for name, model in machines.models.items()}
     return Design(settings, law, reports, requirements)
 
 
@@ -153,14 +155,14 @@ def _only(settings: Tunable, name: str | None) -> Tunable:
 
 def _raised(settings: Tunable, scenario: Scenario, machines: Machines, wanted: Requirements) -> Tunable:
     trials = _trials(settings, scenario, machines)
-    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
     loops = _loops(settings)
     crossings = {name: loop.crossing for name, loop in loops.items()}
     for turn in range(2):
         for name in loops:
             places = [MOTIONS.index(name)] if name in MOTIONS else list(range(N_MOUNTS))
             shapes = SLOWED if turn == 0 else (1.0,)
-            found = _highest(trials, name, loops[name], crossings, shapes, basis, wanted, places, settings.period)
+            own, clock = scenario.plant, settings.period
+            found = _highest(trials, name, loops[name], crossings, shapes, own, wanted, places, clock)
             if found is None:
                 raise InputError(
                     f"control: no crossing of the loop {name!r} from {STEPS[-1] * loops[name].crossing:.2g} to "
@@ -184,7 +186,7 @@ def _raised(settings: Tunable, scenario: Scenario, machines: Machines, wanted: R
 
 def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[Trial]:
     """The loop gains of which every trial is made, on each machine."""
-    plant, sensors, seed = scenario.plant, scenario.sensors, scenario.seed
+    plant, sensors = scenario.plant, scenario.sensors
     everything = settings.controller(plant, sensors)
     rest = _only(settings, None).controller(plant, sensors)
     loops = _loops(settings)
@@ -192,8 +194,8 @@ def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[T
     trials = []
     for model in machines.models.values():
         f = grid(everything, model)
-        own = loop_gain(model, rest, f, sensors, seed)
-        each = {name: loop_gain(model, law, f, sensors, seed) for name, law in alone.items()}
+        own = loop_gain(model, Loop.of(scenario, rest), f)
+        each = {name: loop_gain(model, Loop.of(scenario, law), f) for name, law in alone.items()}
         if not isinstance(settings, ModalSettings):  # the loop alone still holds what the rest is
             each = {name: gain - own for name, gain in each.items()}
         trials.append((f, own, {name: gain / loops[name].crossing for name, gain in each.items()}))
@@ -202,7 +204,7 @@ def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[T
 
 def _highest(
     trials: list[Trial], name: str, loop: MotionLoop, crossings: dict[str, float], shapes: tuple[float, ...],
-    basis: Array, wanted: Requirements, places: list[int], period: float,
+    plant: Plant, wanted: Requirements, places: list[int], period: float,
 ) -> tuple[float, MotionLoop] | None:  # fmt: skip
     """The best crossing of a loop, and its shape: crossing times the root of what it is slowed by counts, since the
     attenuation is of the crossing above the integral's corner and of its product with the integral below."""
@@ -215,7 +217,7 @@ def _highest(
             if crossing * np.sqrt(by) <= least:
                 break
             tried = crossings | {name: crossing}
-            failed = next((k for k, trial in enumerate(own) if not _leaves(trial, tried, basis, wanted, places)), None)
+            failed = next((k for k, trial in enumerate(own) if not _leaves(trial, tried, plant, wanted, places)), None)
             if failed is None:
                 best, least = (crossing, slower), crossing * np.sqrt(by)
                 break
@@ -229,14 +231,8 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
     if other == loop:
         return trial
     z = np.exp(2j * np.pi * f * period)
-    old, new = (_sampled_response(one.block(0.0).sampled(period), z) for one in (loop, other))
+    old, new = (state_space_response(z, *one.block(0.0).sampled(period))[:, 0, 0] for one in (loop, other))
     return f, rest, each | {name: (new / old)[:, None, None] * each[name]}
-
-
-def _sampled_response(block: Block, z: ComplexArray) -> ComplexArray:
-    A, B, C, D = block
-    systems = z[:, None, None] * np.eye(A.shape[0]) - A
-    return np.asarray((C @ np.linalg.solve(systems, np.broadcast_to(B, (z.size, *B.shape))) + D)[:, 0, 0])
 
 
 def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:
@@ -245,9 +241,9 @@ def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:
     return np.asarray(np.linalg.inv(np.eye(N_MOUNTS) + loop), complex)
 
 
-def _leaves(trial: Trial, crossings: dict[str, float], basis: Array, wanted: Requirements, places: list[int]) -> bool:
+def _leaves(trial: Trial, crossings: dict[str, float], plant: Plant, wanted: Requirements, places: list[int]) -> bool:
     """Whether crossings leave the margins at some patterns of motion, and go round −1 nowhere there (Nyquist)."""
-    moved = np.linalg.inv(basis) @ _sensitivity(trial, crossings) @ basis
+    moved = in_patterns(_sensitivity(trial, crossings), plant.positions)
     for k in places:
         difference = 1.0 / moved[:, k, k]
         if round(float(np.unwrap(np.angle(difference))[-1]) / (2 * np.pi)) != 0:

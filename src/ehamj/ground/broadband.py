@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ehamj.criteria.vc import CLASSES
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, G
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.lines import random_floor
 from ehamj.ground.motion import Motion, Start

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 from ehamj.ground.processing import USABLE, Channel, clipped_samples
 from ehamj.signals import Array
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, Band, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, G
 
 Array = NDArray[np.float64]
 Axis = Literal["x", "y", "z"]

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.result import Result, written_whole
-from ehamj.rig.lines import channel
+from ehamj.rig.measurement import channel
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario

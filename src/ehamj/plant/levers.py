@@ -28,3 +28,13 @@ def warp(positions: Sequence[Sequence[float]]) -> Array:
     """Pattern of forces at four mounts that moves nothing, (mount,), of length two: + − − + on a rectangle."""
     pattern = np.linalg.svd(plane(positions).T)[2][-1]
     return np.asarray(2.0 * pattern * np.sign(pattern[0]))
+
+
+def slab(positions: Sequence[Sequence[float]]) -> Array:
+    """Displacement of each mount and axis per degree of freedom of a rigid slab [m/m, m/rad], (mount, axis, dof)."""
+    return np.array([lever((x, y, 0.0)) for x, y in positions])
+
+
+def slab_fit(positions: Sequence[Sequence[float]]) -> Array:
+    """Motion of the rigid slab that fits the mounts' displacements best, (dof, mount·axis): the inverse of `slab`."""
+    return np.asarray(np.linalg.pinv(slab(positions).reshape(-1, 6)))

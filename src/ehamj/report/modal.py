@@ -10,8 +10,8 @@ import xarray as xr
 
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import feeds_back
 from ehamj.linear.modes import Mode, modes
 from ehamj.plant.axes import DOFS
 from ehamj.plots.charts import Line, map_chart
@@ -47,7 +47,7 @@ def modal_tables(results: Results) -> Iterator[Table]:
         )
         if not own:
             try:
-                machines.append((linear_model(result.scenario), own))
+                machines.append((linear_model(result.scenario.plant), own))
             except InputError:
                 continue
         own[label] = result
@@ -71,7 +71,7 @@ def _table(title: str, model: LinearModel, runs: Results) -> Table:
         if not feeds_back(law):
             still.append(label)
         else:
-            columns[label] = modes(model, law, sensors=result.scenario.sensors, seed=result.scenario.seed)
+            columns[label] = modes(model, Loop.of(result.scenario, law))
     if still:
         notes.append(f"{', '.join(still)}: the law reads the ground alone and moves no mode.")
     notes += [note for label, found in columns.items() if (note := _others(label, found))]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import ZERO, Transfer, machine_channels, rigid_floor, unit
 from ehamj.plots import Response
@@ -19,7 +20,8 @@ from ehamj.report.parts import Picture, Results, Table
 from ehamj.report.words import AXIS_NAMES, decibel, exact, number
 from ehamj.result import Result
 from ehamj.rig.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
-from ehamj.rig.measured import Measurement, by_welch
+from ehamj.rig.measurement import Measurement
+from ehamj.rig.welch import by_welch
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"
@@ -97,12 +99,10 @@ class _Own:
 def _own(result: Result) -> _Own | None:
     """Linear responses with valves held and as controlled, and measured by degree of freedom; None: not linearised."""
     try:
-        model = linear_model(result.scenario)
+        model = linear_model(result.scenario.plant)
         held: Transfer = rigid_floor(model, FREQUENCIES)
-        law, scenario = result.controller, result.scenario
-        linear: Transfer | None = (
-            held if law is None else rigid_floor(model, FREQUENCIES, law, sensors=scenario.sensors, seed=scenario.seed)
-        )
+        loop = Loop.of(result.scenario, result.controller)
+        linear: Transfer | None = held if loop is None else rigid_floor(model, FREQUENCIES, loop)
         if runs_unknown_law(result):
             linear = None
     except InputError:

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import rigid_floor
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
-from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, still, with_actuators
@@ -137,7 +138,7 @@ OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displ
 
 def residual(model: LinearModel, loop: Loop | None, hertz: Array) -> ComplexArray:
     """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
-    return floor_response(model, loop, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
+    return rigid_floor(model, hertz, loop, OUTPUTS, ("z",)).response[:, :, 0]
 
 
 def simulated_residual(study: FailedStudy, scenario: Scenario, loop: Loop | None) -> ComplexArray:
@@ -182,19 +183,19 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
     Raises:
         InputError: if a machine with a failed actuator has no operating point.
     """
-    loop = Loop.of(study.scenario)
+    loop = Loop.of(study.scenario, study.scenario.controller())
     cases = ("sound", *study.failures)
     models, answers = {}, {}
     for case in cases:
         progress(f"{case}: linear model and run")
         scenario = failed(study, case)
-        models[case] = linear_model(scenario)
+        models[case] = linear_model(scenario.plant)
         answers[case] = (
             residual(models[case], loop, np.array(study.lines)),
             simulated_residual(study, scenario, loop),
         )
     progress("a valve runs away")
-    static = static_forces(linear_model(failed(study, f"valve stuck {100 * STUCK:.0f} % open")))
+    static = static_forces(linear_model(failed(study, f"valve stuck {100 * STUCK:.0f} % open").plant))
     event = simulated_event(study, STUCK)
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)

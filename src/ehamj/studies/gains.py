@@ -8,15 +8,16 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.control import Controller
+from ehamj.control.sensors import IDEAL
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import feeds_back
-from ehamj.linear.modes import eigen_of, modes, sampled_loop
+from ehamj.linear.modes import eigen_of, modes
+from ehamj.linear.sampled import STABLE, spectral_radius
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ PERIOD: Final = 1e-4
 """Sampling period of the study's own law [s]."""
 LEAK: Final = 0.05
 """Corner below which its integrators forget [Hz]."""
-STABLE: Final = 1.0 + 1e-9
-"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
 UNLIMITED: Final = 1e4
 """Factor on the gain beyond which no limit is looked for."""
 OWN_LAW: Final = (
@@ -81,11 +80,6 @@ def scaled(loop: Loop, factor: float) -> Loop:
     return replace(loop, law=loop.law.scaled(factor))
 
 
-def radius(model: LinearModel, loop: Loop) -> float:
-    """Spectral radius of the sampled loop: stable below one."""
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop.law, loop.sensors, loop.seed).A)).max())
-
-
 def highest_factor(model: LinearModel, loop: Loop) -> float:
     """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
 
@@ -93,16 +87,16 @@ def highest_factor(model: LinearModel, loop: Loop) -> float:
         InputError: if even a thousandth of the gain is unstable.
     """
     low = 1e-3
-    if radius(model, scaled(loop, low)) > STABLE:
+    if spectral_radius(model, scaled(loop, low)) > STABLE:
         raise InputError("control: the loop is unstable even with a thousandth of its gain")
     high = low
-    while radius(model, scaled(loop, high)) <= STABLE:
+    while spectral_radius(model, scaled(loop, high)) <= STABLE:
         low, high = high, 3.0 * high
         if high > UNLIMITED:
             return float("inf")
     while high / low > 1.0 + 1e-3:
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
+        low, high = (middle, high) if spectral_radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
     return float(np.sqrt(low * high))
 
 
@@ -110,8 +104,7 @@ def root_locus(model: LinearModel, loop: Loop, factors: Array) -> ComplexArray:
     """Poles [1/s] of the sampled loop in continuous time, (factor, pole); NaN for delays, gone after a sample."""
     found = []
     for factor in factors:
-        one = scaled(loop, float(factor))
-        found.append(eigen_of(model, one.law, sensors=one.sensors, seed=one.seed)[0].values)
+        found.append(eigen_of(model, scaled(loop, float(factor)))[0].values)
     most = max(map(len, found))
     return np.array([np.append(poles, np.full(most - len(poles), np.nan + 0j)) for poles in found])
 
@@ -123,9 +116,9 @@ def loop_gains(study: GainStudy, progress: Progress = silent) -> Outcome:
         InputError: if the loop is unstable even with a thousandth of its gain.
     """
     progress("root locus")
-    model, own = linear_model(study.scenario), Loop.of(study.scenario)
+    model, own = linear_model(study.scenario.plant), Loop.of(study.scenario, study.scenario.controller())
     ours = own is None or not feeds_back(own.law)
-    loop = Loop(inertial_position(study.scenario.plant, study.crossover)) if own is None or ours else own
+    loop = Loop(inertial_position(study.scenario.plant, study.crossover), IDEAL, 0) if own is None or ours else own
     limit = highest_factor(model, loop)
     highest = study.highest or (1.25 * limit if np.isfinite(limit) else 3.0)
     factors = np.linspace(0.0, highest, study.points)
@@ -168,8 +161,7 @@ def _modes_over_gain(model: LinearModel, loop: Loop, factors: Array) -> xr.Datas
     """Frequency [Hz] and damping of the machine's own modes over the factor, by name."""
     steps = []
     for factor in factors:
-        one = scaled(loop, float(factor))
-        found = modes(model, one.law, sensors=one.sensors, seed=one.seed)
+        found = modes(model, scaled(loop, float(factor)))
         steps.append({mode.name: mode for mode in found if mode.machine_moves})
     names = list(dict.fromkeys(name for step in steps for name in step))
     frequency, damping = np.full((2, len(factors), len(names)), np.nan)

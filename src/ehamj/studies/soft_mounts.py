@@ -17,14 +17,15 @@ from scipy.optimize import brentq
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import rigid_floor
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
-from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.tables import modes_table
 from ehamj.studies.variants import changed, positions, preset, resized, still, with_every_actuator
@@ -116,7 +117,7 @@ def lean(scenario: Scenario, actuator: Actuator) -> float:
 
 def growth(scenario: Scenario) -> float:
     """Largest real part of the machine's eigenvalues that is not rounding [1/s]; positive: it tips over."""
-    values = np.linalg.eigvals(linear_model(scenario).A)
+    values = np.linalg.eigvals(linear_model(scenario.plant).A)
     clear = values.real[np.abs(values) > 1e-9 * np.abs(values).max()]
     return float(clear.max())
 
@@ -250,10 +251,10 @@ def compared_systems(study: SoftMountStudy) -> Systems:
     found: dict[str, tuple[LinearModel, Loop | None]] = {}
     for name in study.presets:
         passive = still(scenario)
-        found[name] = (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None)
-    own = linear_model(scenario)
+        found[name] = (linear_model(still(passive, **with_every_actuator(passive, preset(name))).plant), None)
+    own = linear_model(scenario.plant)
     found["its own, valves held"] = (own, None)
-    loop = Loop.of(scenario)
+    loop = Loop.of(scenario, scenario.controller())
     if loop is not None:
         found["its own, controlled"] = (own, loop)
     return found
@@ -262,15 +263,9 @@ def compared_systems(study: SoftMountStudy) -> Systems:
 def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.Dataset:
     """CG motion over that of a rigid floor along x, y and z [-], over ``system``, ``axis`` and ``frequency``."""
     f = np.geomspace(0.3, 300.0, 301) if hertz is None else hertz
-    values = np.array(
-        [
-            [
-                np.abs(floor_response(model, loop, f, (f"cg_displacement {axis}",), _floor(model, axis))[:, 0])
-                for axis in AXES
-            ]
-            for model, loop in systems.values()
-        ]
-    )
+    outputs = tuple(f"cg_displacement {axis}" for axis in AXES)
+    answers = [rigid_floor(model, f, loop, outputs, AXES).response for model, loop in systems.values()]
+    values = np.array([np.abs(np.diagonal(answer, axis1=1, axis2=2)).T for answer in answers])
     return xr.Dataset(
         {"gain": labelled(("system", "axis", "frequency"), values, "1", "CG over floor")},
         {
@@ -280,10 +275,6 @@ def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.D
         },
         {"title": "floor to machine"},
     )
-
-
-def _floor(model: LinearModel, axis: str) -> NDArray[np.complex128]:
-    return rigid_floor(model.plant, axis)
 
 
 def _answers(study: SoftMountStudy, tipping: xr.Dataset) -> tuple[str, ...]:

@@ -90,7 +90,7 @@ def confirmed_loads(study: UnequalStudy) -> xr.Dataset:
     simulated = []
     for x, y in at:
         cg = (x, y, study.scenario.machine.cg[2])
-        forces = static_forces(linear_model(still(study.scenario, **resized(study.scenario, cg))))
+        forces = static_forces(linear_model(still(study.scenario, **resized(study.scenario, cg)).plant))
         simulated.append(forces["oil"] + forces["membrane"])
     over = ("design", "mount")
     return xr.Dataset(

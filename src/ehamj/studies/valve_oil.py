@@ -7,14 +7,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ehamj.control.sensors import IDEAL
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.floors import Loop
 from ehamj.studies.gains import highest_factor, inertial_position
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed
@@ -99,8 +100,8 @@ def fastest_loops(study: ValveOilStudy, progress: Progress = silent) -> xr.Datas
         progress(f"loops: {name}")
         for j, factor in enumerate(study.loops):
             scenario = _scaled(study.scenario, name, factor)
-            loop = Loop(inertial_position(scenario.plant, TRIED))
-            crossover[i, j] = TRIED * highest_factor(linear_model(scenario), loop)
+            loop = Loop(inertial_position(scenario.plant, TRIED), IDEAL, 0)
+            crossover[i, j] = TRIED * highest_factor(linear_model(scenario.plant), loop)
     return xr.Dataset(
         {"crossover": labelled(("parameter", "factor"), crossover, "Hz", "crossover at the limit of stability")},
         {

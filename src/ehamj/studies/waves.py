@@ -13,12 +13,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import ground_response, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
-from ehamj.studies.floors import Loop, floor_response, ground_to, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.variants import changed, positions, still
 
@@ -78,7 +79,7 @@ def rocking(study: WaveStudy, model: LinearModel, loop: Loop | None) -> Array:
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
     f, places = np.array(study.frequencies), positions(study.scenario)
     k = AXES.index(study.axis)
-    transfer = ground_to(model, loop, f, TURNS)[:, :, k :: len(AXES)]  # (frequency, output, mount)
+    transfer = ground_response(model, f, TURNS, loop)[:, :, k :: len(AXES)]  # (frequency, output, mount)
     found = np.empty((len(study.directions), len(study.speeds), f.size))
     for i, direction in enumerate(study.directions):
         for j, speed in enumerate(study.speeds):
@@ -95,7 +96,7 @@ def waves(study: WaveStudy, progress: Progress = silent) -> Outcome:
         InputError: if the machine has no operating point.
     """
     progress("linear response")
-    model, loop = linear_model(study.scenario), Loop.of(study.scenario)
+    model, loop = linear_model(study.scenario.plant), Loop.of(study.scenario, study.scenario.controller())
     systems: dict[str, Loop | None] = {"valves held": None} | ({} if loop is None else {"controlled": loop})
     table = rocking_table(study, {name: rocking(study, model, one) for name, one in systems.items()})
     worst = {name: worst_wave(table, name) for name in systems}
@@ -191,11 +192,9 @@ def _slug(name: str) -> str:
 def coupling_table(model: LinearModel, hertz: Array) -> xr.Dataset:
     """Largest gain at ``hertz`` from each motion of a rigid floor to each of the machine's mount plane, 6 by 6."""
     outputs = tuple(f"machine_displacement {dof}" for dof in DOFS)
-    gains = [
-        np.abs(floor_response(model, None, hertz, outputs, rigid_floor(model.plant, dof))).max(axis=0) for dof in DOFS
-    ]
+    gains = np.abs(rigid_floor(model, hertz, None, outputs).response).max(axis=0).T
     return xr.Dataset(
-        {"gain": labelled(("floor", "machine"), np.array(gains), "m/m, rad/m, m/rad, rad/rad", "largest gain")},
+        {"gain": labelled(("floor", "machine"), gains, "m/m, rad/m, m/rad, rad/rad", "largest gain")},
         {
             "floor": labelled(("floor",), list(DOFS), "", "floor"),
             "machine": labelled(("machine",), list(DOFS), "", "machine"),
