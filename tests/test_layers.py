@@ -18,7 +18,7 @@ RANKS = (
     ("control",),
     ("mujoco", "scenario"),
     ("linear", "result"),
-    ("judge", "designs"),
+    ("judge", "designs", "pages"),
     ("run", "replay"),
     ("rig", "bench"),
     ("paper", "report", "studies"),

@@ -14,7 +14,8 @@ import ehamj
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.judge.summary import levels
 from ehamj.result import Result, load_result, written_whole
-from ehamj.run.simulate import Incomplete, simulate, simulate_many
+from ehamj.run.failures import Incomplete
+from ehamj.run.simulate import simulate, simulate_many
 from ehamj.scenario.load import load_scenario, parse_scenario
 
 AMPLITUDE, FREQUENCY = 2e-6, 12.5  # of the floor, vertical [m, Hz]

@@ -8,7 +8,7 @@ A source is one of
 - ``given``: set by the user.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any, Literal, Self, Union
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -16,6 +16,12 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 Source = Literal["paper", "identified", "assumed", "given"]
 Position2 = tuple[float, float]
 Vector3 = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+Unlimited = Annotated[float, Field(allow_inf_nan=True)]
+
+FILE = "file"
+FileName = Annotated[str, FILE]
+"""Name of a file that belongs to the scenario: relative to its folder as written, absolute once it is read."""
 
 
 class Settings(BaseModel):
@@ -77,6 +83,12 @@ class Parameters(Settings):
                 found[name] = (str(extra["unit"]), str(extra["symbol"]), extra["source"])
         return found  # type: ignore[return-value]
 
+    def beyond(self, known: Collection[str]) -> dict[str, Any]:
+        """Values that differ from their defaults and are none of ``known``: what a model of those would leave out."""
+        fields = type(self).model_fields.items()
+        others = {name: field.default for name, field in fields if name not in known and name != "sources"}
+        return {name: getattr(self, name) for name, default in others.items() if getattr(self, name) != default}
+
     def with_values(self, values: dict[str, Any]) -> Self:
         """A copy with other values, which become ``given`` unless they are what they were."""
         changed = {
@@ -85,6 +97,3 @@ class Parameters(Settings):
         sources = {name: source for name, source in self.sources.items() if name not in changed}
         sources.update(changed.pop("sources", {}))
         return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
-
-
-Unlimited = Annotated[float, Field(allow_inf_nan=True)]

@@ -10,7 +10,7 @@ import pytest
 
 from ehamj.cli import main
 from ehamj.cli.frame import out
-from ehamj.cli.modal import KINDS
+from ehamj.cli.modes import KINDS
 from ehamj.rig import modal_test
 
 Cli = Callable[..., tuple[int, str, str]]

@@ -8,7 +8,8 @@ from oracles import linear
 
 from ehamj.control import Controller
 from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.sensors import Geophone, Sensors
+from ehamj.control.instruments import Geophone
+from ehamj.control.sensors import Sensors
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.run.simulate import simulate

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from ehamj.control.blocks import Block
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
+from ehamj.control.instruments import Geophone
 from ehamj.control.lowend import yielding
-from ehamj.control.sensors import Geophone
 from ehamj.errors import InputError
 
 Complex = NDArray[np.complex128]

@@ -8,8 +8,8 @@ from oracles import linear
 from scipy import signal
 
 from ehamj.control.blocks import Block
+from ehamj.control.instruments import Geophone, StrokeSensor
 from ehamj.control.inverse import Inverse, held, instrument_poles, lag, lost, restoring, valve_poles
-from ehamj.control.sensors import Geophone, StrokeSensor
 from ehamj.isolator.actuator import Actuator
 from ehamj.scenario.load import parse_scenario
 

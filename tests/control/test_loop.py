@@ -17,7 +17,9 @@ from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result, load_result
-from ehamj.run.simulate import Incomplete, choose_timestep, simulate, simulate_many
+from ehamj.run.failures import Incomplete
+from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 

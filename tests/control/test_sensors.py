@@ -7,14 +7,9 @@ import pytest
 from scipy import signal
 
 from ehamj.control import Controller, PythonController
-from ehamj.control.sensors import (
-    Accelerometer,
-    Geophone,
-    PressureSensor,
-    ReadingNoise,
-    Sensors,
-    discretise,
-)
+from ehamj.control.instruments import Accelerometer, Geophone, PressureSensor, discretise
+from ehamj.control.noise import ReadingNoise
+from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario

@@ -9,6 +9,7 @@ import pytest
 from ehamj.ground import Start
 from ehamj.ground.doubts import too_slow
 from ehamj.ground.records import RecordGround
+from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 
 POSITIONS = np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]])
@@ -19,8 +20,8 @@ NOISE = np.random.default_rng(2).standard_normal(6000)
 def notes(folder: Path, samples: Any, unit: str, rate: float = RATE, **options: Any) -> list[str]:
     rows = "\n".join(repr(float(value)) for value in samples)
     (folder / "a.csv").write_text(f"# rate_hz = {rate!r}\nz [{unit}]\n{rows}\n", encoding="utf-8")
-    ground = RecordGround(kind="record", file="a.csv", **options)
-    return list(ground.motion(Start(POSITIONS, 5.0, 0, folder)).notes)
+    ground = RecordGround(kind="record", file=str(folder / "a.csv"), **options)
+    return list(ground.motion(Start(MOUNTS, POSITIONS, 5.0, 0)).notes)
 
 
 def said(found: list[str], *texts: str) -> bool:
@@ -85,10 +86,8 @@ def test_a_gap_that_was_filled_is_named(tmp_path: Path) -> None:
     kept = (times < 3) | (times > 3.2)
     rows = "\n".join(f"{t!r}, {v!r}" for t, v in zip(times[kept].tolist(), (20 * NOISE[kept]).tolist(), strict=True))
     (tmp_path / "a.csv").write_text(f"time [s], z [um/s]\n{rows}\n")
-    ground = RecordGround(kind="record", file="a.csv", gaps="interpolate")
-    assert said(
-        list(ground.motion(Start(POSITIONS, 5.0, 0, tmp_path)).notes), "1 gap, 0.2", "filled with straight lines"
-    )
+    ground = RecordGround(kind="record", file=str(tmp_path / "a.csv"), gaps="interpolate")
+    assert said(list(ground.motion(Start(MOUNTS, POSITIONS, 5.0, 0)).notes), "1 gap, 0.2", "filled with straight lines")
 
 
 @pytest.mark.parametrize(("rate", "slow"), [(100.0, True), (222.0, True), (223.0, False), (400.0, False)])

@@ -21,6 +21,8 @@ from ehamj.ground.processing import Record
 from ehamj.ground.records import RecordGround
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import anchored
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
@@ -33,7 +35,8 @@ VELOCITY = Choices(quantity="velocity")
 
 
 def motion(folder: Path, file: str, **settings: Any) -> Motion:
-    return RecordGround(kind="record", file=file, **settings).motion(Start(POSITIONS, 5.0, 1, folder))
+    table = anchored({"kind": "record", "file": file, **settings}, RecordGround, folder)
+    return RecordGround(**table).motion(Start(MOUNTS, POSITIONS, 5.0, 1))
 
 
 def by_axis(record: Record) -> dict[str, np.ndarray]:

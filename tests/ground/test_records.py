@@ -36,6 +36,8 @@ from ehamj.ground.processing import (
 from ehamj.ground.records import RecordGround
 from ehamj.ground.seismic import EXAMPLE, read_seismic
 from ehamj.ground.tables import UNITS, Column, parse_header, parse_unit
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import anchored
 
 POSITIONS = np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]])
 BEGIN = UTCDateTime(2024, 5, 1)
@@ -47,7 +49,8 @@ def ground(file: str, **settings: Any) -> RecordGround:
 
 
 def motion(folder: Path, duration: float, file: str, **settings: Any) -> Motion:
-    return ground(file, **settings).motion(Start(POSITIONS, duration, 1, folder))
+    table = anchored({"kind": "record", "file": file, **settings}, RecordGround, folder)
+    return RecordGround(**table).motion(Start(MOUNTS, POSITIONS, duration, 1))
 
 
 def one_mount(sample: GroundSample) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -516,7 +519,7 @@ def test_resolved_settings_run_again(tmp_path: Path) -> None:
     assert RecordGround.model_validate(settings.model_dump(exclude_none=True)) == settings
     query = np.linspace(0.0, 5.0, 50)
     again = RecordGround.model_validate(settings.model_dump(exclude_none=True))
-    start = Start(POSITIONS, 5.0, 1, tmp_path)
+    start = Start(MOUNTS, POSITIONS, 5.0, 1)
     np.testing.assert_array_equal(settings.motion(start).sample(query), again.motion(start).sample(query))
 
 
@@ -743,6 +746,6 @@ def test_four_seismometers_may_be_one_record(tmp_path: Path) -> None:
 
 def test_a_mount_without_component_is_named(tmp_path: Path) -> None:
     file = csv(tmp_path, "# rate_hz = 100\na [m/s], b [m/s]", [1e-5 * noise(2000, seed) for seed in range(2)])
-    message = r"ground\.axes gives z to some mounts, but not to rear-left, rear-right; name all four, or one component"
+    message = r"ground\.axes gives z to some mounts, but not to rear-left, rear-right; name them all, or one component"
     with pytest.raises(ValueError, match=message):
         motion(tmp_path, 10.0, file, axes={"a": "front-left z", "b": "front-right z"})

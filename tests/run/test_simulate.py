@@ -15,7 +15,9 @@ from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import DOFS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
-from ehamj.run.simulate import Incomplete, choose_timestep, simulate, simulate_many
+from ehamj.run.failures import Incomplete
+from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 

@@ -7,7 +7,8 @@ import pytest
 
 import ehamj
 from ehamj.control import Controller
-from ehamj.control.sensors import IDEAL, Geophone, Sensors
+from ehamj.control.instruments import Geophone
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model

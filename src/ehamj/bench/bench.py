@@ -30,7 +30,9 @@ from ehamj.mujoco.hold import default_timer
 from ehamj.mujoco.model import build_model
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
-from ehamj.run.simulate import choose_timestep, sample_inputs, sample_load, simulate
+from ehamj.run.inputs import sample_inputs, sample_load
+from ehamj.run.simulate import simulate
+from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 

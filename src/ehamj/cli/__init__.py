@@ -9,9 +9,11 @@ from ehamj.cli.frame import app, log
 from ehamj.errors import InputError, SimulationFailed
 
 # Imported for their commands, which `ehamj --help` lists in this order.
-from ehamj.cli import running, designing, modal, analysing, responding, studying, showing, checking  # isort: skip
+from ehamj.cli import (  # noqa: F401  # isort: skip
+    run, scenarios, design, modes, paper, transmissibility, study, stored, bench, verify,
+)  # fmt: skip
 
-__all__ = ["analysing", "app", "checking", "designing", "main", "modal", "responding", "running", "showing", "studying"]
+__all__ = ["app", "main"]
 
 
 def main() -> NoReturn:

@@ -27,6 +27,8 @@ N_SIGNALS = PLATE + 2 * N_MOUNTS
 """Offsets in the vector of signals that every channel is a combination of."""
 
 _MOTIONS = ("displacement", "velocity", "acceleration")
+STATIC = ("displacement", "pressure")
+"""Quantities that have a value at rest."""
 
 
 class UnknownChannelError(ValueError):
@@ -83,6 +85,11 @@ def channel_row(name: str, plant: Plant) -> Array:
     else:
         row[state + 1 + int(labels[1])] = 1.0
     return row
+
+
+def quantity_of(variable: str) -> str:
+    """Displacement, velocity, acceleration or pressure."""
+    return "displacement" if variable == "stroke" else variable.rpartition("_")[2]
 
 
 def point_row(point: tuple[float, ...], axis: int) -> Array:

@@ -20,9 +20,9 @@ import numpy as np
 from pydantic import Field
 
 from ehamj.control.blocks import TWO_PI, Block, added, beside, pair
+from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import instrument_poles, restoring
 from ehamj.control.lowend import yielding
-from ehamj.control.sensors import Sensor
 from ehamj.control.settings import NotNegative, Positive, per_mount
 from ehamj.errors import InputError
 from ehamj.settings import Settings
@@ -64,7 +64,7 @@ class Blend(Settings):
     corner: Positive = Field(0.15, description="above it inertial sensors are believed, below it strokes [Hz]")
     restore: Positive = Field(0.05, description="corner to which the ground instrument's high-pass is moved down [Hz]")
 
-    def block(self, foot: Sensor | None, ground: Sensor | None, isolate_from: float = 0.0) -> Block:
+    def block(self, foot: Instrument | None, ground: Instrument | None, isolate_from: float = 0.0) -> Block:
         """Displacement [m] from inertial velocity [m/s], stroke [m] and ground velocity [m/s].
 
         H = s³/(s³ + a s² + b s + d): the strokes' share is (a s² + b s + d)/(…), the inertial velocity's s²/(…) less
@@ -93,7 +93,7 @@ class Blend(Settings):
         followed = moved.then(yielding(isolate_from)).times(-1.0)
         return added([full, followed.between([[0.0, 0.0, 1.0]], [[1.0]])])
 
-    def ground(self, sensor: Sensor | None) -> Block:
+    def ground(self, sensor: Instrument | None) -> Block:
         """Displacement of the ground [m] from its measured velocity [m/s], above ``restore``."""
         poles, moved = restoring(instrument_poles(sensor)[0], self.restore)
         return Block.filter(poles, np.append(moved, -TWO_PI * self.restore), 1.0)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
 from ehamj.control.blocks import Block
-from ehamj.control.sensors import Sensor
+from ehamj.control.instruments import Instrument
 from ehamj.isolator.actuator import Actuator
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def valve_poles(actuator: Actuator) -> ComplexArray:
     return np.asarray(np.roots([1.0, 2.0 * actuator.valve_damping * omega, omega**2]), complex)
 
 
-def instrument_poles(sensor: Sensor | None) -> tuple[ComplexArray, ComplexArray]:
+def instrument_poles(sensor: Instrument | None) -> tuple[ComplexArray, ComplexArray]:
     """Poles of an instrument's high-pass and of its low-pass [rad/s]; empty for an ideal one."""
     slow: list[complex] = []
     fast: list[complex] = []

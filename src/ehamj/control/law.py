@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control.channels import N_SIGNALS, channel_names, channel_row
-from ehamj.control.statespace import state_space_response
+from ehamj.control.statespace import response
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
@@ -169,7 +169,7 @@ class Controller:
         f = np.atleast_1d(np.asarray(hertz, float))
         omega = 2.0 * np.pi * f
         z = np.exp(1j * omega * self.period)
-        plain = state_space_response(z, self.A, self.B, self.C, self.D)
+        plain = response(z, self.A, self.B, self.C, self.D)
         hold = np.sinc(f * self.period) * np.exp(-1j * omega * (0.5 * self.period + self.latency))
         return np.asarray(hold[:, None, None] * plain)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
-from ehamj.control import Controller
+from ehamj.control import Controller, statespace
 from ehamj.control.architectures.combined import SHARED
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
@@ -28,7 +28,6 @@ from ehamj.control.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoo
 from ehamj.control.inverse import Inverse
 from ehamj.control.law import stack
 from ehamj.control.settings import DigitalSettings, NotNegative, Positive
-from ehamj.control.statespace import state_space_response
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
@@ -208,7 +207,7 @@ def reduced(block: Block, order: int) -> Block:
 def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
     """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
     s = 2j / period * np.tan(np.pi * hertz * period)
-    return state_space_response(s, *block)
+    return statespace.response(s, *block)
 
 
 def _volts(plant: Plant) -> Array:

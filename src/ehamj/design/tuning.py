@@ -17,14 +17,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control import LinearController
+from ehamj.control import LinearController, statespace
 from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.architectures.skyhook import SkyhookSettings
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.settings import DigitalSettings
-from ehamj.control.statespace import state_space_response
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back, loop_gain
@@ -231,8 +230,8 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
     if other == loop:
         return trial
     z = np.exp(2j * np.pi * f * period)
-    old, new = (state_space_response(z, *one.block(0.0).sampled(period))[:, 0, 0] for one in (loop, other))
-    return f, rest, each | {name: (new / old)[:, None, None] * each[name]}
+    old, new = (statespace.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
+    return f, rest, each | {name: new / old * each[name]}
 
 
 def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:

@@ -1,27 +1,23 @@
 """Random floors: flat per third octave between two frequencies, for as long as the run or as a burst that passes."""
 
 from dataclasses import dataclass
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ehamj.criteria.vc import CLASSES
 from ehamj.estimate.bands import BAND_LOG_WIDTH, G
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.lines import random_floor
-from ehamj.ground.motion import Motion, Start
+from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.spectra import Spectrum
 from ehamj.ground.waves import Wave
-from ehamj.settings import Settings
-from ehamj.signals import Sample, Signal
-
-Array = NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0)]
+from ehamj.settings import Positive
+from ehamj.signals import Array, Sample, Signal
 
 
-class _Flat(Settings):
+class _Flat(GroundSettings):
     """A third-octave velocity that is flat between two frequencies and falls outside."""
 
     level: float | str = Field(
@@ -80,7 +76,6 @@ class BroadbandGround(_Flat):
     kind: Literal["broadband"]
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         return self._motion(start)
 
 
@@ -111,7 +106,6 @@ class BurstGround(_Flat):
         return self
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         return self._motion(start, Swell(self.begin, self.swell_time, self.repeat))
 
 

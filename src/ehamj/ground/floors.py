@@ -16,12 +16,11 @@ from pydantic import Field
 from ehamj.ground.broadband import BroadbandGround, BurstGround
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.combined import Combined
-from ehamj.ground.motion import GroundSample, Motion, Start
+from ehamj.ground.motion import GroundSample, GroundSettings, Motion, Start
 from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import Dof, MultisineGround, ShockGround
 from ehamj.ground.targets import PetersonTarget
 from ehamj.ground.waves import Wave
-from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 Part = BroadbandGround | BurstGround | ShapedGround | MultisineGround | ShockGround
@@ -108,7 +107,7 @@ FLOORS: Mapping[FloorName, Floor] = {
 }
 
 
-class FloorGround(Settings):
+class FloorGround(GroundSettings):
     """A floor of the library, scaled."""
 
     kind: Literal["floor"]
@@ -124,7 +123,6 @@ class FloorGround(Settings):
     )
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         entry = FLOORS[self.floor]
         moving = []
         for k, part in enumerate(entry.parts):

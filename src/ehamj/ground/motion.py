@@ -1,17 +1,15 @@
 """What ground motion is: a function of time that gives every mount its motion."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ehamj.plant.axes import DOFS
-from ehamj.signals import Signal
-
-Array = NDArray[np.float64]
+from ehamj.plant.levers import levers
+from ehamj.settings import Settings
+from ehamj.signals import Array, Signal
 
 
 class GroundSample(NamedTuple):
@@ -47,17 +45,31 @@ class Motion(Protocol):
 
 @dataclass(frozen=True)
 class Start:
-    """What a ground needs to know to become motion: where the mounts are, how long, from which seed and folder."""
+    """What a ground needs to know to become motion: which mounts stand where, how long, from which seed."""
 
+    mounts: tuple[str, ...]
+    """Their names."""
     positions: Array
     """Mount positions x, y, shape (mount, 2) [m]."""
     duration: float
     """Simulated time that the motion must cover [s]."""
     seed: int
-    folder: Path
-    """Folder that relative file names refer to."""
     part: tuple[int, ...] = ()
     """Number of the part of a combined ground, so that random parts differ."""
+
+
+class GroundSettings(Settings):
+    """What a user writes in [ground] of some ``kind``; ``ehamj.ground.kinds`` lists them."""
+
+    kind: str
+
+    @abstractmethod
+    def motion(self, start: Start) -> Motion:
+        """Build the motion.
+
+        Raises:
+            ValueError: naming the key, where a file or a setting does not allow it.
+        """
 
 
 @dataclass(frozen=True)
@@ -76,17 +88,9 @@ class Slab:
     def at_rest(self) -> bool:
         return not self.signals
 
-    @cached_property
-    def lever(self) -> Array:
-        """Displacement of each mount and axis per degree of freedom, p + θ × r, shape (mount, axis, dof)."""
-        x, y = self.positions.T
-        one, zero = np.ones_like(x), np.zeros_like(x)
-        rows = [[one, zero, zero, zero, zero, -y], [zero, one, zero, zero, zero, x], [zero, zero, one, y, -x, zero]]
-        return np.array(rows).transpose(2, 0, 1)
-
     def sample(self, time: Array) -> GroundSample:
         dofs = np.zeros((3, time.size, len(DOFS)))
         for name, signal in self.signals.items():
             dofs[:, :, DOFS.index(name)] = signal.sample(time)
-        mounts = dofs @ self.lever.reshape(-1, len(DOFS)).T  # many times faster than einsum
+        mounts = dofs @ levers(self.positions).T  # many times faster than einsum
         return GroundSample(*mounts.reshape(3, time.size, len(self.positions), 3))

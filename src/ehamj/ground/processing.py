@@ -15,14 +15,14 @@ The order is deliberate, and the notes of the motion repeat it:
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import ceil
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.fft import irfft, next_fast_len, rfft
 
-from ehamj.settings import Settings, Unlimited
+from ehamj.settings import Positive, Settings, Unlimited
 from ehamj.signals import Array, Sampled
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
@@ -35,7 +35,6 @@ Place = Literal[
 ]  # fmt: skip
 """What a component moves: an axis of all mounts, or of one of them."""
 Response = Callable[[Array], NDArray[np.complex128]]
-Positive = Annotated[float, Field(gt=0)]
 
 INTEGRATIONS: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 USABLE = 0.8

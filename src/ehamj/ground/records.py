@@ -1,6 +1,6 @@
 """Ground motion from a record: CSV, UFF 58, WAV and MATLAB files, and seismic formats through ObsPy."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -11,7 +11,7 @@ from ehamj.ground.components import AxisChoice, Choices, GapChoice, QuantityChoi
 from ehamj.ground.csv_records import read_csv
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.matlab import read_matlab
-from ehamj.ground.motion import Motion, Start
+from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.processing import INTEGRATIONS, Record, Treatment, displacement, held_frequencies
 from ehamj.ground.seismic import EXAMPLE, read_seismic
 from ehamj.ground.tables import UNITS
@@ -19,18 +19,18 @@ from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
-from ehamj.plant.mounts import MOUNTS
+from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
 READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab}
 """Readers by the end of a file's name; a WAV's needs its full scale besides, and all else is ObsPy's."""
 
 
-class RecordGround(Treatment):
+class RecordGround(GroundSettings, Treatment):
     """A rigid slab that moves as a record says, in x, y and z; or each mount as its own components say."""
 
     kind: Literal["record"]
-    file: str = Field(
+    file: FileName = Field(
         min_length=1,
         description="record, relative to the scenario's folder: *.csv, *.uff, *.unv, *.wav, *.mat, what ObsPy reads "
         f"(the name may hold wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries",
@@ -45,7 +45,7 @@ class RecordGround(Treatment):
     full_scale: Annotated[float, Field(gt=0)] | None = Field(
         None, description="motion that the largest sample of a WAV file stands for [unit]"
     )
-    inventory: str | None = Field(
+    inventory: FileName | None = Field(
         None, description="file with the instrument's response (StationXML, dataless SEED, …)"
     )
     remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
@@ -82,20 +82,20 @@ class RecordGround(Treatment):
     def _ending(self) -> str:
         return Path(self.file).suffix.lower()
 
-    def read(self, folder: Path) -> Record:
-        """The raw record; ``folder`` is where relative names begin."""
+    def read(self) -> Record:
+        """The raw record."""
         choices = Choices(self.axes, self.quantity, self.gaps, self.unit)
         ending = self._ending
         if ending in READERS or ending == ".wav":
             if self.inventory is not None:
                 kind = ending[1:].upper()
                 raise ValueError(
-                    f"ground.inventory = {self.inventory!r}: a {kind} record has units; leave inventory out"
+                    f"ground.inventory = {Path(self.inventory).name!r}: a {kind} record has units; leave inventory out"
                 )
-            path = folder / self.file
+            path = Path(self.file)
             return read_wav(path, choices, self.full_scale) if ending == ".wav" else READERS[ending](path, choices)
-        inventory = None if self.inventory is None else folder / self.inventory
-        source = self.file if self.file == EXAMPLE else folder / self.file
+        inventory = None if self.inventory is None else Path(self.inventory)
+        source = self.file if self.file == EXAMPLE else Path(self.file)
         return read_seismic(source, choices, inventory, self.remove_response)
 
     def motion(self, start: Start) -> Motion:
@@ -103,7 +103,7 @@ class RecordGround(Treatment):
 
         Raises ValueError, naming the key, where the file or a setting does not allow it.
         """
-        record = self.read(start.folder)
+        record = self.read()
         self._check(record, start.duration)
         moving: dict[str, Signal] = {}
         notes = [*record.notes]
@@ -118,7 +118,7 @@ class RecordGround(Treatment):
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(channel.usable for channel in record.channels)
         notes += self._notes(record)
-        return spread(start, at_mounts(moving), None, 0.0, notes=tuple(notes), usable_to=usable)
+        return spread(start, at_mounts(moving, start.mounts), None, 0.0, notes=tuple(notes), usable_to=usable)
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:
@@ -176,23 +176,23 @@ class RecordGround(Treatment):
         return notes
 
 
-def at_mounts(moving: Mapping[str, Signal]) -> dict[str, Signal | tuple[Signal, ...]]:
+def at_mounts(moving: Mapping[str, Signal], mounts: Sequence[str]) -> dict[str, Signal | tuple[Signal, ...]]:
     """Signals by axis, from signals by place: one for all mounts, or one for each; channels at rest move nothing.
 
     A component of an axis serves all mounts that have none of their own. Raises ValueError where a mount has none.
     """
     found: dict[str, Signal | tuple[Signal, ...]] = {}
     for axis in AXES:
-        own = [moving.get(f"{mount} {axis}", moving.get(axis)) for mount in MOUNTS]
+        own = [moving.get(f"{mount} {axis}", moving.get(axis)) for mount in mounts]
         given = [signal for signal in own if signal is not None]
         if all(isinstance(signal, Zero) for signal in given):
             continue
-        if len(given) < len(MOUNTS):
-            missing = [mount for mount, signal in zip(MOUNTS, own, strict=True) if signal is None]
+        if len(given) < len(mounts):
+            missing = [mount for mount, signal in zip(mounts, own, strict=True) if signal is None]
             raise ValueError(
-                f"ground.axes gives {axis} to some mounts, but not to {', '.join(missing)}; name all four, or one "
+                f"ground.axes gives {axis} to some mounts, but not to {', '.join(missing)}; name them all, or one "
                 f"component for {axis!r}, which serves the others"
             )
-        single = not any(f"{mount} {axis}" in moving for mount in MOUNTS)
+        single = not any(f"{mount} {axis}" in moving for mount in mounts)
         found[axis] = given[0] if single else tuple(given)
     return found

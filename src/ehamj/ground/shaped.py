@@ -1,20 +1,18 @@
 """Random floors shaped to a target spectrum."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.lines import random_floor
-from ehamj.ground.motion import Motion, Start
+from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.targets import Target
 from ehamj.ground.waves import Wave
-from ehamj.settings import Settings
-
-Positive = Annotated[float, Field(gt=0)]
+from ehamj.settings import Positive
 
 
-class ShapedGround(Settings):
+class ShapedGround(GroundSettings):
     """A random floor with the spectrum of a target; there is no motion outside of what the target states."""
 
     kind: Literal["shaped"]
@@ -30,11 +28,7 @@ class ShapedGround(Settings):
     fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion.
-
-        Raises ValueError, naming the key, where the target does not reach as far as the motion shall.
-        """
-        whole = self.target.spectra(self.axes, start.folder)
+        whole = self.target.spectra(self.axes)
         spectra = {axis: spectrum.cut(self.first, self.last) for axis, spectrum in whole.items()}
         low, high = max(s.low for s in spectra.values()), min(s.high for s in spectra.values())
         scaled = {axis: spectrum.scaled(self.scale) for axis, spectrum in spectra.items()}

@@ -2,33 +2,29 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from ehamj.ground.motion import Motion, Slab, Start
+from ehamj.ground.motion import GroundSettings, Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
-from ehamj.settings import Settings
-from ehamj.signals import Chirp, Multisine, Sample, Signal, schroeder_phases
+from ehamj.settings import Positive
+from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, schroeder_phases
 
-Array = NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0)]
 Dof = Literal["x", "y", "z", "rx", "ry", "rz"]
 
 
-class RestGround(Settings):
+class RestGround(GroundSettings):
     """The ground is at rest."""
 
     kind: Literal["rest"] = "rest"
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         return Slab(start.positions, {})
 
 
-class _OneDof(Settings):
+class _OneDof(GroundSettings):
     """What all of these have: one degree of freedom that moves, as a slab or as a wave."""
 
     dof: Dof = Field("z", description="degree of freedom that moves (a wave: x, y or z)")
@@ -40,7 +36,6 @@ class _OneDof(Settings):
         """Displacement [m] or rotation [rad]."""
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in)
 
 
@@ -53,7 +48,6 @@ class SineGround(_OneDof):
     phase: float = Field(0.0, description="phase [rad]")
 
     def signal(self) -> Signal:
-        """Displacement [m] or rotation [rad]."""
         return Multisine.of(self.amplitude, self.frequency, self.phase)
 
 
@@ -75,7 +69,6 @@ class MultisineGround(_OneDof):
         return self
 
     def signal(self) -> Signal:
-        """Displacement [m] or rotation [rad]."""
         frequency = np.array(self.frequencies)
         phases = schroeder_phases(frequency.size) if self.phases is None else np.array(self.phases)
         amplitude = np.sqrt(2.0) * np.array(self.velocities) / (2 * np.pi * frequency)
@@ -94,11 +87,9 @@ class SweepGround(_OneDof):
     fade_in: float = Field(0.0, ge=0, description="time over which the sweep fades in from its beginning [s]")
 
     def signal(self) -> Signal:
-        """Displacement [m] or rotation [rad]."""
         return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.begin)
 
     def motion(self, start: Start) -> Motion:
-        """Build the motion."""
         return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in, self.begin)
 
 
@@ -123,7 +114,6 @@ class ShockGround(_OneDof):
         return self
 
     def signal(self) -> Signal:
-        """Displacement [m] or rotation [rad]."""
         return HalfSine(self.velocity, self.pulse_time, self.return_time, self.begin, self.repeat)
 
 

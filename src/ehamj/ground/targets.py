@@ -1,27 +1,35 @@
 """What a shaped floor is shaped to: third-octave levels, a PSD, a file with either, or Peterson's noise models."""
 
 import re
+from abc import abstractmethod
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ehamj.ground.spectra import Axis, Quantity, Spectrum, from_psd, from_third_octaves
 from ehamj.ground.tables import UNITS, Column, read_table, spelled
-from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0)]
+from ehamj.settings import FileName, Positive, Settings, one_of
+from ehamj.signals import Array
 
 OFF_CENTRE = 0.025
 """How far a band's stated frequency may lie from an exact centre, relative: nominal ones are rounded by up to 2.4 %."""
 
 
-class ThirdOctaveTarget(Settings):
+class TargetSettings(Settings):
+    """What all of these have."""
+
+    kind: str
+
+    @abstractmethod
+    def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
+        """The spectrum of each axis that moves."""
+
+
+class ThirdOctaveTarget(TargetSettings):
     """RMS in third-octave bands; bands between two that are given are interpolated, on log-log axes."""
 
     kind: Literal["third-octave"]
@@ -35,13 +43,12 @@ class ThirdOctaveTarget(Settings):
         band_numbers(self.bands)
         return self
 
-    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
-        """The spectrum of each axis that moves."""
+    def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
         numbers, levels = band_numbers(self.bands), np.array(self.levels)
         return dict.fromkeys(axes, from_third_octaves(numbers, levels, self.quantity))
 
 
-class PsdTarget(Settings):
+class PsdTarget(TargetSettings):
     """A one-sided power spectral density, straight between the points on log-log axes."""
 
     kind: Literal["psd"]
@@ -54,13 +61,12 @@ class PsdTarget(Settings):
         _matching("frequencies", self.frequencies, "density", self.density)
         return self
 
-    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
-        """The spectrum of each axis that moves."""
+    def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
         spectrum = from_psd(np.array(self.frequencies), np.array(self.density), self.quantity)
         return dict.fromkeys(axes, spectrum)
 
 
-class PetersonTarget(Settings):
+class PetersonTarget(TargetSettings):
     """Peterson's new low or high noise model: the envelopes of quiet and of loud seismic sites, from 1e-5 to 10 Hz.
 
     J. Peterson, *Observations and modeling of seismic background noise*, USGS Open-File Report 93-322 (1993); values
@@ -70,8 +76,7 @@ class PetersonTarget(Settings):
     kind: Literal["peterson"]
     model: Literal["low", "high"] = Field("high", description="new low or high noise model (NLNM, NHNM)")
 
-    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
-        """The spectrum of each axis that moves."""
+    def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
         from obspy.signal.spectral_estimation import get_nhnm, get_nlnm
 
         period, level = get_nlnm() if self.model == "low" else get_nhnm()
@@ -81,7 +86,7 @@ class PetersonTarget(Settings):
         return dict.fromkeys(axes, from_psd(frequency, 10.0 ** (level[order] / 10.0), "acceleration"))
 
 
-class FileTarget(Settings):
+class FileTarget(TargetSettings):
     """Third-octave levels or a PSD from a CSV file.
 
     One header line names columns and units. The first column is ``band [Hz]`` (third-octave levels, units such as
@@ -90,11 +95,10 @@ class FileTarget(Settings):
     """
 
     kind: Literal["file"]
-    file: str = Field(description="CSV file, relative to the scenario's folder", min_length=1)
+    file: FileName = Field(description="CSV file, relative to the scenario's folder", min_length=1)
 
-    def spectra(self, axes: tuple[Axis, ...], folder: Path) -> Mapping[Axis, Spectrum]:
-        """The spectrum of each axis that moves."""
-        path = folder / self.file
+    def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
+        path = Path(self.file)
         columns, table, _ = read_table(path, "ground.target.file")
         where = f"ground.target.file = {path.name!r}"
         clock, *rest = columns
@@ -118,7 +122,13 @@ class FileTarget(Settings):
         return found
 
 
-Target = Annotated[ThirdOctaveTarget | PsdTarget | PetersonTarget | FileTarget, Field(discriminator="kind")]
+TARGETS: tuple[type[TargetSettings], ...] = (ThirdOctaveTarget, PsdTarget, PetersonTarget, FileTarget)
+"""Every kind of target."""
+
+if TYPE_CHECKING:
+    Target = TargetSettings
+else:
+    Target = one_of(TARGETS)
 
 
 def band_numbers(centres: tuple[float, ...] | Array) -> Array:

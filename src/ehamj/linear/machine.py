@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.control import statespace
 from ehamj.control.channels import (
     ACCELERATION,
     DISPLACEMENT,
@@ -20,7 +21,6 @@ from ehamj.control.channels import (
     channel_row,
     point_row,
 )
-from ehamj.control.statespace import state_space_response
 from ehamj.errors import InputError
 from ehamj.memory import STATES as ACTUATOR_STATES
 from ehamj.memory import SUPPLY_STATES
@@ -106,7 +106,7 @@ class LinearModel:
         C, D = self.rows(outputs)
         columns = [self.inputs.index(name) for name in inputs]
         s = 2j * np.pi * np.atleast_1d(np.asarray(hertz, float))
-        return state_space_response(s, self.A, self.B[:, columns], C, D[:, columns])
+        return statespace.response(s, self.A, self.B[:, columns], C, D[:, columns])
 
 
 def linear_model(

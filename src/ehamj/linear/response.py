@@ -17,7 +17,7 @@ from ehamj.linear.loop import Loop, opened
 from ehamj.linear.machine import LinearModel, grounds
 from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.axes import AXES, DOFS
-from ehamj.plant.levers import slab
+from ehamj.plant.levers import levers
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ def slab_pattern(plant: Plant, dofs: Sequence[str] = DOFS) -> Array:
     unknown = [dof for dof in dofs if dof not in DOFS]
     if unknown or not dofs:
         raise InputError(f"dof = {unknown[0] if unknown else ''!r}: must be one of {', '.join(DOFS)}")
-    return slab(plant.positions).reshape(-1, len(DOFS))[:, [DOFS.index(dof) for dof in dofs]]
+    return levers(plant.positions)[:, [DOFS.index(dof) for dof in dofs]]
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from ehamj.control import Controller, LinearController
+from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
-from ehamj.control.sensors import quantity_of
-from ehamj.control.statespace import state_space_response
+from ehamj.control.statespace import response
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
 
@@ -102,9 +102,7 @@ def opened_at_samples(model: LinearModel, loop: Loop, z: ComplexArray) -> Opened
     """
     (law,) = loop.law.parts
     machine = sampled_machine(model, loop)
-    return Opened(
-        state_space_response(z, law.A, law.B, law.C, law.D), state_space_response(z, machine.A, machine.B, machine.C)
-    )
+    return Opened(response(z, law.A, law.B, law.C, law.D), response(z, machine.A, machine.B, machine.C))
 
 
 def _unit(state: str) -> float:

@@ -9,9 +9,17 @@ Array = NDArray[np.float64]
 
 
 def lever(point: ArrayLike) -> Array:
-    """Displacement x, y, z [m] of a point per x, y, z [m] and rx, ry, rz [rad] of the origin: p + θ × r, (3, 6)."""
-    x, y, z = np.asarray(point, float)
+    """Displacement x, y, z [m] of a point per x, y, z [m] and rx, ry, rz [rad] of the origin: p + θ × r, (3, 6).
+
+    ``point`` is x, y, z [m], or x, y where it lies in the mount plane.
+    """
+    x, y, z = (*np.asarray(point, float), 0.0)[:3]
     return np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
+
+
+def levers(points: Sequence[ArrayLike] | Array) -> Array:
+    """`lever` of several points below each other, shape (3 points, 6)."""
+    return np.concatenate([lever(point) for point in points])
 
 
 def plane(positions: Sequence[Sequence[float]]) -> Array:
@@ -30,11 +38,6 @@ def warp(positions: Sequence[Sequence[float]]) -> Array:
     return np.asarray(2.0 * pattern * np.sign(pattern[0]))
 
 
-def slab(positions: Sequence[Sequence[float]]) -> Array:
-    """Displacement of each mount and axis per degree of freedom of a rigid slab [m/m, m/rad], (mount, axis, dof)."""
-    return np.array([lever((x, y, 0.0)) for x, y in positions])
-
-
 def slab_fit(positions: Sequence[Sequence[float]]) -> Array:
-    """Motion of the rigid slab that fits the mounts' displacements best, (dof, mount·axis): the inverse of `slab`."""
-    return np.asarray(np.linalg.pinv(slab(positions).reshape(-1, 6)))
+    """Motion of the rigid slab that fits the mounts' displacements best, (6, 3 mounts): the inverse of `levers`."""
+    return np.asarray(np.linalg.pinv(levers(positions)))

@@ -1,7 +1,6 @@
 """What a user writes: a TOML file, validated, completed with defaults, and written back complete."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -22,15 +21,10 @@ from ehamj.control.sensors import Sensors
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
-from ehamj.forces import Force, Load
-from ehamj.forces.settings import check_forces, load_of
-from ehamj.ground import Motion, Start
-from ehamj.ground.broadband import BroadbandGround, BurstGround
-from ehamj.ground.combined import Combined
-from ehamj.ground.floors import FloorGround
-from ehamj.ground.records import RecordGround
-from ehamj.ground.shaped import ShapedGround
-from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
+from ehamj.forces.kinds import Force, check_forces, load_of
+from ehamj.forces.load import Load
+from ehamj.ground.kinds import Ground, RestGround
+from ehamj.ground.motion import Motion, Start
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS, OILS
 from ehamj.isolator.supply import Supply
@@ -38,43 +32,15 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
-from ehamj.settings import Settings, Vector3
+from ehamj.settings import FileName, Settings, Vector3
 from ehamj.signals import Signal
-
-OneGround = (
-    RestGround
-    | SineGround
-    | MultisineGround
-    | SweepGround
-    | ShockGround
-    | BroadbandGround
-    | BurstGround
-    | ShapedGround
-    | FloorGround
-    | RecordGround
-)
-SingleGround = Annotated[OneGround, Field(discriminator="kind")]
-
-
-class SumGround(Settings):
-    """Several grounds at once."""
-
-    kind: Literal["sum"]
-    parts: tuple[SingleGround, ...] = Field(description="grounds that add up", min_length=1)
-
-    def motion(self, start: Start) -> Motion:
-        """Build the motion."""
-        return Combined(tuple(part.motion(replace(start, part=(k,))) for k, part in enumerate(self.parts)))
-
-
-Ground = Annotated[OneGround | SumGround, Field(discriminator="kind")]
 
 
 class Law(Settings):
     """A control law from a file that `ehamj.Controller.save` or `ehamj design` wrote."""
 
     kind: Literal["law"]
-    file: str = Field(description="JSON file of the law, relative to the scenario", min_length=1)
+    file: FileName = Field(description="JSON file of the law, relative to the scenario", min_length=1)
 
     def controller(self, plant: Plant, sensors: Sensors) -> LinearController:
         """Read the law, or the bank of laws."""
@@ -248,9 +214,9 @@ class Scenario(Settings):
         Raises:
             InputError: if a record cannot be used.
         """
-        positions = np.array([mount.position for mount in self._mounts])
+        plant = self.plant
         try:
-            return self.ground.motion(Start(positions, self.duration, self.seed, Path()))
+            return self.ground.motion(Start(plant.mounts, np.array(plant.positions), self.duration, self.seed))
         except ValueError as error:
             raise InputError(str(error)) from error
 

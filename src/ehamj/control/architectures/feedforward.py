@@ -20,10 +20,11 @@ from pydantic import Field
 from scipy import signal
 
 from ehamj.control.blocks import TWO_PI, Block, beside, joined
+from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, held, instrument_poles, lag, restoring, valve_poles
 from ehamj.control.law import Controller
 from ehamj.control.lowend import isolating
-from ehamj.control.sensors import IDEAL, Sensor, Sensors
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
@@ -50,7 +51,7 @@ class FeedforwardSettings(DigitalSettings):
     )
     lead_order: Annotated[int, Field(ge=1, le=2)] = Field(2, description="1: 1 + T s, 2: 1 + T s + T²s²/2")
 
-    def lag(self, sensor: Sensor | None = None) -> float:
+    def lag(self, sensor: Instrument | None = None) -> float:
         """Delay at low frequency of instrument, computation, hold and roll-off together [s]."""
         return self.hold + lag(self._rolloff()[1]) + lag(instrument_poles(sensor)[1])
 
@@ -61,7 +62,7 @@ class FeedforwardSettings(DigitalSettings):
         back = beside([held(actuator, self.recovery, self.period) for actuator in plant.actuators])
         return self.digital(joined([mounts, back]), INPUTS, plant)
 
-    def block(self, actuator: Actuator, sensor: Sensor | None = None) -> Block:
+    def block(self, actuator: Actuator, sensor: Instrument | None = None) -> Block:
         """Command [V] over measured ground velocity [m/s] of one mount."""
         inverse, low = Inverse.of(actuator), TWO_PI * self.leak
         lead = self.lag(sensor) if self.lead == "auto" else self.lead

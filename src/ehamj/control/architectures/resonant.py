@@ -17,10 +17,12 @@ from pydantic import Field
 from ehamj.control.architectures.modal import MOTIONS, ModalSettings, plane
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.inertial import FEET
+from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, instrument_poles, valve_poles
 from ehamj.control.law import Controller
-from ehamj.control.sensors import IDEAL, Sensor, Sensors
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.statespace import response
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
 
@@ -48,7 +50,7 @@ class ResonantSettings(DigitalSettings):
         return self.digital(law, FEET, plant)
 
     def _answer(
-        self, line: float, motion: str, actuator: Actuator, sensor: Sensor | None, modal: ModalSettings | None
+        self, line: float, motion: str, actuator: Actuator, sensor: Instrument | None, modal: ModalSettings | None
     ) -> complex:
         """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with the broadband loop closed."""
         s = 2j * np.pi * line
@@ -60,8 +62,7 @@ class ResonantSettings(DigitalSettings):
         plain = lag * s / (s + inverse.creep)
         if modal is None or not getattr(modal, motion).crossing:
             return complex(plain * (s**slow.size / np.prod(s - slow) if slow.size else 1.0))
-        A, B, C, D = getattr(modal, motion).block(inverse.creep)
-        law = (C @ np.linalg.solve(s * np.eye(A.shape[0]) - A, B) + D)[0, 0]  # of displacement, −
+        law = response(np.array([s]), *getattr(modal, motion).block(inverse.creep))[0, 0, 0]  # of displacement, −
         return complex(plain / (1.0 - law / s * plain))
 
     def _resonator(self, line: float, answer: complex) -> Block:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ehamj.compiled import kernel
 from ehamj.control import AnyController, Controller, PythonController
-from ehamj.control.channels import ACCELERATION, DISPLACEMENT, GROUND, PLATE, STATE, VELOCITY
+from ehamj.control.channels import ACCELERATION, DISPLACEMENT, GROUND, PLATE, STATE, STATIC, VELOCITY, quantity_of
 from ehamj.control.compiled.call import call_law
 from ehamj.control.compiled.kernels import (
     add_product,
@@ -22,7 +22,8 @@ from ehamj.control.compiled.kernels import (
     settle_filters,
     wanted,
 )
-from ehamj.control.sensors import IDEAL, Discrete, Sensors, discretise, quantity_of
+from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.memory import N_STATES
 from ehamj.plant.axes import AXES, DOF_OF_JOINT
 from ehamj.plant.mounts import N_MOUNTS
@@ -37,9 +38,6 @@ N_GROUND: Final = N_MOUNTS * len(AXES)
 N_PART_STATES, N_PART_INPUTS, EVERY, DELAY, MATRICES, WINDUP, OWN_STATES, INPUTS_AT, FUNCTION = range(9)
 LATEST, HELD, TAKEN, RING, PLACES = range(9, 14)
 N_COLUMNS: Final = 14
-
-STATIC: Final = ("displacement", "pressure")
-"""Quantities that have a value at rest."""
 
 NOT_DUE: Final = 0
 WAITS: Final = 1

@@ -17,10 +17,10 @@ from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.replay import modes as drawn
+from ehamj.replay.mode_replay import replay_modes, swing
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies.gains import inertial_position
-from ehamj.studies.mode_replay import replay_modes, swing
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
 TALL = parse_scenario(

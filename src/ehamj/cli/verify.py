@@ -1,4 +1,4 @@
-"""Commands that check and time the simulator itself."""
+"""The command that checks the simulator itself."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,27 +7,8 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
-from ehamj.cli.frame import JsonOption, app, flat, log, out, print_json
+from ehamj.cli.frame import JsonOption, app, log, out, print_json
 from ehamj.errors import InputError
-
-
-@app.command()
-def bench(
-    repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
-    as_json: JsonOption = False,
-) -> None:
-    """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
-    from ehamj.bench.bench import bench as measure
-
-    with log.status("timing"):
-        figures = measure(repetitions)
-    if as_json:
-        print_json(figures)
-        return
-    table = Table("figure", "value", title="ehamj bench (medians; ratios are what to compare)")
-    for name, value in flat(figures):
-        table.add_row(name, f"{value:.4g}")
-    out.print(table)
 
 
 @app.command()

@@ -1,6 +1,5 @@
-"""Commands that simulate, and that list what can be simulated."""
+"""The command that simulates."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -70,32 +69,12 @@ def run(
         raise failures[0]
 
 
-@app.command()
-def scenarios(as_json: JsonOption = False) -> None:
-    """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
-    from ehamj.scenario.load import load_scenario, shipped_scenarios
-
-    found = {name: load_scenario(name).description for name in shipped_scenarios()}
-    if as_json:
-        print_json({"scenarios": [{"name": name, "description": text} for name, text in found.items()]})
-        return
-    for name, text in found.items():
-        out.print(f"[bold]{name:16}[/] {text}", highlight=False, soft_wrap=True)
-
-
-@app.command()
-def schema() -> None:
-    """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
-    from ehamj.scenario.load import scenario_schema
-
-    sys.stdout.write(scenario_schema() + "\n")
-
-
 def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from ehamj.run.simulate import Incomplete, simulate
+    from ehamj.run.failures import Incomplete
+    from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)

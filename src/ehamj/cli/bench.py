@@ -1,0 +1,27 @@
+"""The command that times the simulator."""
+
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from ehamj.cli.frame import JsonOption, app, flat, log, out, print_json
+
+
+@app.command()
+def bench(
+    repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
+    as_json: JsonOption = False,
+) -> None:
+    """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
+    from ehamj.bench.bench import bench as measure
+
+    with log.status("timing"):
+        figures = measure(repetitions)
+    if as_json:
+        print_json(figures)
+        return
+    table = Table("figure", "value", title="ehamj bench (medians; ratios are what to compare)")
+    for name, value in flat(figures):
+        table.add_row(name, f"{value:.4g}")
+    out.print(table)

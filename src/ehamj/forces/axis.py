@@ -1,0 +1,81 @@
+"""The reaction of an axis of the machine that moves with limited jerk."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from ehamj.forces.force import ForceSettings
+from ehamj.settings import Positive
+from ehamj.signals import SLACK, Array, Sample, Signal
+
+
+class AxisJerk(ForceSettings):
+    """Reaction of a moving axis, −m a, that goes back and forth with limited velocity, acceleration and jerk.
+
+    The moving mass is part of the machine's; that its centre of gravity wanders is left out.
+    """
+
+    kind: Literal["axis-jerk"]
+    moving_mass: Positive = Field(description="mass that moves [kg]")
+    travel: Positive = Field(0.2, description="length of a move [m]")
+    velocity: Positive = Field(0.5, description="limit of the velocity [m/s]")
+    acceleration: Positive = Field(5.0, description="limit of the acceleration [m/s²]")
+    jerk: Positive = Field(100.0, description="limit of the jerk [m/s³]")
+    begin: float = Field(0.1, ge=0, description="time of the first move [s]")
+    moves: int = Field(1, ge=1, description="number of moves; each goes the other way")
+    pause: float = Field(0.5, ge=0, description="time between moves [s]")
+
+    @property
+    def longest_step(self) -> float:
+        times, _ = self._profile
+        return float(np.diff(times).min()) / 4.0  # straight pieces: only their corners need steps
+
+    def parts(self, duration: float, random: np.random.Generator) -> list[tuple[Array, Signal]]:
+        times, accelerations = self._profile
+        length, sign = float(times[-1]) + self.pause, 1.0
+        signals: list[tuple[Array, Signal]] = []
+        for move in range(self.moves):
+            begin = self.begin + move * length
+            if begin > duration:
+                break
+            signals.append((self.axis, Pieces(begin + times, -sign * self.moving_mass * accelerations)))
+            sign = -sign
+        return signals
+
+    @property
+    def _profile(self) -> tuple[Array, Array]:
+        return jerk_limited(self.travel, self.velocity, self.acceleration, self.jerk)
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Straight pieces through ``values`` at ``times`` [s], zero outside."""
+
+    times: Array
+    values: Array
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        slopes = np.concatenate([[0.0], np.diff(self.values) / np.diff(self.times), [0.0]])
+        piece = np.searchsorted(self.times, time + (-SLACK if left else SLACK), side="right")
+        return Sample(np.interp(time, self.times, self.values, 0.0, 0.0), slopes[piece], np.zeros_like(time))
+
+
+def jerk_limited(travel: float, velocity: float, acceleration: float, jerk: float) -> tuple[Array, Array]:
+    """Times [s] and accelerations [m/s²] at the corners of a move from rest to rest over ``travel`` [m].
+
+    The usual seven pieces: the acceleration rises and falls by ``jerk``; where travel or velocity are too small for the
+    stated velocity or acceleration, these are not reached (Biagiotti and Melchiorri, Trajectory Planning, sec. 3.4).
+    """
+    rise = min(np.sqrt(velocity / jerk), acceleration / jerk, np.cbrt(0.5 * travel / jerk))  # of the acceleration
+    a = jerk * rise
+    # Of speeding up, reaching v = a·up: travel = v (2 rise + hold…) with v ≤ velocity.
+    up = min(velocity / a, 0.5 * (np.sqrt(rise**2 + 4.0 * travel / a) - rise))  # time at a, with half of each ramp
+    v = a * up
+    cruise = max(0.0, travel / v - up - rise)
+    durations = [rise, up - rise, rise, cruise, rise, up - rise, rise]
+    corners = np.concatenate([[0.0], np.cumsum(durations)])
+    values = np.array([0.0, a, a, 0.0, 0.0, -a, -a, 0.0])
+    kept = np.concatenate([[True], np.diff(corners) > SLACK])
+    return corners[kept], values[kept]

@@ -1,0 +1,61 @@
+"""The kinds of force there are, and all forces of a scenario together."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ehamj.errors import InputError
+from ehamj.forces.axis import AxisJerk
+from ehamj.forces.blows import Hammer
+from ehamj.forces.force import ForceSettings
+from ehamj.forces.load import NO_LOAD, Load, pattern
+from ehamj.forces.unbalance import Unbalance
+from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce
+from ehamj.settings import Vector3, one_of
+
+FORCES: tuple[type[ForceSettings], ...] = (Hammer, AxisJerk, Unbalance, SineForce, MultisineForce, RandomForce)
+"""Every kind of force; a table [[force]] holds one of them."""
+
+if TYPE_CHECKING:
+    Force = ForceSettings
+else:
+    Force = one_of(FORCES)
+
+STREAM = 20_000
+"""Keeps the random numbers of forces apart from those of the floor."""
+
+
+def check_forces(forces: Sequence[ForceSettings], points: Mapping[str, Vector3]) -> None:
+    """Refuse forces at places that do not exist.
+
+    Raises:
+        ValueError: naming the key, the value and what is allowed.
+    """
+    for k, force in enumerate(forces):
+        if isinstance(force.point, str) and force.point != "cg" and force.point not in points:
+            known = ", ".join(map(repr, (*points, "cg")))
+            raise ValueError(f"force.{k}.point = {force.point!r} must be one of {known}, or a place [x, y, z]")
+
+
+def load_of(
+    forces: Sequence[ForceSettings], points: Mapping[str, Vector3], cg: Vector3, duration: float, seed: int
+) -> Load:
+    """All forces together.
+
+    Raises:
+        InputError: if a force cannot be made for this duration.
+    """
+    patterns, signals = [], []
+    for k, force in enumerate(forces):
+        at = cg if force.point == "cg" else points[force.point] if isinstance(force.point, str) else force.point
+        try:
+            parts = force.parts(duration, np.random.default_rng([seed, STREAM, k]))
+        except MemoryError:
+            raise InputError(f"force.{k}: {duration:g} s of it do not fit in memory") from None
+        for direction, signal in parts:
+            patterns.append(pattern(direction, np.array(at), np.array(cg)))
+            signals.append(signal)
+    if not signals:
+        return NO_LOAD
+    return Load(np.array(patterns), tuple(signals), min(force.longest_step for force in forces))

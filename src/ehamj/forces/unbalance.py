@@ -1,0 +1,80 @@
+"""The force of a rotor whose mass is off its axis."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from ehamj.forces.force import PER_PERIOD, ForceSettings
+from ehamj.settings import Positive
+from ehamj.signals import Array, Sample, Signal
+
+
+class Unbalance(ForceSettings):
+    """A rotor whose mass is off its axis; ``direction`` is the axis of rotation."""
+
+    kind: Literal["unbalance"]
+    moment: Positive = Field(description="mass times eccentricity [kg m]")
+    speed: Positive = Field(description="turns per second [Hz]")
+    run_up: float = Field(
+        1.0, ge=0, description="time in which it reaches its speed from rest [s]; 0: it turns at once"
+    )
+
+    @property
+    def longest_step(self) -> float:
+        return 1.0 / (self.speed * PER_PERIOD)
+
+    def parts(self, duration: float, random: np.random.Generator) -> list[tuple[Array, Signal]]:
+        # Two directions at right angles to the axis and each other; the first is horizontal where that can be.
+        upright = abs(self.axis[2]) > 0.999
+        first = np.cross((0.0, 1.0, 0.0) if upright else (0.0, 0.0, 1.0), self.axis)
+        first = first / np.linalg.norm(first)
+        second = np.cross(self.axis, first)
+        rotor = (Rotating(self.moment, self.speed, self.run_up, q) for q in (False, True))
+        return list(zip((first, second), rotor, strict=True))
+
+
+@dataclass(frozen=True)
+class Rotating:
+    """One direction of the force of an unbalance that runs up: Re or Im of u (ω² − i α) e^(iφ).
+
+    ``moment`` u [kg m] is mass times eccentricity, ``speed`` [Hz] is reached from rest along a quintic in ``run_up``
+    [s] from time zero (0: it turns from the beginning), α is the angular acceleration; ``quadrature`` takes the
+    imaginary part, a quarter turn behind.
+    """
+
+    moment: float
+    speed: float
+    run_up: float
+    quadrature: bool = False
+
+    def angle(self, time: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """φ [rad] and its four derivatives."""
+        full = 2.0 * np.pi * self.speed
+        if self.run_up == 0.0:
+            zero = np.zeros_like(time)
+            return full * time, zero + full, zero, zero, zero
+        s = np.clip(time / self.run_up, 0.0, 1.0)
+        turned = self.run_up * s**4 * (2.5 - 3.0 * s + s * s) + np.maximum(time - self.run_up, 0.0)
+        rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        first = 30.0 * s**2 * (1.0 - s) ** 2
+        second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
+        third = np.where(s < 1.0, 60.0 * (1.0 - 6.0 * s + 6.0 * s * s), 0.0)
+        return (
+            full * turned,
+            full * rate,
+            full * first / self.run_up,
+            full * second / self.run_up**2,
+            (full * third / self.run_up**3),
+        )
+
+    def sample(self, time: Array, left: bool = False) -> Sample:
+        phi, w, a, da, dda = self.angle(time)
+        turn = self.moment * np.exp(1j * phi)
+        parts = (
+            (w**2 - 1j * a) * turn,
+            (3.0 * w * a + 1j * (w**3 - da)) * turn,
+            (3.0 * a**2 + 4.0 * w * da - w**4 + 1j * (6.0 * w**2 * a - dda)) * turn,
+        )
+        return Sample(*(part.imag if self.quadrature else part.real for part in parts))

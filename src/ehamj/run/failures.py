@@ -1,0 +1,62 @@
+"""What a run says that failed: where, when and why, and what is kept."""
+
+import numpy as np
+import xarray as xr
+
+from ehamj.errors import SimulationFailed
+from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, Stopped
+from ehamj.result import Result
+from ehamj.run.prepare import Prepared
+from ehamj.run.timestep import follows
+
+EMPTY = {CHAMBER_1_EMPTY: 1, CHAMBER_2_EMPTY: 2}
+"""Chamber that ran empty, by status."""
+
+
+class Incomplete(SimulationFailed):
+    """A simulation that stopped early; ``result`` holds what was computed until then."""
+
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | None:
+    """What went wrong, in words; None where nothing did."""
+    if stopped.status != DONE:
+        return _stopped(prepared, stopped, float(dataset.time[-1]) if dataset.time.size else 0.0)
+    scenario = prepared.scenario
+    if scenario.timestep == "auto" or follows(scenario.plant, prepared.timestep):
+        return None
+    return _unstable(dataset, prepared.timestep)
+
+
+def _unstable(dataset: xr.Dataset, timestep: float) -> str:
+    """Of a run that ended although its step is too long: where and when the oil first tore, if it did."""
+    torn = np.argwhere(dataset["chamber_void"].max("chamber").values > 0.0)
+    where = ""
+    if torn.size:
+        row, mount = torn[0]
+        where = f" at {float(dataset.time[row]):.6g} s, at {dataset['mount'].values[mount]}"
+    return (
+        f"simulation failed{where}: timestep = {timestep:g} s is beyond the integrator's stability for the fastest "
+        "mode, and only voids in the oil kept the motion bounded. Kept to the end, marked incomplete; use "
+        "timestep = 'auto' or a shorter one"
+    )
+
+
+def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
+    """Of a run that broke off, after ``recorded`` [s]."""
+    at, kept = stopped.steps * prepared.timestep, f"Kept until {recorded:.6g} s, marked incomplete"
+    if stopped.status == LAW_FAILED:
+        error = prepared.loop.failures[0]
+        return f"simulation failed at {at:.6g} s, in the Python controller: {type(error).__name__}: {error}. {kept}"
+    where = prepared.scenario.plant.mounts[stopped.mount] if stopped.mount >= 0 else "the machine"
+    what = "a state is no longer finite"
+    if stopped.status in EMPTY:
+        chamber = EMPTY[stopped.status]
+        what = f"chamber {chamber} ran empty: the stroke left its range, or the step is too long to follow the oil"
+    return (
+        f"simulation failed at {at:.6g} s, at {where}: {what}; step {prepared.timestep:.3g} s. "
+        f"{kept}. A shorter timestep or smaller commands may help"
+    )

@@ -1,0 +1,43 @@
+"""What drives a stretch of steps: ground, open-loop commands and forces, as values and slopes at each step's ends."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.forces import Load
+from ehamj.ground import Motion
+from ehamj.signals import Signal
+
+Array = NDArray[np.float64]
+
+
+def sample_inputs(
+    motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
+) -> tuple[Array, Array]:
+    """Inputs of some steps: value, slope·timestep, second derivative at start and end, (steps, n_inputs, 3) each.
+
+    The channels are the ground's x, y, z at each mount [m], mount-major, then a command per mount [V].
+    """
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
+    grounds = 3 * len(commands)
+    points = np.zeros((steps + 1, grounds + len(commands), 3))
+    if not motion.at_rest:
+        for order, part in enumerate(motion.sample(times)):
+            points[:, :grounds, order] = part.reshape(-1, grounds)
+    starts = points[:-1].copy()
+    ends = points[1:]
+    for channel, signal in enumerate(commands, start=grounds):
+        now = signal.sample(times[:-1])
+        then = signal.sample(times[1:], left=True)
+        starts[:, channel, 0], starts[:, channel, 1] = now.value, now.slope
+        ends[:, channel, 0], ends[:, channel, 1] = then.value, then.slope
+    starts[:, :, 1] *= timestep
+    ends[:, :, 1] *= timestep
+    return starts, ends
+
+
+def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array]:
+    """Force on the machine in some steps: value and slope·timestep at start and end, (steps, 6, 2) each."""
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
+    scale = np.array([1.0, timestep])
+    starts, ends = load.sample(times[:-1]), load.sample(times[1:], left=True)
+    return np.stack(starts, axis=2) * scale, np.stack(ends, axis=2) * scale

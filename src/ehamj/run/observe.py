@@ -1,0 +1,153 @@
+"""From recorded rows to the labelled channels of a result: one function per family of channels."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ehamj.ground import Motion
+from ehamj.memory import LEDGER_STATES, N_STATES, SUPPLY_STATES
+from ehamj.mujoco.advance import columns
+from ehamj.plant.axes import DOF_OF_JOINT
+from ehamj.plant.kinematics import points_motion
+from ehamj.plant.levers import lever
+from ehamj.plant.plant import Plant
+from ehamj.result import make_dataset
+from ehamj.run.chambers import Chambers
+from ehamj.run.prepare import Prepared
+from ehamj.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+Channels = dict[str, Array]
+
+MOTIONS = ("displacement", "velocity", "acceleration")
+
+
+def observe(prepared: Prepared, rows: Array) -> xr.Dataset:
+    """Everything that a result holds, from the recorded rows (n, row_size)."""
+    scenario, plant = prepared.scenario, prepared.scenario.plant
+    times = np.arange(rows.shape[0], dtype=np.float64) / scenario.record_rate
+    part = {name: rows[:, slice(*where)] for name, where in columns(prepared.model, prepared.loop)._asdict().items()}
+    displacement, velocity, acceleration = (part[name][:, list(DOF_OF_JOINT)] for name in ("qpos", "qvel", "qacc"))
+    mounts = len(plant.mounts)
+    places = [*((*position, 0.0) for position in plant.positions), plant.machine.cg, *scenario.points.values()]
+    moved = points_motion(displacement, velocity, acceleration, places)
+    channels = _ground(prepared.motion, times)
+    channels |= {"machine_displacement": displacement, "machine_velocity": velocity}
+    channels |= _together("foot", moved[:mounts])
+    channels |= {f"cg_{motion}": values for motion, values in zip(MOTIONS, moved[mounts], strict=True)}
+    channels |= _strokes(plant, part, channels)
+    channels |= _oil(plant, part, channels["stroke"])
+    channels |= _together("point", moved[mounts + 1 :])
+    channels |= _relative(scenario, channels)
+    if not prepared.load.absent:
+        channels["external_force"] = prepared.load.sample(times)[0]
+    if prepared.loop.readings:
+        channels["measured"] = part["readings"]
+    if prepared.loop.states:
+        # Single precision: they are looked at, not calculated with, and may be many.
+        channels["controller_state"] = part["states"].astype(np.float32)
+    if plant.bookkeeping:
+        channels |= _ledger(plant, part, channels["stroke"])
+    return make_dataset(times, channels, {"title": scenario.name}, _labels(prepared))
+
+
+def _labels(prepared: Prepared) -> dict[str, list[Any]]:
+    """What lies along the dimensions that differ from scenario to scenario."""
+    scenario, law = prepared.scenario, prepared.controller
+    labels: dict[str, list[Any]] = {
+        "point": list(scenario.points),
+        "relative": [relative.name for relative in scenario.relative],
+        "sensor": list(law.inputs) if law is not None else [],
+        "law_state": list(range(law.states)) if law is not None else [],
+    }
+    return {name: along for name, along in labels.items() if along}
+
+
+def _ground(motion: Motion, times: Array) -> Channels:
+    sample = motion.sample(times)
+    return {f"ground_{name}": getattr(sample, name) for name in MOTIONS}
+
+
+def _together(what: str, moved: Sequence[tuple[Array, Array, Array]]) -> Channels:
+    """Motions of several places, stacked (time, place, axis); nothing of none."""
+    if not moved:
+        return {}
+    return {
+        f"{what}_{name}": np.stack(each, axis=1) for name, each in zip(MOTIONS, zip(*moved, strict=True), strict=True)
+    }
+
+
+def _strokes(plant: Plant, part: Channels, channels: Channels) -> Channels:
+    """Plates relative to the ground: joints of their own if they slide, the machine's plane if they are tied."""
+    if plant.plates == "sliding":
+        plate, velocity = (part[name][:, len(DOF_OF_JOINT) :] for name in ("qpos", "qvel"))
+    else:
+        heights = np.array([lever((*position, 0.0))[2] for position in plant.positions])
+        plate, velocity = (channels[f"machine_{name}"] @ heights.T for name in MOTIONS[:2])
+    return {
+        "stroke": plate - channels["ground_displacement"][:, :, 2],
+        "stroke_velocity": velocity - channels["ground_velocity"][:, :, 2],
+    }
+
+
+def _oil(plant: Plant, part: Channels, stroke: Array) -> Channels:
+    """Valves, chambers and supply."""
+    chambers, mounts = Chambers.of(plant), len(plant.mounts)
+    states = _isolator_states(plant, part)
+    pressure = chambers.pressure(states[:, :, 2:])
+    supply = np.full(stroke.shape[0], plant.supply.pressure)
+    if plant.supply.dynamic:
+        supply = part["act"][:, mounts * N_STATES + SUPPLY_STATES.index("supply_pressure")]
+    return {
+        "spool": states[:, :, 0],
+        "valve_command": part["command"],
+        "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
+        "chamber_pressure": pressure,
+        "chamber_void": chambers.void(states[:, :, 2:], stroke),
+        "chamber_flow": part["flow"].reshape(-1, mounts, 2),
+        "supply_pressure": supply,
+    }
+
+
+def _isolator_states(plant: Plant, part: Channels) -> Array:
+    """States of the isolators, (time, mount, state)."""
+    mounts = len(plant.mounts)
+    return part["act"][:, : mounts * N_STATES].reshape(-1, mounts, N_STATES)
+
+
+def _relative(scenario: Scenario, channels: Channels) -> Channels:
+    """Motion of places relative to each other, as the scenario names them."""
+    mounts, points = scenario.plant.mounts, list(scenario.points)
+
+    def motion_at(place: str, motion: str) -> Array:
+        if place in points:
+            return channels[f"point_{motion}"][:, points.index(place)]
+        what, _, mount = place.partition(" ")
+        values = channels[f"{what}_{motion}"]
+        return values[:, mounts.index(mount)] if mount else values
+
+    if not scenario.relative:
+        return {}
+    return {
+        f"relative_{motion}": np.stack(
+            [motion_at(r.origin, motion) - motion_at(r.to, motion) for r in scenario.relative], axis=1
+        )
+        for motion in MOTIONS[:2]
+    }
+
+
+def _ledger(plant: Plant, part: Channels, stroke: Array) -> Channels:
+    """What crossed the chambers' borders since the start, and what they hold."""
+    chambers, mounts = Chambers.of(plant), len(plant.mounts)
+    pressures = _isolator_states(plant, part)[:, :, 2:]
+    ledger = part["act"][:, -len(LEDGER_STATES) :]
+    border = dict(zip(LEDGER_STATES[2 * mounts :], ledger[:, 2 * mounts :].T, strict=True))
+    return {
+        "oil_in": ledger[:, : 2 * mounts].reshape(-1, mounts, 2),
+        **border,
+        "oil_held": chambers.mass(pressures, stroke),
+        "oil_energy": chambers.energy(pressures, stroke).sum(axis=(1, 2)),
+    }

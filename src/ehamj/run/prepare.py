@@ -1,0 +1,92 @@
+"""From a scenario to a model that stands in its equilibrium, its controller and everything that drives it."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ehamj.control import AnyController, LinearController, PythonController
+from ehamj.control.commands import Passive
+from ehamj.control.compiled.loop import Loop, make_loop
+from ehamj.control.noise import ReadingNoise
+from ehamj.errors import InputError
+from ehamj.forces import Load
+from ehamj.ground import Motion
+from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
+from ehamj.run.timestep import choose_timestep, compiled
+from ehamj.scenario.model import Scenario
+from ehamj.signals import Signal
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A scenario ready to step: ``steps`` steps, of which the first and each ``every``-th later one is recorded."""
+
+    scenario: Scenario
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    motion: Motion
+    commands: tuple[Signal, ...]
+    load: Load
+    controller: AnyController | None
+    loop: Loop
+    noise: ReadingNoise | None
+    every: int
+    steps: int
+
+    @property
+    def timestep(self) -> float:
+        """Step of the integrator [s]."""
+        return float(self.model.opt.timestep)
+
+    @property
+    def law(self) -> LinearController | None:
+        """The controller, unless there is none or it is a Python function, which no file can hold."""
+        return None if isinstance(self.controller, PythonController) else self.controller
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the result must know."""
+        if not isinstance(self.controller, PythonController):
+            return self.motion.notes
+        said = "the commands came from a Python function, which is not in the scenario: it runs again without"
+        return (*self.motion.notes, said)
+
+
+def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
+    """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
+
+    Args:
+        scenario: what to simulate.
+        controller: runs instead of the scenario's control.
+
+    Raises:
+        InputError: if the scenario cannot be run as it is.
+    """
+    motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
+    if controller is None:
+        controller = scenario.controller()
+    else:  # instead of the scenario's control, its open-loop commands too
+        commands = Passive().commands()
+    try:
+        timestep = choose_timestep(scenario, controller)
+        loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
+        model = compiled(scenario.plant, timestep)
+        data = mujoco.MjData(model)
+        start = np.zeros(1)
+        ground = motion.sample(start)
+        command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
+        equilibrium(model, data, Inputs(ground.displacement[0], ground.velocity[0], command))
+    except EquilibriumError as error:
+        raise InputError(f"{error} (machine.mass, actuators, supply, control)") from error
+    steps = round(scenario.duration / timestep)
+    every = round(1.0 / (scenario.record_rate * timestep))
+    if steps < every:
+        raise InputError(
+            f"duration = {scenario.duration:g} s must be at least one recording period, {every * timestep:g} s"
+        )
+    noise = None
+    if controller is not None:
+        made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.base * timestep)
+        noise = None if made.silent else made
+    return Prepared(scenario, model, data, motion, commands, load, controller, loop, noise, every, steps)
