@@ -225,7 +225,8 @@ def test_csv_and_page_hold_every_row(folder: Path, paper: Reproduction) -> None:
     assert [float(row["computed"]) for row in rows] == [row.value for row in paper.table]
     page = (folder / "table.html").read_text("utf-8")
     assert page.count("<tr>") == len(paper.table) + len(paper.claims) + 2
-    assert all(f'src="{name}.svg"' in page for name in FIGURES)
+    assert page.count('class="badge fails"') == 4 * 2
+    assert all(f'<figure id="figure-{name}"' in page for name in FIGURES)
 
 
 def test_figures_show_both_panels_with_units(paper: Reproduction) -> None:

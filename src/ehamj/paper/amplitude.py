@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE, save_figure
+from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE
+from ehamj.plots import svg
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result, written_whole
 from ehamj.run.simulate import simulate_many
@@ -102,6 +103,10 @@ def amplitude_figure(response: xr.Dataset) -> "Figure":
 
 def write_amplitude(folder: Path, response: xr.Dataset) -> None:
     """Write ``amplitude.svg``, ``amplitude.png`` and ``amplitude.nc`` into a folder."""
-    save_figure(amplitude_figure(response), folder, "amplitude")
+    drawn = amplitude_figure(response)
+    with written_whole(folder / "amplitude.svg") as path:
+        path.write_text(svg(drawn, "amplitude"), encoding="utf-8")
+    with written_whole(folder / "amplitude.png") as path:
+        drawn.savefig(path, dpi=300)
     with written_whole(folder / "amplitude.nc") as path:
         response.to_netcdf(path, engine="h5netcdf")

@@ -1,7 +1,6 @@
 """The paper's figures 3 to 7: magnitude and phase of G_EHA (eq. 9) of several designs."""
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,9 +9,7 @@ from ehamj.errors import InputError
 from ehamj.paper.actuator import Form, bode, delta_h, omega_h
 from ehamj.paper.loop import PositionLoop
 from ehamj.paper.reproduction import Reproduction
-from ehamj.plots import svg
 from ehamj.plots.charts import Line, lines_chart
-from ehamj.result import written_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,11 +91,3 @@ def _lines(label: str, actuator: "Actuator", mass: float, form: Form, k: int) ->
         for lines, values in zip(drawn, (20.0 * np.log10(magnitude), phase), strict=True):
             lines.append(Line(names[marker], hertz, values, k, k, marker))
     return drawn
-
-
-def save_figure(drawing: "Figure", folder: Path, name: str) -> None:
-    """Save a figure as ``name.svg`` and ``name.png`` (300 dpi); the same figure gives the same bytes."""
-    with written_whole(folder / f"{name}.svg") as path:
-        path.write_text(svg(drawing, name), encoding="utf-8")
-    with written_whole(folder / f"{name}.png") as path:
-        drawing.savefig(path, dpi=300)
