@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.kinds import CombinedSettings
 from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back, loop_gain
 from ehamj.linear.machine import LinearModel, linear_model

@@ -91,6 +91,8 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             f"{worst[least[0]][0]:.1f} dB ({least[0]}), phase {worst[least[1]][1]:.0f}° ({least[1]}), disk "
             f"{worst[least[2]][2]:.2f} ({least[2]})."
         )
+        if not design.tuned:
+            found.append(f"{scenario.control.kind} has no loops to tune: its gains are as they were given.")
         unstable = [name for name, one in design.reports.items() if not one.stable]
         if unstable:
             found.append(f"Unstable: {', '.join(unstable)}.")

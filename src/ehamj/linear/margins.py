@@ -19,12 +19,12 @@ from ehamj.control import LinearController
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import STABLE, spectral_radius
-from ehamj.plant.levers import plane, warp
+from ehamj.plant.levers import MOTIONS, plane, warp
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-PATTERNS: Final = ("heave", "roll", "pitch", "warp")
+PATTERNS: Final = (*MOTIONS, "warp")
 """The patterns in which four valves move together."""
 
 
