@@ -15,9 +15,9 @@ from pydantic import ValidationError
 from scipy.io import savemat, wavfile
 
 from ehamj.ground import Motion, Start
+from ehamj.ground.channel import Record
 from ehamj.ground.components import Choices
 from ehamj.ground.matlab import read_matlab
-from ehamj.ground.processing import Record
 from ehamj.ground.records import RecordGround
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav

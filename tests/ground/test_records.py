@@ -20,22 +20,23 @@ from pydantic import ValidationError
 from scipy import signal
 
 from ehamj.ground import GroundSample, Motion, Start
+from ehamj.ground.channel import Channel
 from ehamj.ground.components import Choices
 from ehamj.ground.csv_records import read_csv
-from ehamj.ground.processing import (
-    Channel,
+from ehamj.ground.doubts import clipped_samples
+from ehamj.ground.quantities import UNITS
+from ehamj.ground.records import RecordGround
+from ehamj.ground.seismic import EXAMPLE, read_seismic
+from ehamj.ground.tables import Column, parse_header, parse_unit
+from ehamj.ground.treatment import (
     Treatment,
     band_gain,
-    clipped_samples,
     displacement,
     fade,
     highpass_gain,
     inverse_response,
     weighted_trend,
 )
-from ehamj.ground.records import RecordGround
-from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import UNITS, Column, parse_header, parse_unit
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import anchored
 

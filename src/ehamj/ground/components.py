@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from ehamj.ground.processing import Channel, Place, Quantity
-from ehamj.ground.tables import UNITS
+from ehamj.ground.channel import Channel, Place
+from ehamj.ground.quantities import UNITS, Quantity
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}

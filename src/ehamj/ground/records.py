@@ -7,14 +7,15 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.ground.channel import Record
 from ehamj.ground.components import AxisChoice, Choices, GapChoice, QuantityChoice
 from ehamj.ground.csv_records import read_csv
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.matlab import read_matlab
 from ehamj.ground.motion import GroundSettings, Motion, Start
-from ehamj.ground.processing import INTEGRATIONS, Record, Treatment, displacement, held_frequencies
+from ehamj.ground.quantities import ORDERS, UNITS
 from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import UNITS
+from ehamj.ground.treatment import Treatment, displacement, held_frequencies
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
@@ -140,7 +141,7 @@ class RecordGround(GroundSettings, Treatment):
             steps.append(
                 f"zero-phase high-pass at {self.highpass:g} Hz (within 0.1 % above {2.4 * self.highpass:g} Hz)"
             )
-        times = sorted({INTEGRATIONS[channel.quantity] for channel in record.channels} - {0})
+        times = sorted({ORDERS[channel.quantity] for channel in record.channels} - {0})
         if times:
             steps.append(f"integrated {' or '.join(('once', 'twice')[n - 1] for n in times)} (in the frequency domain)")
         steps.append(f"resampled to at least {self.rate:g} Hz")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ehamj.ground.channel import Channel, Record, Response
 from ehamj.ground.components import (
     SILENT,
     Choices,
@@ -18,7 +19,7 @@ from ehamj.ground.components import (
     per_mount,
     summary,
 )
-from ehamj.ground.processing import Channel, Quantity, Record, Response
+from ehamj.ground.quantities import Quantity
 from ehamj.signals import Array
 
 if TYPE_CHECKING:

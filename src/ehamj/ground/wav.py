@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
+from ehamj.ground.channel import Channel, Record
 from ehamj.ground.components import Choices, agreed_unit, choose_axes, summary
-from ehamj.ground.processing import Channel, Record
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""
