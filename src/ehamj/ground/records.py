@@ -23,8 +23,8 @@ from ehamj.plant.axes import AXES
 from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
-READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab}
-"""Readers by the end of a file's name; a WAV's needs its full scale besides, and all else is ObsPy's."""
+READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
+"""Readers by the end of a file's name; all else is ObsPy's."""
 
 
 class RecordGround(GroundSettings, Treatment):
@@ -85,19 +85,14 @@ class RecordGround(GroundSettings, Treatment):
 
     def read(self) -> Record:
         """The raw record."""
-        choices = Choices(self.axes, self.quantity, self.gaps, self.unit)
-        ending = self._ending
-        if ending in READERS or ending == ".wav":
-            if self.inventory is not None:
-                kind = ending[1:].upper()
-                raise ValueError(
-                    f"ground.inventory = {Path(self.inventory).name!r}: a {kind} record has units; leave inventory out"
-                )
-            path = Path(self.file)
-            return read_wav(path, choices, self.full_scale) if ending == ".wav" else READERS[ending](path, choices)
         inventory = None if self.inventory is None else Path(self.inventory)
-        source = self.file if self.file == EXAMPLE else Path(self.file)
-        return read_seismic(source, choices, inventory, self.remove_response)
+        choices = Choices(
+            self.axes, self.quantity, self.gaps, self.unit, self.full_scale, inventory, self.remove_response
+        )
+        if inventory is not None and self._ending in READERS:
+            kind = self._ending[1:].upper()
+            raise ValueError(f"ground.inventory = {inventory.name!r}: a {kind} record has units; leave inventory out")
+        return READERS.get(self._ending, read_seismic)(Path(self.file), choices)
 
     def motion(self, start: Start) -> Motion:
         """Build the motion: at rest at time 0, then what the record says.

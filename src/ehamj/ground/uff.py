@@ -6,7 +6,17 @@ from typing import Any
 import numpy as np
 
 from ehamj.ground.channel import Channel, Place, Record
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, differences, on_grid, summary
+from ehamj.ground.components import (
+    SILENT,
+    Choices,
+    agreed_unit,
+    choose_axes,
+    clock,
+    differences,
+    existing,
+    on_grid,
+    summary,
+)
 from ehamj.ground.quantities import UNITS, Quantity
 from ehamj.ground.tables import Column, parse_unit
 
@@ -60,8 +70,7 @@ def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
     """The file's time responses, and whether its units are SI as far as it says."""
     import pyuff
 
-    if not path.is_file():
-        raise ValueError(f"ground.file = {path.name!r}: there is no such file in {path.parent}")
+    existing(path)
     try:
         file = pyuff.UFF(str(path))
         kinds = file.get_set_types()
