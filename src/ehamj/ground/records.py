@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,7 +20,7 @@ from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
-from ehamj.settings import FileName
+from ehamj.settings import FileName, Positive
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
 READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
@@ -43,7 +43,7 @@ class RecordGround(GroundSettings, Treatment):
     unit: str | None = Field(
         None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
     )
-    full_scale: Annotated[float, Field(gt=0)] | None = Field(
+    full_scale: Positive | None = Field(
         None, description="motion that the largest sample of a WAV file stands for [unit]"
     )
     inventory: FileName | None = Field(
