@@ -7,6 +7,7 @@ after ``$``.
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -115,7 +116,7 @@ def test_example_works_in_one_file(example: Example, environment: dict[str, str]
     run(sys.executable, "-m", "ruff", "check", *example.files, *example.additions)
     run(sys.executable, "-m", "pytest", "-o", "addopts=", "-q", "--import-mode=importlib", *example.tests)
     for command in example.commands:
-        program, *arguments = command.split()
+        program, *arguments = shlex.split(command)
         assert program == "ehamj", f"a command of an example is one of ehamj: {command}"
         run(sys.executable, "-c", "from ehamj.cli import main; main()", *arguments)
 

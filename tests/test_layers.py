@@ -19,7 +19,7 @@ RANKS = (
     ("control",),
     ("mujoco", "scenario"),
     ("linear", "result"),
-    ("designs",),
+    ("designs", "pages"),
     ("run", "replay"),
     ("rig", "bench"),
     ("paper", "report", "studies"),

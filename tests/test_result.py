@@ -331,10 +331,7 @@ def test_a_damaged_result_is_refused(folder: Path, tmp_path: Path, name: str) ->
         (lambda summary: summary.pop("oil"), "summary.json: oil: is missing"),
         (lambda summary: summary.update(old=1), "summary.json: old: is no key of it"),
         (lambda summary: summary["timing"].update(steps="many"), r"summary.json: timing.steps: .*integer"),
-        (
-            lambda summary: summary["criteria"]["vc"]["places"]["feet"]["x"].pop("class"),
-            "places.feet.x.class: is missing",
-        ),
+        (lambda summary: summary["criterion"]["floor"]["x"].pop("class"), "criterion.floor.x.class: is missing"),
     ],
 )
 def test_a_summary_of_another_make_is_refused(folder: Path, tmp_path: Path, spoil: Any, said: str) -> None:
@@ -350,9 +347,7 @@ def test_a_summary_of_another_make_is_refused(folder: Path, tmp_path: Path, spoi
 def test_a_summary_reads_by_attribute_and_by_key(result: Result) -> None:
     summary = result.summary
     assert summary["timing"]["steps"] == summary.timing.steps
-    assert (
-        summary["criteria"]["vc"]["places"]["machine"]["z"]["class"] == summary.criteria["vc"].places["machine"].z.met
-    )
+    assert summary["criterion"]["machine"]["z"]["class"] == summary.criterion.machine.z.met
     assert {**summary} == summary == summary.changed()
     assert ("failure" in summary, summary.get("failure"), summary.failure) == (False, None, None)
 

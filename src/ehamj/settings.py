@@ -8,7 +8,7 @@ A source is one of
 - ``given``: set by the user.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any, Literal, Self, Union
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -82,6 +82,12 @@ class Parameters(Settings):
             if isinstance(extra, dict) and "unit" in extra:
                 found[name] = (str(extra["unit"]), str(extra["symbol"]), extra["source"])
         return found  # type: ignore[return-value]
+
+    def beyond(self, known: Collection[str]) -> dict[str, Any]:
+        """Values that differ from their defaults and are none of ``known``: what a model of those would leave out."""
+        fields = type(self).model_fields.items()
+        others = {name: field.default for name, field in fields if name not in known and name != "sources"}
+        return {name: getattr(self, name) for name, default in others.items() if getattr(self, name) != default}
 
     def with_values(self, values: dict[str, Any]) -> Self:
         """A copy with other values, which become ``given`` unless they are what they were."""

@@ -38,6 +38,22 @@ class PaperActuator:
     beta: float = 1.4e9  # bulk modulus [Pa]
 
 
+SYMBOLS = {
+    "mass": "M",
+    "piston_area": "A_p",
+    "membrane_damping": "C",
+    "chamber_volume": "V_t",
+    "membrane_stiffness": "K_L",
+    "flow_gain": "K_Q",
+    "flow_pressure": "K_C",
+    "valve_frequency": "omega_v",
+    "valve_damping": "zeta",
+    "valve_gain": "K_v",
+    "bulk_modulus": "beta",
+}
+"""Names of ehamj's settings for these symbols."""
+
+
 def omega_h(p: PaperActuator) -> float:
     """Hydro-mechanical natural frequency [rad/s] (below eq. 8): sqrt(4 beta A_p^2/(V_t M))."""
     return float(np.sqrt(4 * p.beta * p.A_p**2 / (p.V_t * p.M)))

@@ -15,8 +15,9 @@ from scipy import signal
 from ehamj import plots
 from ehamj.criteria import iso2631, nist
 from ehamj.criteria.curves import CANDIDATES, Norm
-from ehamj.report import Picture, draw, page, write_report
-from ehamj.report.parts import colors_of
+from ehamj.pages import Picture, render
+from ehamj.report import report_page, write_report
+from ehamj.report.shown import colors_of
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
@@ -52,7 +53,7 @@ def whole(folder: Path) -> Any:
 
 @pytest.fixture(scope="module")
 def pictures(results: dict[str, Result]) -> dict[str, Picture]:
-    return {picture.name: picture for picture in draw(results)}
+    return {picture.name: picture for picture in report_page(results).pictures}
 
 
 def table_of(where: Any, title: str) -> list[list[str]]:
@@ -202,21 +203,21 @@ def test_points_are_drawn_and_listed_with_their_source(results: dict[str, Result
     assert rows == [["nose", "0.33", "0", "1.06", "given"], ["table", "0.5", "−0.3", "0.7", "given"]]
     assert table_of(whole, "Relative motions")[1] == ["laser", "nose", "ground front-left"]
     drawn = parse_scenario({**BASE, "points": {"spindle-nose": [0.33, 0.0, 1.06]}, "relative": []})
-    seen = lxml_html.fromstring(page({"one": replace(results["passive"], scenario=drawn)}, [], {}))
+    seen = lxml_html.fromstring(render(report_page({"one": replace(results["passive"], scenario=drawn)})))
     assert table_of(seen, "Points")[1][-1] == "assumed"
 
 
 def test_a_page_without_requests_has_neither_section(results: dict[str, Result]) -> None:
     plain = {"points": {}, "relative": [], "criteria": {"norms": ["vc"]}}
     result = simulate(parse_scenario({**BASE, **plain, "duration": 1.0}))
-    seen = lxml_html.fromstring(page({"one": result}, [], {}))
+    seen = lxml_html.fromstring(render(report_page({"one": result})))
     assert not seen.xpath('//*[@id="spectra" or @id="relative"]')
-    assert not any("nist" in picture.name or "iso" in picture.name for picture in draw({"one": result}))
+    assert not any("nist" in picture.name or "iso" in picture.name for picture in report_page({"one": result}).pictures)
 
 
 def test_the_verdict_is_that_of_the_first_norm(results: dict[str, Result]) -> None:
     criteria = {"norms": ["nist-a"]}
     result = simulate(parse_scenario({**BASE, "criteria": criteria, "duration": 6.0}))
-    seen = lxml_html.fromstring(page({"one": result}, [], {}))
+    seen = lxml_html.fromstring(render(report_page({"one": result})))
     assert seen.xpath('//*[@id="classes"]//h3')[0].text_content() == "Class met: NIST-A"
     assert "worse than NIST-A" in seen.xpath('//*[@id="verdict"]')[0].text_content()

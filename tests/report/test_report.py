@@ -22,13 +22,14 @@ from ehamj.ground import Start
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.linear.response import rigid_floor
+from ehamj.pages import Picture, render
+from ehamj.pages.words import number
 from ehamj.plant.mounts import MOUNTS
-from ehamj.report import Picture, draw, page, write_report
+from ehamj.report import report_page, write_report
 from ehamj.report.histories import characteristic_part
-from ehamj.report.parts import colors_of
 from ehamj.report.responses import FREQUENCIES
+from ehamj.report.shown import colors_of
 from ehamj.report.verdict import PROCESSING
-from ehamj.report.words import number
 from ehamj.result import Result
 from ehamj.run.failures import Incomplete
 from ehamj.run.simulate import simulate
@@ -54,7 +55,7 @@ def folder(results: dict[str, Result], tmp_path_factory: pytest.TempPathFactory)
 
 @pytest.fixture(scope="module")
 def pictures(results: dict[str, Result]) -> list[Picture]:
-    return draw(results)
+    return report_page(results).pictures
 
 
 @pytest.fixture(scope="module")
@@ -81,12 +82,12 @@ def failed() -> Result:
 
 def text_of(results: dict[str, Result]) -> Any:
     """The page without its figures."""
-    return lxml_html.fromstring(page(results, [], {}))
+    return lxml_html.fromstring(render(report_page(results)))
 
 
 def names_of(result: Result) -> set[str]:
     """Names of a result's figures."""
-    return {picture.name for picture in draw({"run": result})}
+    return {picture.name for picture in report_page({"run": result}).pictures}
 
 
 def rows_of(table: Any) -> list[list[str]]:
@@ -307,7 +308,7 @@ def test_directions_that_rest_have_no_transmissibility(pictures: list[Picture], 
     names = {picture.name for picture in pictures}
     assert {"transmissibility-z", "transmissibility-x", "transmissibility-rx", "transmissibility-ry"} <= names
     assert "transmissibility-y" not in names
-    (still,) = (picture for picture in draw({"run": at_rest}) if picture.section == "transmissibility")
+    (still,) = (picture for picture in report_page({"run": at_rest}).pictures if "transmissibility" in picture.name)
     assert still.name == "transmissibility-z"
     assert still.caption.startswith("Not measured")
 
@@ -481,7 +482,7 @@ def test_every_figure_is_a_file_too(folder: Path, whole: Any, pictures: list[Pic
 @pytest.mark.parametrize("which", ["results", "at_rest", "failed"])
 def test_every_figure_has_units_and_a_legend(which: str, request: pytest.FixtureRequest) -> None:
     given = request.getfixturevalue(which)
-    for picture in request.getfixturevalue("pictures") if which == "results" else draw({"run": given}):
+    for picture in request.getfixturevalue("pictures") if which == "results" else report_page({"run": given}).pictures:
         legends = [*picture.figure.legends, *filter(None, (axes.get_legend() for axes in picture.figure.axes))]
         assert len(legends) == 1, picture.name
         for axes in picture.figure.axes:
@@ -641,7 +642,7 @@ def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:
     seen = text_of(both)
     assert seen.xpath("//script") == []
     assert seen.xpath("//h1")[0].text_content() == name
-    (figure,) = (picture.figure for picture in draw(both) if picture.name == "attenuation-z")
+    (figure,) = (picture.figure for picture in report_page(both).pictures if picture.name == "attenuation-z")
     assert html.escape(name, quote=False)[:35] in plots.svg(figure, "a")
 
 
@@ -670,7 +671,7 @@ def test_a_second_report_leaves_nothing_of_the_first(
     assert (tmp_path / "report.html").read_bytes() == before
     write_report(tmp_path, {"run": at_rest})
     kept = {path.stem for path in (tmp_path / "figures").iterdir()}
-    assert kept == {picture.name for picture in draw({"run": at_rest})} | {"mine"}
+    assert kept == {picture.name for picture in report_page({"run": at_rest}).pictures} | {"mine"}
 
 
 # --- size and time ------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from jsonschema import Draft202012Validator
 from ehamj.errors import InputError
 from ehamj.isolator.presets import FIRST_GENERATION, RECOMMENDED
 from ehamj.plant.mounts import MOUNTS
-from ehamj.scenario.load import load_scenario, parse_scenario, scenario_schema, shipped_scenarios
+from ehamj.scenario.load import changed, load_scenario, parse_scenario, scenario_schema, shipped_scenarios
 from ehamj.scenario.model import Scenario
 
 CORNERS = {"front-left": [0.9, 0.6], "front-right": [0.9, -0.6], "rear-left": [-0.9, 0.6], "rear-right": [-0.9, -0.6]}
@@ -174,6 +174,21 @@ def test_bad_form_of_an_override(override: str, parts: list[str]) -> None:
         assert part in str(caught.value)
 
 
+def test_changed_values_are_as_overridden_ones() -> None:
+    own = load_scenario("benchmark")
+    values = {"machine.mass": 4500.0, "mount.2.position": (-0.8, 0.6), "machine.size": (2.4, 1.6, 1.9)}
+    overrides = ["machine.mass=4500.0", "mount.2.position=[-0.8, 0.6]", "machine.size=[2.4, 1.6, 1.9]"]
+    assert changed(own, values) == load_scenario("benchmark", overrides)
+    assert changed(own, {}) == own
+
+
+def test_changed_values_are_checked() -> None:
+    with pytest.raises(InputError, match=r"machine\.mass = -1\.0: .*greater than 0"):
+        changed(parse_scenario({}), {"machine.mass": -1.0})
+    with pytest.raises(InputError, match=r"machine\.cg\.3 = 1\.0: '3' must be an index from 0 to 2"):
+        changed(parse_scenario({}), {"machine.cg.3": 1.0})
+
+
 def test_an_override_cannot_smuggle_in_a_second_key() -> None:
     with pytest.raises(InputError, match=r"machine\.mass = "):
         load_scenario("benchmark", ["machine.mass=4500\nduration=1"])
@@ -196,6 +211,22 @@ def test_file_of_a_record_in_an_override_is_relative_to_the_working_directory(
     monkeypatch.chdir(tmp_path)
     overrides = ["ground.file=floor.csv"]
     assert load_scenario("recorded", overrides).ground.file == str(tmp_path / "floor.csv")  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ('[ground]\nkind = "record"\nfile = "r"\ninventory = "a"', ("ground", "inventory")),
+        ('[ground]\nkind = "shaped"\ntarget = { kind = "file", file = "a" }', ("ground", "target", "file")),
+        ('[[ground.parts]]\nkind = "record"\nfile = "a"\n[ground]\nkind = "sum"', ("ground", "parts", 0, "file")),
+        ('[control]\nkind = "law"\nfile = "a"', ("control", "file")),
+    ],
+)
+def test_every_file_is_relative_to_the_scenario(tmp_path: Path, table: str, key: tuple[str | int, ...]) -> None:
+    found: Any = load_scenario(written(tmp_path, table)).model_dump()
+    for part in key:
+        found = found[part]
+    assert found == str(tmp_path / "a")
 
 
 def test_the_example_record_is_no_file() -> None:

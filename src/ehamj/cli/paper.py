@@ -1,4 +1,4 @@
-"""Commands that analyse: the paper's actuator."""
+"""The command ``paper``: the paper's actuator."""
 
 from pathlib import Path
 from typing import Annotated
@@ -29,13 +29,14 @@ def paper(
     Beyond the paper, amplitude.svg shows how its actuator answers commands of ±1 to ±90 % in the nonlinear simulation.
     """
     from ehamj.paper.amplitude import AmplitudeStudy, amplitude_response, write_amplitude
-    from ehamj.paper.paper import reproduce, write_paper
+    from ehamj.paper.page import write_paper
+    from ehamj.paper.reproduction import reproduce
     from ehamj.scenario.load import load_scenario
 
     check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()
     with new_folder(out_folder, overwrite) as (folder, target), log.status("drawing"):
-        write_paper(target)
+        write_paper(target, found)
         write_amplitude(target, amplitude_response(AmplitudeStudy(load_scenario("single-actuator"))))
     if as_json:
         print_json({"folder": str(folder), **found.to_dict()})

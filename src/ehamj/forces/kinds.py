@@ -14,7 +14,14 @@ from ehamj.forces.unbalance import Unbalance
 from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce
 from ehamj.settings import Vector3, one_of
 
-FORCES: tuple[type[ForceSettings], ...] = (Hammer, AxisJerk, Unbalance, SineForce, MultisineForce, RandomForce)
+FORCES: tuple[type[ForceSettings], ...] = (
+    Hammer,
+    AxisJerk,
+    Unbalance,
+    SineForce,
+    MultisineForce,
+    RandomForce,
+)
 """Every kind of force; a table [[force]] holds one of them."""
 
 if TYPE_CHECKING:

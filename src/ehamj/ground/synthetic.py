@@ -24,7 +24,7 @@ class RestGround(GroundSettings):
         return Slab(start.positions, {})
 
 
-class _OneDof(GroundSettings):
+class OneDof(GroundSettings):
     """What all of these have: one degree of freedom that moves, as a slab or as a wave."""
 
     dof: Dof = Field("z", description="degree of freedom that moves (a wave: x, y or z)")
@@ -39,7 +39,7 @@ class _OneDof(GroundSettings):
         return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in)
 
 
-class SineGround(_OneDof):
+class SineGround(OneDof):
     """One sine."""
 
     kind: Literal["sine"]
@@ -51,7 +51,7 @@ class SineGround(_OneDof):
         return Multisine.of(self.amplitude, self.frequency, self.phase)
 
 
-class MultisineGround(_OneDof):
+class MultisineGround(OneDof):
     """A sum of sines of given velocity: lines of motors and fans, or a measuring signal."""
 
     kind: Literal["multisine"]
@@ -75,7 +75,7 @@ class MultisineGround(_OneDof):
         return Multisine.of(amplitude, frequency, phases)
 
 
-class SweepGround(_OneDof):
+class SweepGround(OneDof):
     """An exponential sine sweep of constant displacement amplitude."""
 
     kind: Literal["sweep"]
@@ -93,7 +93,7 @@ class SweepGround(_OneDof):
         return spread(start, {self.dof: self.signal()}, self.wave, self.fade_in, self.begin)
 
 
-class ShockGround(_OneDof):
+class ShockGround(OneDof):
     """A half-sine of velocity (a press, something dropped), after which the ground returns to its place; or many."""
 
     kind: Literal["shock"]

@@ -7,15 +7,21 @@ root law of its edges bends with the load. Gain and phase are those of the funda
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE
+from ehamj.plots import svg
+from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result, written_whole
-from ehamj.rig.lines import channel
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SHARES = (0.01, 0.05, 0.25, 0.50, 0.90)
 FREQUENCIES = (5.0, 10.0, 20.0, 50.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 300.0)
@@ -25,7 +31,7 @@ PERIODS = 10
 
 @dataclass(frozen=True)
 class AmplitudeStudy:
-    """Which machine is driven how: all four valves alike, ``shares`` of full command, at ``frequencies`` [Hz]."""
+    """Which machine is driven how: all valves alike, ``shares`` of full command, at ``frequencies`` [Hz]."""
 
     scenario: Scenario
     shares: Sequence[float] = SHARES
@@ -48,7 +54,7 @@ def amplitude_response(study: AmplitudeStudy) -> xr.Dataset:
     data: dict[str, tuple[tuple[str, str], np.ndarray, dict[str, str]]] = {}
     for name, unit, text in (("spool", "mA/V", "spool"), ("stroke", "m/V", "plate over the ground")):
         pairs = zip(runs, cases, strict=True)
-        answer = np.array([_fundamental(run, f"{name} front-left", *case) for run, case in pairs]).reshape(shape)
+        answer = np.array([_fundamental(run, name, *case) for run, case in pairs]).reshape(shape)
         over = ("share", "frequency")
         data[f"{name}_gain"] = (over, np.abs(answer), {"units": unit, "long_name": f"gain, command to {text}"})
         phase = np.degrees(np.unwrap(np.angle(answer), axis=1))
@@ -80,41 +86,27 @@ def _fundamental(run: Result, name: str, amplitude: float, hertz: float) -> comp
     rate = run.scenario.record_rate
     count = round(PERIODS * rate / hertz)
     time = run.dataset["time"].values[-count:]
-    values = channel(run.dataset, name)[-count:]
+    values = run.dataset[name].values[-count:, 0]
     line = 2.0 * np.mean((values - values.mean()) * np.exp(-2j * np.pi * hertz * time))
     return complex(line / (-1j * amplitude))
 
 
-def amplitude_figure(response: xr.Dataset):  # type: ignore[no-untyped-def]
-    """Gain and phase of the stroke over frequency, one line per amplitude, as a matplotlib Figure."""
-    from matplotlib import colormaps
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
-    colors = colormaps["viridis"](np.linspace(0.0, 0.85, response.sizes["share"]))
-    for share, color in zip(response["share"].values, colors, strict=True):
-        one = response.sel(share=share)
-        above.loglog(one["frequency"], 1e6 * one["stroke_gain"], "o-", ms=3.5, color=color, label=f"±{100 * share:g} %")
-        below.semilogx(one["frequency"], one["stroke_phase"], "o-", ms=3.5, color=color)
-    above.set_ylabel("stroke over command [µm/V]")
-    below.set_ylabel("phase [deg]")
-    below.set_xlabel("frequency [Hz]")
-    below.axhline(-180.0, color="0.5", lw=0.8)
-    above.legend(title="amplitude of the command", fontsize="small")
-    for axes in (above, below):
-        axes.grid(True, which="both", lw=0.3)
-    ticks = (5, 10, 20, 50, 100, 200, 300)
-    below.set_xticks(ticks, [str(tick) for tick in ticks])
-    below.minorticks_off()
-    return figure
+def amplitude_figure(response: xr.Dataset) -> "Figure":
+    """Gain and phase of the stroke over frequency, one line per amplitude."""
+    panels: dict[str, list[Line]] = {MAGNITUDE: [], PHASE: []}
+    for k, share in enumerate(response["share"].values):
+        one, label = response.sel(share=share), f"±{100 * share:g} %"
+        panels[MAGNITUDE].append(Line(label, one["frequency"], 20.0 * np.log10(one["stroke_gain"]), k))
+        panels[PHASE].append(Line(label, one["frequency"], one["stroke_phase"], k))
+    return lines_chart("Stroke over command, by amplitude of the command", FREQUENCY, panels, "x")
 
 
 def write_amplitude(folder: Path, response: xr.Dataset) -> None:
     """Write ``amplitude.svg``, ``amplitude.png`` and ``amplitude.nc`` into a folder."""
-    figure = amplitude_figure(response)
-    for suffix in ("svg", "png"):
-        with written_whole(folder / f"amplitude.{suffix}") as path:
-            figure.savefig(path, dpi=200)
+    drawn = amplitude_figure(response)
+    with written_whole(folder / "amplitude.svg") as path:
+        path.write_text(svg(drawn, "amplitude"), encoding="utf-8")
+    with written_whole(folder / "amplitude.png") as path:
+        drawn.savefig(path, dpi=300)
     with written_whole(folder / "amplitude.nc") as path:
         response.to_netcdf(path, engine="h5netcdf")

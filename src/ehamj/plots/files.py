@@ -19,9 +19,14 @@ def svg(figure: "Figure", name: str) -> str:
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
     text = re.sub(r"<!--.*?-->\s*", "", text, flags=re.DOTALL)
     text = re.sub(r"<!DOCTYPE.*?>\s*", "", text, flags=re.DOTALL)
-    text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{name}-", text)
+    text = re.sub(r'(\bid="|href="#|url\(#)([^")]*)', lambda found: f"{found[1]}{name}-{_plain(found[2])}", text)
     text = re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\.\d\d)\d+", r"\1", path.group()), text)
     return text.replace("'DejaVu Sans', sans-serif", FONTS)
+
+
+def _plain(text: str) -> str:
+    """An id of a name that a user gave: without blanks and the like."""
+    return re.sub(r"[^\w-]", "-", text)
 
 
 def inline(text: str) -> str:

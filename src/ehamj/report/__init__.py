@@ -3,7 +3,6 @@
 Its numbers are those of the summary and of the result's dataset; nothing is analysed again here.
 """
 
-from ehamj.report.page import draw, page, write_report
-from ehamj.report.parts import Picture
+from ehamj.report.page import report_page, write_report
 
-__all__ = ["Picture", "draw", "page", "write_report"]
+__all__ = ["report_page", "write_report"]

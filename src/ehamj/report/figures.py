@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ehamj import plots
+from ehamj.pages import Picture
+from ehamj.pages.words import AXIS_NAMES
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plots import Levels, Mark
-from ehamj.report.parts import Picture, Results, ground_parts
-from ehamj.report.words import AXIS_NAMES
+from ehamj.report.shown import Results, ground_parts
 from ehamj.scenario.model import Scenario
 
 
@@ -27,9 +28,9 @@ def machine(scenario: Scenario) -> Iterator[Picture]:
     size, cg = scenario.machine.size, scenario.machine.cg
     points = [Mark(name, place) for name, place in scenario.points.items()]
     caption = "To scale; dimensions in metres."
-    yield Picture("machine-plan", "machine", plots.machine_plan(size, cg, feet, list(waves), points), caption)
+    yield Picture("machine-plan", plots.machine_plan(size, cg, feet, list(waves), points), caption)
     caption = "To scale but for the height of the mounts; dimensions in metres."
-    yield Picture("machine-side", "machine", plots.machine_side(size, cg, feet, points), caption)
+    yield Picture("machine-side", plots.machine_side(size, cg, feet, points), caption)
 
 
 def attenuation(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
@@ -41,7 +42,7 @@ def attenuation(results: Results, colors: Mapping[str, str]) -> Iterator[Picture
         ]
         if curves:
             figure = plots.attenuation(f"Attenuation, {AXIS_NAMES[axis]}", curves)
-            yield Picture(f"attenuation-{axis}", "attenuation", figure)
+            yield Picture(f"attenuation-{axis}", figure)
 
 
 def _curve(label: str, table: Mapping[str, float | None] | None, factor: float, color: str) -> Levels | None:

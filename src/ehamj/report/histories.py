@@ -6,10 +6,11 @@ from typing import Final
 import numpy as np
 
 from ehamj import plots
+from ehamj.pages import Picture
+from ehamj.pages.words import BAR, LITRE_PER_MINUTE, MICRO
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plots import Limit, Trace
-from ehamj.report.parts import Array, Picture, Results
-from ehamj.report.words import BAR, LITRE_PER_MINUTE, MICRO
+from ehamj.report.shown import Array, Results
 from ehamj.result import Result
 
 Window = tuple[float, float] | None
@@ -56,7 +57,7 @@ def histories(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
             continue
         whole = [Trace("all mounts", time, values, color)]
         figure = plots.history(title, quantity, whole, _per_mount(time, values), [bound], window)
-        yield Picture(f"history-{name}", "histories", figure, caption)
+        yield Picture(f"history-{name}", figure, caption)
     yield _pressure_history(results, window)
 
 
@@ -86,7 +87,7 @@ def _velocity_history(results: Results, colors: Mapping[str, str], window: Windo
     traces += sorted(machines, key=lambda trace: -float(np.nan_to_num(trace.values).std()))  # the quietest on top
     figure = plots.history("Vertical velocity of floor and machine", "velocity [µm/s]", traces, traces, (), window)
     caption = "Floor: mean of the mounts; machine: its centre of gravity."
-    return Picture("history-velocity", "histories", figure, caption)
+    return Picture("history-velocity", figure, caption)
 
 
 def _pressure_history(results: Results, window: Window) -> Picture:
@@ -109,7 +110,7 @@ def _pressure_history(results: Results, window: Window) -> Picture:
     ]
     figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, detail, limits, window)
     caption = "Chamber 1, which lifts, solid; chamber 2 dashed."
-    return Picture("history-pressure", "histories", figure, caption)
+    return Picture("history-pressure", figure, caption)
 
 
 def _per_mount(time: Array, values: Array, dash: str = "-") -> list[Trace]:

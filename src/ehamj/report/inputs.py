@@ -2,15 +2,17 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from markupsafe import Markup, escape
 from pydantic import BaseModel
 
+from ehamj.pages import Table, badge
+from ehamj.pages.words import BAR, exact, plain
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.points import default_points
-from ehamj.report.parts import Results, Table
-from ehamj.report.words import BAR, exact, plain
+from ehamj.report.shown import Results
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Parameters
 
@@ -35,7 +37,7 @@ def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
     for labels, tables in found.values():
         for table in tables:
             whose = f", {', '.join(labels)}" if len(found) > 1 else ""
-            yield Table(table.title + whose, table.head, table.rows, table.note, table.kind, table.badges)
+            yield replace(table, title=table.title + whose)
 
 
 def _run(scenario: Scenario) -> list[Table]:
@@ -54,7 +56,7 @@ def _actuators(scenario: Scenario) -> list[Table]:
 def _quantities(title: str, parameters: Parameters) -> Table:
     """Each value with symbol, unit and source; settings without unit have no source."""
     known = parameters.quantities()
-    rows, badges = [], []
+    rows = []
     for name, about in type(parameters).model_fields.items():
         if name == "sources":
             continue
@@ -63,9 +65,8 @@ def _quantities(title: str, parameters: Parameters) -> Table:
         shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
         if unit == "Pa" and isinstance(value, float) and 1e4 <= value < 1e8:
             shown += f" ({exact(BAR * value)} bar)"
-        badges.append(parameters.sources.get(name, ""))
-        rows.append([_named(name, text), _symbol(symbol), shown, badges[-1]])
-    return Table(title, ("quantity", "symbol", "value", "source"), rows, kind="words", badges=badges)
+        rows.append([_named(name, text), _symbol(symbol), shown, badge(parameters.sources.get(name, ""))])
+    return Table(title, ("quantity", "symbol", "value", "source"), rows, kind="words")
 
 
 def _named(key: str, text: str) -> str:
@@ -92,14 +93,11 @@ def _observed(scenario: Scenario) -> list[Table]:
     tables = [_settings("Criteria", scenario.criteria)]
     if scenario.points:
         drawn = default_points(scenario.machine)
-        sources = ["assumed" if drawn.get(name) == place else "given" for name, place in scenario.points.items()]
         rows = [
-            [name, *map(exact, place), source]
-            for (name, place), source in zip(scenario.points.items(), sources, strict=True)
+            [name, *map(exact, place), badge("assumed" if drawn.get(name) == place else "given")]
+            for name, place in scenario.points.items()
         ]
-        tables.append(
-            Table("Points", ("point", "x [m]", "y [m]", "z [m]", "source"), rows, kind="words", badges=sources)
-        )
+        tables.append(Table("Points", ("point", "x [m]", "y [m]", "z [m]", "source"), rows, kind="words"))
     if scenario.relative:
         rows = [[relative.name, relative.origin, relative.to] for relative in scenario.relative]
         tables.append(Table("Relative motions", ("name", "from", "to"), rows, kind="words"))

@@ -5,8 +5,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from ehamj.report.parts import Array, Results, Table
-from ehamj.report.words import BAR, DASH, LITRE_PER_MINUTE, number
+from ehamj.pages import Table
+from ehamj.pages.words import BAR, DASH, LITRE_PER_MINUTE, number
+from ehamj.report.shown import Array, Results
 from ehamj.result import Result
 
 LOOP_HEAD: Final = ("loop", "gain [dB]", "phase [°]", "disk [-]", "peak [-]", "peak at [Hz]", "crosses at [Hz]")

@@ -13,10 +13,11 @@ from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import feeds_back
 from ehamj.linear.modes import Mode, modes
+from ehamj.pages import Picture, Table
+from ehamj.pages.words import DASH, number
 from ehamj.plant.axes import DOFS
 from ehamj.plots.charts import Line, map_chart
-from ehamj.report.parts import Picture, Results, Table
-from ehamj.report.words import DASH, number
+from ehamj.report.shown import Results
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
@@ -139,4 +140,4 @@ def rocking_map(scenario: Scenario) -> Iterator[Picture]:
         points=[Line("this machine", [across], [height], color=1, marker="s")],
     )
     caption = "Mass and inertia about the CG kept, all mounts moved in proportion. ehamj study rocking has more."
-    yield Picture("modes-map", "modes", figure, caption)
+    yield Picture("modes-map", figure, caption)

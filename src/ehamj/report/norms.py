@@ -9,9 +9,10 @@ import numpy as np
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm
 from ehamj.criteria.iso2631 import FACTORS
+from ehamj.pages import Picture, Table
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, MICRO, decibel
 from ehamj.plots import Levels
-from ehamj.report.parts import Picture, Results, Table
-from ehamj.report.words import AXIS_NAMES, CRITERION_AXES, DASH, MICRO, decibel
+from ehamj.report.shown import Results
 
 EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
 MULTIPLES: Final = {name: f"×\u202f{factor:g}" for name, factor in FACTORS.items()}
@@ -47,9 +48,7 @@ def criterion(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
             limits = _limits(norm, view[0], CLASS_LABELS.get(name, {}))
             figure = plots.criterion(f"{title}, {words}", curves, limits, known_to, quantity)
             caption = " ".join(text for text in (WORSE if len(view) > 1 else "", CAPTIONS.get(name, "")) if text)
-            yield Picture(
-                f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", "criterion", figure, caption
-            )
+            yield Picture(f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", figure, caption)
 
 
 def _limits(norm: Norm, axis: str, labels: Mapping[str, str]) -> dict[str, tuple[Any, Any]]:

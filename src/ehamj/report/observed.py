@@ -6,9 +6,10 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj import plots
+from ehamj.pages import Picture, Table
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, measured, scaled
 from ehamj.plots import Levels
-from ehamj.report.parts import Picture, Results, Table
-from ehamj.report.words import AXIS_NAMES, CRITERION_AXES, MICRO, measured, scaled
+from ehamj.report.shown import Results
 
 MILLI: Final = 1e3
 DASHES: Final = ("--", ":", "-.")
@@ -27,7 +28,7 @@ def spectra(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
                 figure = plots.levels(
                     f"{title}, {AXIS_NAMES[axis]}", curves, quantity, "natural frequency of the oscillator [Hz]"
                 )
-                yield Picture(f"spectrum-{kind}-{axis}", "spectra", figure)
+                yield Picture(f"spectrum-{kind}-{axis}", figure)
 
 
 def _spectrum_curves(
@@ -88,7 +89,7 @@ def relative_figures(results: Results, colors: Mapping[str, str]) -> Iterator[Pi
             title = f"Relative motion, {name}"
             figure = plots.levels(title, curves, "RMS displacement per band [µm]")
             caption = f"{first['from']} against {first['to']}; all three axes together."
-            yield Picture(f"relative-{name}", "relative", figure, caption)
+            yield Picture(f"relative-{name}", figure, caption)
 
 
 def relative_table(results: Results) -> Table | None:

@@ -13,10 +13,10 @@ from ehamj import plots
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import ZERO, Transfer, machine_channels, rigid_floor, unit
+from ehamj.pages import Page, Picture, Section, Table, write_page
+from ehamj.pages.words import AXIS_NAMES, decibel, exact, number
 from ehamj.plots import Response
-from ehamj.report.document import render, write_page
-from ehamj.report.parts import Picture, Results, Table
-from ehamj.report.words import AXIS_NAMES, decibel, exact, number
+from ehamj.report.shown import Results
 from ehamj.result import Result
 from ehamj.rig.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
 from ehamj.rig.measured import Measurement, by_welch
@@ -32,23 +32,29 @@ USABLE: Final = 0.4
 
 def write_transmissibility(folder: Path, found: Comparison) -> None:
     """Write ``transmissibility.html``, one page without external parts, and its figures as ``figures/*.svg``."""
-    pictures = [*elements(found), *matrix(found)]
-    write_page(folder, "transmissibility.html", pictures, lambda drawings: _page(found, pictures, drawings))
+    write_page(folder, "transmissibility.html", comparison_page(found))
 
 
-def _page(found: Comparison, pictures: Sequence[Picture], drawings: Mapping[str, str]) -> str:
+def comparison_page(found: Comparison) -> Page:
+    """A comparison as a page."""
     point = {"cg": "the centre of gravity", "mounts": "the mount plane's centre"}[found.settings.reference]
     methods = list(dict.fromkeys(one.method for variant in found.variants for one in variant.measured))
-    return render(
-        "transmissibility.html",
-        pictures,
-        drawings,
-        scenario=found.scenario,
-        point=point,
-        methods=methods,
-        unknown=UNKNOWN,
-        tables=[*attenuation_tables(found), *agreement_table(found)],
+    how = [
+        f"Displacement of the machine (translation of {point}, rotation) over that of a rigid floor at the mount "
+        "plane's centre. Linear: about the equilibrium, with the sampled control loop.",
+        f"Measured in nonlinear runs: {'; '.join(methods)}; {UNKNOWN}.",
+    ]
+    meaning = (
+        "Attenuation: positive is quieter than the floor, of a floor with the same velocity at every frequency of a "
+        "band."
     )
+    sections = [Section("responses", "Each direction by itself", list(elements(found)), notes=how)]
+    if whole := list(matrix(found)):
+        sections.append(Section("matrix", "Every direction", whole))
+    tables = [*attenuation_tables(found), *agreement_table(found)]
+    sections.append(Section("tables", "Numbers", tables=tables, notes=[meaning]))
+    name = found.scenario.name
+    return Page(f"{name}: transmissibility", f"{name}: floor to machine", found.scenario.description, sections)
 
 
 def transmissibility(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
@@ -81,7 +87,7 @@ def transmissibility(results: Results, colors: Mapping[str, str]) -> Iterator[Pi
             caption = (
                 f"Measured: {'; '.join(methods)}; {UNKNOWN}." if methods else "Not measured: the run is too short."
             )
-            yield Picture(f"transmissibility-{dof}", "transmissibility", figure, caption)
+            yield Picture(f"transmissibility-{dof}", figure, caption)
 
 
 @dataclass(frozen=True)
@@ -137,13 +143,13 @@ def _colors(variants: Sequence[Variant]) -> dict[str, str]:
     return {one.name: plots.VERMILLION if one.name == "passive" else next(others) for one in variants}
 
 
-def elements(found: Comparison, section: str = "responses") -> Iterator[Picture]:
+def elements(found: Comparison) -> Iterator[Picture]:
     """A figure for each degree of freedom of the floor: the machine's own answer in it, linear and measured."""
     for dof in found.settings.dofs:
         output = own_output(found.outputs, dof)
         title = f"Floor to machine, {NAMES[dof]}"
         figure = plots.response(title, list(curves(found, output, dof)), unit(output, dof), found.settings.confidence)
-        yield Picture(f"transmissibility-{dof}", section, figure)
+        yield Picture(f"transmissibility-{dof}", figure)
 
 
 def curves(found: Comparison, output: str, source: str) -> Iterator[Response]:
@@ -168,7 +174,7 @@ def curves(found: Comparison, output: str, source: str) -> Iterator[Response]:
                 )
 
 
-def matrix(found: Comparison, section: str = "matrix") -> Iterator[Picture]:
+def matrix(found: Comparison) -> Iterator[Picture]:
     """All magnitudes as one figure; rotations count as motion at the mounts' mean distance, so that all are m/m."""
     if len(found.settings.dofs) < 2:
         return
@@ -188,7 +194,7 @@ def matrix(found: Comparison, section: str = "matrix") -> Iterator[Picture]:
     rows = [output.split(" ")[-1] for output in linear.outputs]
     figure = plots.response_matrix("Floor to machine, every direction", rows, linear.inputs, panels, MATRIX_UNIT)
     caption = f"Rotations count as motion at {found.length:.3g} m, the mounts' mean distance. 0: zero by symmetry."
-    yield Picture("transmissibility-matrix", section, figure, caption, wide=True)
+    yield Picture("transmissibility-matrix", figure, caption, wide=True)
 
 
 def scaled(curve: Response, factor: float) -> Response:

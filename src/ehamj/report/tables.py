@@ -5,9 +5,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any, Final
 
-from ehamj.plant.mounts import MOUNTS
-from ehamj.report.parts import Results, Table, ground_parts
-from ehamj.report.words import (
+from ehamj.pages import Table
+from ehamj.pages.words import (
     BAR,
     DASH,
     ENGINEERING,
@@ -21,6 +20,8 @@ from ehamj.report.words import (
     number,
     scaled,
 )
+from ehamj.plant.mounts import MOUNTS
+from ehamj.report.shown import Results, ground_parts
 from ehamj.result import Result
 
 OF_THE_LAW: Final = ("measured", "controller_state")

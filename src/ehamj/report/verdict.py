@@ -8,10 +8,11 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.criteria.curves import Norm
+from ehamj.pages import Table
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, MICRO, decibel
 from ehamj.report.histories import characteristic_part
 from ehamj.report.observed import spectra_note
-from ehamj.report.parts import Results, Table, floor_moves, known
-from ehamj.report.words import AXIS_NAMES, CRITERION_AXES, DASH, MICRO, decibel
+from ehamj.report.shown import Results, floor_moves, known
 from ehamj.result import Result
 
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")

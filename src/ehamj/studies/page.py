@@ -7,10 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from ehamj.plots import inline, svg
+from ehamj.pages import Page, Picture, Section, Table, write_page
 from ehamj.result import written_whole
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
@@ -37,14 +36,7 @@ def write_outcome(
         head, rows = flat_table(dataset)
         with written_whole(folder / f"{table}.csv") as path, path.open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([head, *rows])
-    pictures = []
-    for drawing, one in outcome.drawings.items():
-        text = svg(one.draw(), drawing)
-        with written_whole(folder / f"{drawing}.svg") as path:
-            path.write_text(text, encoding="utf-8")
-        pictures.append({"name": drawing, "svg": inline(text), "caption": one.caption})
-    with written_whole(folder / f"{page_name}.html") as path:
-        path.write_text(page(name, outcome, scenario, pictures, page_name), encoding="utf-8")
+    write_page(folder, f"{page_name}.html", page(name, outcome, scenario, page_name), figures=".")
     with written_whole(folder / f"{page_name}.json") as path:
         path.write_text(json.dumps(to_dict(name, outcome), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
@@ -86,22 +78,31 @@ def _shown(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def page(
-    name: str, outcome: Outcome, scenario: Scenario, pictures: list[dict[str, str]], page_name: str = "study"
-) -> str:
-    """The page as one self-contained HTML file."""
-    tables = []
+def page(name: str, outcome: Outcome, scenario: Scenario, page_name: str = "study") -> Page:
+    """The outcome as a page."""
+    pictures = [Picture(drawing, one.draw(), one.caption) for drawing, one in outcome.drawings.items()]
+    tables, files = [], []
     for table, dataset in outcome.tables.items():
         head, rows = flat_table(dataset)
-        shown = [[_shown(value) for value in row] for row in rows] if len(rows) <= LONGEST_TABLE else None
         title = dataset.attrs.get("title", table)
-        tables.append({"name": table, "title": title, "head": head, "rows": shown, "count": len(rows)})
-    loader = PackageLoader("ehamj")
-    environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    template = environment.get_template("study.html")
-    safe = [picture | {"svg": Markup(picture["svg"])} for picture in pictures]
-    return template.render(
-        name=name, page_name=page_name, outcome=outcome, scenario=scenario, tables=tables, pictures=safe
-    )
+        files.append(f"{table}.nc and {table}.csv ({title}, {len(rows)} rows)")
+        if len(rows) <= LONGEST_TABLE:
+            tables.append(Table(title, head, [[_shown(value) for value in row] for row in rows]))
+    files += [*(f"{picture.id}.svg" for picture in pictures), f"{page_name}.json"]
+    does = {
+        "study": ", with which <code>ehamj study {} scenario.toml</code> comes out the same",
+        "design": " and controller.json: <code>ehamj run scenario.toml</code> runs the machine under this law",
+    }[page_name]
+    beside = Markup("Files beside this page: {}, and scenario.toml").format(", ".join(files)) + Markup(
+        does + "."
+    ).format(name)
+    sections = [
+        Section("figures", figures=pictures),
+        Section("tables", "Numbers", tables=tables),
+        Section("files", notes=[beside]),
+    ]
+    if outcome.notes:
+        sections.append(Section("notes", "What holds, and what does not", items=outcome.notes))
+    lead = f"{outcome.question} Machine: {scenario.name}."
+    verdict = [("", answer) for answer in outcome.answers]
+    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, verdict)

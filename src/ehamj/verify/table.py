@@ -1,20 +1,13 @@
 """The outcomes as one self-contained page, and as plain data."""
 
-import html
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ehamj.verify.case import Outcome
+from markupsafe import Markup
 
-_STYLE = """
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 78rem; padding: 0 1rem; color: #1d2430; }
-table { border-collapse: collapse; width: 100%; } th, td { text-align: left; vertical-align: top; padding: .4rem; }
-th { border-bottom: 2px solid #1d2430; } td { border-bottom: 1px solid #d5dae1; } .number { text-align: right; }
-.number { font-variant-numeric: tabular-nums; white-space: nowrap; } .failed { background: #fdecea; }
-small { color: #5a6473; } @media (prefers-color-scheme: dark) { body { background: #14181f; color: #e3e7ee; }
-.failed { background: #4a1f1c; } th { border-color: #e3e7ee; } td { border-color: #353c47; } small { color: #9aa4b2; } }
-"""
+from ehamj.pages import Page, Section, Table, badge, render
+from ehamj.verify.case import Outcome
 
 
 def to_dict(outcomes: Sequence[Outcome]) -> dict[str, Any]:
@@ -31,35 +24,27 @@ def to_dict(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 def write_table(outcomes: Sequence[Outcome], path: Path) -> Path:
     """Write the page to a file, or as ``verification.html`` into a folder; returns where it is."""
     path = path / "verification.html" if path.is_dir() else path
-    path.write_text(page(outcomes), encoding="utf-8")
+    path.write_text(render(page(outcomes)), encoding="utf-8")
     return path
 
 
-def page(outcomes: Sequence[Outcome]) -> str:
-    """The page as HTML."""
+def page(outcomes: Sequence[Outcome]) -> Page:
+    """The outcomes as a page."""
     failed = sum(not outcome.passed for outcome in outcomes)
     verdict = f"{failed} of {len(outcomes)} cases fail" if failed else f"all {len(outcomes)} cases pass"
-    rows = "\n".join(_row(outcome) for outcome in outcomes)
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width"><title>ehamj: verification</title>'
-        f"<style>{_STYLE}</style></head><body><h1>Verification: {verdict}</h1>\n"
-        '<table><thead><tr><th>case</th><th>independent solution</th><th class="number">error</th>'
-        '<th class="number">tolerance</th><th>unit, and why this tolerance</th><th class="number">s</th></tr></thead>\n'
-        f"<tbody>\n{rows}\n</tbody></table></body></html>\n"
-    )
+    head = ("case", "independent solution", "error", "tolerance", "unit, and why this tolerance", "s")
+    table = Table("", head, [_row(outcome) for outcome in outcomes], kind="words", numeric=(2, 3, 5))
+    return Page("ehamj: verification", f"Verification: {verdict}", "", [Section("cases", tables=[table])])
 
 
-def _row(outcome: Outcome) -> str:
-    compares, source, why, detail, unit, name = (
-        html.escape(text)
-        for text in (outcome.compares, outcome.source, outcome.why, outcome.detail, outcome.unit, outcome.name)
-    )
-    kind = "" if outcome.passed else ' class="failed"'
-    mark = "✓" if outcome.passed else "✗"
-    return (
-        f"<tr{kind}><td>{mark} <b>{name}</b><br><small>{compares}</small></td>"
-        f"<td>{source}<br><small>{detail}</small></td>"
-        f'<td class="number">{outcome.error:.3g}</td><td class="number">{outcome.tolerance:.3g}</td>'
-        f'<td>{unit}<br><small>{why}</small></td><td class="number">{outcome.seconds:.1f}</td></tr>'
-    )
+def _row(outcome: Outcome) -> list[str]:
+    mark = badge("✓", "agrees") if outcome.passed else badge("✗", "fails")
+    two_lines = Markup("{}<br><small>{}</small>")
+    return [
+        Markup("{} <b>{}</b><br><small>{}</small>").format(mark, outcome.name, outcome.compares),
+        two_lines.format(outcome.source, outcome.detail),
+        f"{outcome.error:.3g}",
+        f"{outcome.tolerance:.3g}",
+        two_lines.format(outcome.unit, outcome.why),
+        f"{outcome.seconds:.1f}",
+    ]

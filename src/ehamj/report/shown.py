@@ -1,8 +1,7 @@
-"""What a page is made of: figures, tables, and the results that it shows."""
+"""The results that a report shows, and what is asked of them more than once."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,38 +10,9 @@ from ehamj import plots
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 Array = NDArray[np.float64]
 Results = Mapping[str, Result]
 """Results by label; the first is the one reported, the others are variants beside it."""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure of the page: file name without ending, the section that it stands in, what is said below it."""
-
-    name: str
-    section: str
-    figure: "Figure"
-    caption: str = ""
-    wide: bool = False
-    """Whether it needs the whole width of the page; on a phone it scrolls."""
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table of the page. A row's first cell is its name; a row of one cell is a heading."""
-
-    title: str
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    note: str = ""
-    kind: str = "numbers"
-    """``numbers`` (to the right; ``numbers wide``: with long names) or ``words`` (to the left)."""
-    badges: Sequence[str] = field(default=())
-    """Of each row, a word that its last cell shows as a badge."""
 
 
 def colors_of(results: Results) -> dict[str, str]:

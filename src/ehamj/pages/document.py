@@ -1,0 +1,58 @@
+"""Pages as HTML, and their figures as files: the one template environment."""
+
+import re
+from collections import defaultdict
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from ehamj import plots
+from ehamj.pages.parts import Page
+from ehamj.result import written_whole
+
+
+@cache
+def _environment() -> Environment:
+    loader = PackageLoader("ehamj.pages")
+    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+
+
+def render(page: Page, drawings: Mapping[str, str] | None = None) -> str:
+    """A page as HTML; ``drawings`` holds the SVG of each figure by its id, without them the page shows none."""
+    if drawings is None:
+        inline: Mapping[str, str] = defaultdict(str)
+    else:
+        inline = {name: Markup(plots.inline(text)) for name, text in drawings.items()}
+    return _environment().get_template("page.html").render(page=page, drawings=inline).lstrip()
+
+
+def write_page(folder: Path, name: str, page: Page, figures: str = "figures") -> None:
+    """Write a page, and its figures as SVG files; figures of the page that was there before are removed.
+
+    Args:
+        folder: existing folder.
+        name: of the page's file.
+        page: what it shows.
+        figures: name of the figures' folder in it; "." for the folder itself.
+
+    Raises:
+        ValueError: if two figures have one name.
+    """
+    drawings = {picture.id: plots.svg(picture.figure, picture.id) for picture in page.pictures}
+    if len(drawings) != len(page.pictures):
+        raise ValueError(f"{name}: two of the figures {', '.join(picture.name for picture in page.pictures)} are alike")
+    target = folder / figures
+    target.mkdir(exist_ok=True)
+    before = folder / name
+    if before.is_file():
+        known = re.findall(r'<figure id="figure-([\w-]+)"', before.read_text(encoding="utf-8"))
+        for old in set(known) - set(drawings):
+            (target / f"{old}.svg").unlink(missing_ok=True)
+    for picture, text in drawings.items():
+        with written_whole(target / f"{picture}.svg") as path:
+            path.write_text(text, encoding="utf-8")
+    with written_whole(before) as path:
+        path.write_text(render(page, drawings), encoding="utf-8")

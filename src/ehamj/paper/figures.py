@@ -1,0 +1,93 @@
+"""The paper's figures 3 to 7: magnitude and phase of G_EHA (eq. 9) of several designs."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ehamj.errors import InputError
+from ehamj.paper.actuator import Form, bode, delta_h, omega_h
+from ehamj.paper.loop import PositionLoop
+from ehamj.paper.reproduction import Reproduction
+from ehamj.plots.charts import Line, lines_chart
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ehamj.isolator.actuator import Actuator
+
+FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
+    "figure-3": ("Open loop of the initial design: exact, and eq. 8 corrected and as printed", ("initial",)),
+    "figure-4": ("Sensitivity of the open loop to the chamber volume", ("initial", "volume_double", "volume_half")),
+    "figure-5": ("Sensitivity of the open loop to the piston area", ("initial", "area_double", "area_half")),
+    "figure-6a": ("Sensitivity of the open loop to the flow gain", ("initial", "flow_gain_double", "flow_gain_half")),
+    "figure-6b": (
+        "Sensitivity of the open loop to the flow-pressure coefficient",
+        ("initial", "flow_pressure_double", "flow_pressure_half"),
+    ),
+    "figure-7": (
+        "Open loop of the initial and the recommended design, and of the latter with a faster valve",
+        ("initial", "recommended", "recommended_fast_valve"),
+    ),
+}
+"""The paper's figures: caption and cases. The paper numbers its last one 5 a second time; the text calls it 7."""
+
+FORMS: Final[dict[Form, str]] = {
+    "exact": "exact, third order",
+    "eq8": "eq. 8, damping term corrected",
+    "eq8-printed": "eq. 8 as printed (undamped)",
+}
+
+SPAN: Final = (1.0, 2000.0)
+"""Frequencies that the figures show [Hz]."""
+
+MAGNITUDE, PHASE, FREQUENCY = "magnitude [dB re 1 m/V]", "phase [deg]", "frequency [Hz]"
+
+
+def figure(reproduction: Reproduction, name: str) -> "Figure":
+    """One of the paper's `FIGURES`, drawn anew.
+
+    Squares mark the hydro-mechanical frequency f_h, diamonds the phase crossover; vertical lines mark the valves.
+
+    Raises:
+        InputError: if there is no such figure.
+    """
+    if name not in FIGURES:
+        raise InputError(f"figure = {name!r}: must be one of {', '.join(FIGURES)}")
+    _, cases = FIGURES[name]
+    mass, every = reproduction.study.mass, reproduction.cases | reproduction.variants
+    designs: dict[str, tuple[Actuator, Form]]
+    if name == "figure-3":
+        designs = {label: (every["initial"].actuator, form) for form, label in FORMS.items()}
+    else:
+        designs = {every[case].label: (every[case].actuator, "exact") for case in cases}
+    panels: dict[str, list[Line]] = {MAGNITUDE: [], PHASE: []}
+    for k, (label, (actuator, form)) in enumerate(designs.items()):
+        for panel, drawn in zip(panels.values(), _lines(label, actuator, mass, form, k), strict=True):
+            panel += drawn
+    for panel in panels.values():
+        panel.sort(key=lambda line: line.marker)  # marks below the lines, in the legend
+    valves = sorted({actuator.valve_frequency / (2.0 * math.pi) for actuator, _ in designs.values()})
+    return lines_chart(
+        name.replace("-", " ").capitalize(), FREQUENCY, panels, "x",
+        {"\n" * k + f"valve {hertz:.0f} Hz": hertz for k, hertz in enumerate(valves)},
+        {MAGNITUDE: (-200.0, -90.0), PHASE: (-460.0, 10.0)},
+    )  # fmt: skip
+
+
+def _lines(label: str, actuator: "Actuator", mass: float, form: Form, k: int) -> tuple[list[Line], list[Line]]:
+    """Magnitude and phase of one design, each with its marks."""
+    resonance = omega_h(actuator, mass) / (2.0 * math.pi)
+    around = resonance * (1.0 + np.linspace(-0.02, 0.02, 401))
+    places = {"": np.unique(np.concatenate([np.geomspace(*SPAN, 1200), around]))}
+    if form != "eq8-printed":
+        places["s"] = np.array([resonance])
+        places["D"] = np.array([PositionLoop.of_actuator(actuator, mass, form).phase_crossover]) / (2.0 * math.pi)
+    names = {"": f"{label}: f_h = {resonance:.0f} Hz, δ_h = {delta_h(actuator, mass):.3f}"}
+    names |= {"s": "f_h", "D": "phase crossover at −180°"} if k == 0 else {"s": "", "D": ""}
+    drawn: tuple[list[Line], list[Line]] = [], []
+    for marker, hertz in places.items():
+        magnitude, phase = bode(actuator, mass, hertz, form)
+        for lines, values in zip(drawn, (20.0 * np.log10(magnitude), phase), strict=True):
+            lines.append(Line(names[marker], hertz, values, k, k, marker))
+    return drawn
