@@ -22,6 +22,7 @@ RANKS = (
     ("designs", "pages"),
     ("run", "replay"),
     ("rig", "bench"),
+    ("evaluation",),
     ("paper", "report", "studies"),
     ("design", "verify", "store"),
     ("cli", "__init__"),

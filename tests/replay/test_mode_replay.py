@@ -19,7 +19,7 @@ from ehamj.replay import modes as drawn
 from ehamj.replay.mode_replay import replay_modes, swing
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.studies.gains import inertial_position
+from ehamj.studies.position_loop import inertial_position
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
 TALL = parse_scenario(

@@ -13,11 +13,11 @@ from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.studies import gains, valve_oil
+from ehamj.studies import gains, position_loop, valve_oil
 from ehamj.studies.floors import Loop
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
-LAW = gains.inertial_position(MACHINE.plant, 40.0)
+LAW = position_loop.inertial_position(MACHINE.plant, 40.0)
 LOOP = Loop(LAW)
 
 
@@ -33,8 +33,10 @@ def test_the_law_is_an_integrator_of_velocity() -> None:
 
 def test_the_limit_is_where_the_spectral_radius_is_one() -> None:
     model = linear_model(MACHINE)
-    limit = gains.highest_factor(model, LOOP)
-    below, above = (gains.radius(model, gains.scaled(LOOP, factor * limit)) for factor in (0.998, 1.002))
+    limit = position_loop.highest_factor(model, LOOP)
+    below, above = (
+        position_loop.radius(model, position_loop.scaled(LOOP, factor * limit)) for factor in (0.998, 1.002)
+    )
     assert below < 1.0 < above
 
 
@@ -50,7 +52,7 @@ def end_over_beginning(law: Controller, dof: str = "rx") -> float:
 
 def test_a_nonlinear_run_grows_above_the_limit_and_decays_below() -> None:
     """1 % off: the margin is that of the simulated loop, hold and delay included."""
-    limit = gains.highest_factor(linear_model(MACHINE), LOOP)
+    limit = position_loop.highest_factor(linear_model(MACHINE), LOOP)
     assert end_over_beginning(LAW.scaled(0.99 * limit)) < 0.9
     assert end_over_beginning(LAW.scaled(1.01 * limit)) > 1.1
 
@@ -70,27 +72,27 @@ def test_feedforward_is_no_feedback() -> None:
 
 def test_an_unstable_law_is_refused() -> None:
     with pytest.raises(InputError, match="unstable even"):
-        gains.highest_factor(linear_model(MACHINE), Loop(LAW.scaled(-1e4)))
+        position_loop.highest_factor(linear_model(MACHINE), Loop(LAW.scaled(-1e4)))
 
 
 def test_oil_stiffens_heave() -> None:
     """Undamped ω² = 4(K_L + K_h)/M; leakage and damping of 10 % move |λ| by less than 1 %."""
-    study = valve_oil.ValveOilStudy(MACHINE, factors=(0.5, 1.0, 2.0))
-    heave = valve_oil.modes_over_factors(study)["frequency"].sel(parameter="bulk_modulus", mode="heave")
+    settings = valve_oil.ValveOilSettings(factors=(0.5, 1.0, 2.0))
+    heave = valve_oil.modes_over_factors(MACHINE, settings)["frequency"].sel(parameter="bulk_modulus", mode="heave")
     actuator, mass = MACHINE.plant.actuators[0], MACHINE.plant.total_mass
-    stiffness = actuator.membrane_stiffness + np.array(study.factors) * actuator.hydraulic_stiffness
+    stiffness = actuator.membrane_stiffness + np.array(settings.factors) * actuator.hydraulic_stiffness
     assert heave.values == pytest.approx(np.sqrt(4 * stiffness / mass) / (2 * np.pi), rel=0.01)
 
 
 def test_a_slower_valve_makes_a_slower_loop() -> None:
-    study = valve_oil.ValveOilStudy(MACHINE, loops=(0.5, 1.0), looped=("valve_frequency",))
-    crossover = valve_oil.fastest_loops(study)["crossover"].sel(parameter="valve_frequency").values
+    settings = valve_oil.ValveOilSettings(loops=(0.5,), looped=("valve_frequency",))
+    crossover = valve_oil.fastest_loops(MACHINE, settings)["crossover"].sel(parameter="valve_frequency").values
     assert crossover[0] < 0.8 * crossover[1]
-    assert crossover[1] == pytest.approx(40.0 * gains.highest_factor(linear_model(MACHINE), LOOP), rel=5e-3)
+    assert crossover[1] == pytest.approx(40.0 * position_loop.highest_factor(linear_model(MACHINE), LOOP), rel=5e-3)
 
 
 def test_a_slow_sensor_takes_gain_away() -> None:
     """A low-pass of 200 Hz in every foot's instrument, at the frequency where the loop turns."""
     slow = Sensors(inertial=Geophone(kind="geophone", high=200.0))
     model = linear_model(MACHINE)
-    assert gains.highest_factor(model, Loop(LAW, slow)) < 0.8 * gains.highest_factor(model, LOOP)
+    assert position_loop.highest_factor(model, Loop(LAW, slow)) < 0.8 * position_loop.highest_factor(model, LOOP)

@@ -5,7 +5,7 @@ import pytest
 
 from ehamj.errors import InputError
 from ehamj.scenario.load import load_scenario
-from ehamj.studies.levels import LevelStudy, levels
+from ehamj.studies.levels import LevelSettings, levels
 from ehamj.studies.outcome import Outcome
 
 CHOSEN = ("VC-D", "operating theatre")
@@ -13,7 +13,7 @@ CHOSEN = ("VC-D", "operating theatre")
 
 @pytest.fixture(scope="module")
 def found() -> Outcome:
-    return levels(LevelStudy(load_scenario("vc-c-floor"), levels=CHOSEN, duration=6.0))
+    return levels(load_scenario("vc-c-floor"), LevelSettings(levels=CHOSEN, duration=6.0))
 
 
 def test_both_laws_run_at_every_level(found: Outcome) -> None:
@@ -47,4 +47,4 @@ def test_a_floor_too_strong_clips_without_a_limit_cycle_or_warp(found: Outcome) 
 @pytest.mark.parametrize(("key", "value"), [("levels", ("VC-Z",)), ("duration", 1.0)])
 def test_what_cannot_be_run_is_refused(key: str, value: object) -> None:
     with pytest.raises(InputError, match=key):
-        LevelStudy(load_scenario("vc-c-floor"), **{key: value})  # type: ignore[arg-type]
+        levels.with_settings({key: value})

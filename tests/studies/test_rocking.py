@@ -1,23 +1,26 @@
 """Maps of rocking, lateral stiffness and unequal loads against closed forms and the simulator."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from ehamj.errors import InputError
 from ehamj.scenario.load import parse_scenario
 from ehamj.studies import lateral, rocking, soft_mounts, unequal
-from ehamj.studies.variants import preset, resized, still, with_every_actuator
+from ehamj.studies.study import Study
+from ehamj.studies.variants import preset, resized
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
 
 
 def test_the_map_has_2500_designs_and_the_tipping_boundary_in_it() -> None:
     """Every design on the tipping side of the closed form, and no other, has a negative margin and grows."""
-    study = rocking.RockingStudy(MACHINE)
-    table = rocking.rocking_map(study, still(MACHINE, **with_every_actuator(MACHINE, preset(study.soft))))
+    settings = rocking.RockingSettings()
+    table = rocking.soft_map(MACHINE, settings)
     assert table["tipping_margin"].size >= 2500
     closed = [
-        min(soft_mounts.tipping_height(soft_mounts.tall(MACHINE, preset(study.soft), 1.0, w).plant))
+        min(soft_mounts.tipping_height(soft_mounts.tall(MACHINE, preset(settings.soft), 1.0, w).plant))
         for w in table["width"].values
     ]
     over = table["height"].values[:, None] / np.array(closed)
@@ -30,14 +33,13 @@ def test_the_map_has_2500_designs_and_the_tipping_boundary_in_it() -> None:
 
 def test_random_designs_agree_with_nonlinear_ring_downs() -> None:
     """Two per mille is asked for; the study itself runs twenty, and finds 3e-6."""
-    runs = rocking.confirmed_designs(rocking.RockingStudy(MACHINE, confirmed=2))
+    runs = rocking.confirmed_designs(MACHINE, rocking.RockingSettings(confirmed=2))
     assert float(np.abs(runs["deviation"]).max()) < 1e-4
 
 
 def test_yaw_is_the_lateral_springs_on_the_inertia() -> None:
     """ω² = Σ k r²/J, plates being constrained laterally: exact, but for the damping's rounding."""
-    study = lateral.LateralStudy(MACHINE, points=5)
-    table = lateral.lateral_stiffness(study).tables["modes"]
+    table = lateral.lateral_stiffness(MACHINE, lateral.LateralSettings(points=5)).tables["modes"]
     plant = MACHINE.plant
     lever = sum(x**2 + y**2 for x, y in plant.positions)
     expected = np.sqrt(table["stiffness"].values * lever / plant.machine.inertia[2]) / (2 * np.pi)
@@ -46,8 +48,7 @@ def test_yaw_is_the_lateral_springs_on_the_inertia() -> None:
 
 def test_loads_are_those_of_levers() -> None:
     """Four equal springs under a rigid machine: F = W/4 + moments over lever arms; 1e-6 is gravity's own tipping."""
-    study = unequal.UnequalStudy(MACHINE, points=5, reach=0.8)
-    table = unequal.loads_map(study)
+    table = unequal.loads_map(MACHINE, unequal.UnequalSettings(points=5, reach=0.8))
     plant = MACHINE.plant
     weight, plates = plant.machine.mass * plant.gravity, 14.0 * plant.gravity
     x, y = (table[axis].values for axis in "xy")
@@ -58,12 +59,12 @@ def test_loads_are_those_of_levers() -> None:
 
 
 def test_random_loads_agree_with_the_simulator() -> None:
-    runs = unequal.confirmed_loads(unequal.UnequalStudy(MACHINE, confirmed=3))
+    runs = unequal.confirmed_loads(MACHINE, unequal.UnequalSettings(confirmed=3))
     assert runs["simulated"].values == pytest.approx(runs["load"].values, abs=1e-3)
 
 
 def test_a_centred_machine_is_not_turned_by_a_heaving_floor() -> None:
-    table = unequal.loads_map(unequal.UnequalStudy(MACHINE, points=3))
+    table = unequal.loads_map(MACHINE, unequal.UnequalSettings(points=3))
     assert float(table["turn"].sel(x=0.0, y=0.0)) < 1e-12
     assert float(table["turn"].min("x").isel(y=0)) > 1e-3
 
@@ -79,13 +80,14 @@ def test_the_outline_grows_with_the_mounts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("study", "values", "words"),
     [
-        (lambda: rocking.RockingStudy(MACHINE, heights=(1.0, 0.5)), "heights"),
-        (lambda: lateral.LateralStudy(MACHINE, factors=(0.0, 1.0)), "factors"),
-        (lambda: unequal.UnequalStudy(MACHINE, reach=-1.0), "reach"),
+        (rocking.rocking, {"heights": (1.0, 0.5)}, r"heights = \[1.0, 0.5\]: must be two rising numbers"),
+        (lateral.lateral_stiffness, {"factors": (0.0, 1.0)}, r"factors.0 = 0.0: must be greater than 0"),
+        (lateral.lateral_stiffness, {"factors": (2.0, 3.0)}, r"factors = \[2.0, 3.0\]: must enclose 1"),
+        (unequal.unequal_loads, {"reach": -1.0}, r"reach = -1.0: must be greater than 0"),
     ],
 )
-def test_ranges_are_checked(make: object, words: str) -> None:
+def test_ranges_are_checked(study: Study[Any], values: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        make()  # type: ignore[operator]
+        study.with_settings(values)

@@ -92,7 +92,7 @@ def test_a_tall_machine_stands_below_the_boundary_and_falls_above(off: float, do
 
 
 def test_soft_mounts_isolate_where_stiff_ones_follow() -> None:
-    table = study.transmissibility_table(study.compared_systems(study.SoftMountStudy(MACHINE)), np.array([0.3, 30.0]))
+    table = study.transmissibility_table(study.compared_systems(MACHINE), np.array([0.3, 30.0]))
     gain = table["gain"].sel(axis="z")
     assert gain.sel(system="elastic-mount").values[1] < 0.05
     assert gain.sel(system="pneumatic-mount").values[1] < 0.02
@@ -101,7 +101,7 @@ def test_soft_mounts_isolate_where_stiff_ones_follow() -> None:
 
 def test_a_width_must_be_positive() -> None:
     with pytest.raises(InputError, match="widths"):
-        study.SoftMountStudy(MACHINE, widths=(0.0,))
+        study.soft_mounts.with_settings({"widths": (0.0,)})
 
 
 def test_a_machine_beside_its_middle_leans() -> None:
@@ -116,4 +116,4 @@ def test_a_machine_beside_its_middle_leans() -> None:
 
 def test_nothing_tips_without_gravity() -> None:
     with pytest.raises(InputError, match="gravity = 0"):
-        study.SoftMountStudy(parse_scenario({"name": "space", "gravity": 0.0}))
+        study.soft_mounts(parse_scenario({"name": "space", "gravity": 0.0}))

@@ -117,6 +117,11 @@ def distinct(names: list[str], folders: list[Path]) -> list[str]:
     return labels
 
 
+def say(text: str) -> None:
+    """Print a line as it is: nothing in it is markup, and it breaks where the terminal does."""
+    out.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
 def print_json(content: dict[str, Any]) -> None:
     sys.stdout.write(json.dumps(content, allow_nan=False) + "\n")
 

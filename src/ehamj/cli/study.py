@@ -1,9 +1,13 @@
-"""The command that answers questions about a machine."""
+"""The command that answers questions about a machine: one command of its own for every registered study."""
 
-from typing import Annotated
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
+from typer.core import TyperGroup
 
 from ehamj.cli.frame import (
     JsonOption,
@@ -17,46 +21,92 @@ from ehamj.cli.frame import (
     new_folder,
     out,
     print_json,
+    say,
 )
+from ehamj.cli.options import with_options
+from ehamj.errors import InputError
+from ehamj.scenario.load import load_scenario
+from ehamj.studies.catalogue import STUDIES
+from ehamj.studies.page import STUDY_FILES, to_dict, write_outcome
+from ehamj.studies.study import Study
 
 
-@app.command()
-def study(
-    name: Annotated[str | None, typer.Argument(help="Which study; without, they are listed.")] = None,
-    scenario: ScenarioArgument = "recorded",
-    out_folder: OutOption = None,
-    overwrite: OverwriteOption = False,
-    overrides: SetOption = None,
-    as_json: JsonOption = False,
-) -> None:
+class _Studies(TyperGroup):
+    """Finds a study by its name, wherever that stands between the options."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        named = next((k for k, text in enumerate(args) if text in STUDIES), 0)
+        return super().parse_args(ctx, [*args[named : named + 1], *args[:named], *args[named + 1 :]])
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        STUDIES.find(cmd_name)
+        return super().get_command(ctx, cmd_name)
+
+
+studies = typer.Typer(cls=_Studies, invoke_without_command=True, rich_markup_mode="markdown")
+app.add_typer(studies, name="study")
+
+
+@studies.callback()
+def study(context: typer.Context, as_json: JsonOption = False) -> None:
     """Answer one question about a machine: maps, boundaries of stability, failures, waves, soft mounts.
 
-    `ehamj study` lists the questions. Each writes study.html (read it first), tables as NetCDF and CSV with units,
-    figures as SVG, study.json, and scenario.toml with which it comes out the same.
+    `ehamj study` lists the questions; `ehamj study NAME --help` shows its settings. Each writes study.html (read it
+    first), tables as NetCDF and CSV with units, figures as SVG, study.json with its settings, and scenario.toml:
+    `ehamj study NAME FOLDER/scenario.toml --settings FOLDER/study.json` comes out the same.
     """
-    from ehamj.scenario.load import load_scenario
-    from ehamj.studies.catalogue import STUDIES
-    from ehamj.studies.catalogue import study as find
-    from ehamj.studies.page import STUDY_FILES, to_dict, write_outcome
-
-    if name is None:
-        if as_json:
-            print_json({"studies": [{"name": key, "question": one.question} for key, one in STUDIES.items()]})
-            return
-        for key, one in STUDIES.items():
-            out.print(f"[bold]{key:16}[/] {one.question}", highlight=False, soft_wrap=True)
+    if context.invoked_subcommand is not None:
         return
-    chosen = find(name)
-    check_out(out_folder, overwrite, STUDY_FILES)
-    loaded = load_scenario(scenario, overrides or ())
-    with log.status(f"study {name}") as status:
-        outcome = chosen.run(loaded, lambda doing: status.update(f"study {name}: {escape(doing)}"))
-        with new_folder(out_folder, overwrite) as (folder, target):
-            write_outcome(target, name, outcome, loaded)
     if as_json:
-        print_json({"folder": str(folder), **to_dict(name, outcome)})
+        print_json({"studies": [{"name": name, "question": one.question} for name, one in STUDIES.items()]})
         return
-    out.print(f"[bold]{escape(outcome.title)}[/]: {escape(outcome.question)}", highlight=False, soft_wrap=True)
-    for answer in outcome.answers:
-        out.print(f"- {answer}", markup=False, highlight=False, soft_wrap=True)
-    out.print(f"page, tables and figures: {folder / 'study.html'}", markup=False, highlight=False, soft_wrap=True)
+    for name, one in STUDIES.items():
+        out.print(f"[bold]{name:16}[/] {one.question}", highlight=False, soft_wrap=True)
+
+
+def _command(one: Study[Any]) -> Callable[..., None]:
+    @with_options(one.settings)
+    def command(
+        given: dict[str, Any],
+        scenario: ScenarioArgument = "recorded",
+        settings: Annotated[
+            Path | None, typer.Option("--settings", metavar="study.json", help="Settings of a study that was run.")
+        ] = None,
+        out_folder: OutOption = None,
+        overwrite: OverwriteOption = False,
+        overrides: SetOption = None,
+        as_json: JsonOption = False,
+    ) -> None:
+        check_out(out_folder, overwrite, STUDY_FILES)
+        wanted = one.with_settings({**(_stored(settings, one) if settings else {}), **given})
+        loaded = load_scenario(scenario, overrides or ())
+        with log.status(f"study {one.name}") as status:
+            outcome = one(loaded, wanted, lambda doing: status.update(f"study {one.name}: {escape(doing)}"))
+            with new_folder(out_folder, overwrite) as (folder, target):
+                write_outcome(target, one.name, outcome, loaded)
+        if as_json:
+            print_json({"folder": str(folder), **to_dict(one.name, outcome)})
+            return
+        out.print(f"[bold]{escape(outcome.title)}[/]: {escape(outcome.question)}", highlight=False, soft_wrap=True)
+        for answer in outcome.answers:
+            say(f"- {answer}")
+        say(f"page, tables and figures: {folder / 'study.html'}")
+
+    return command
+
+
+def _stored(path: Path, one: Study[Any]) -> dict[str, Any]:
+    """Settings that a study's folder holds."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if found["study"] != one.name:
+            raise InputError(f"--settings {str(path)!r}: is of study {found['study']!r}, not {one.name!r}")
+        return dict(found["settings"])
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"--settings {str(path)!r}: must be a study.json that `ehamj study` wrote") from error
+
+
+for _name, _one in STUDIES.items():
+    studies.command(_name, help=f"{_one.question[0].upper()}{_one.question[1:]}.")(_command(_one))

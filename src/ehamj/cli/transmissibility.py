@@ -73,7 +73,7 @@ def transmissibility(
     transmissibility.nc (all responses, those of single mounts too), transmissibility.csv and attenuation.csv (per
     third-octave), figures/ and scenario.toml.
     """
-    from ehamj.report.responses import write_transmissibility
+    from ehamj.report.comparison import write_transmissibility
     from ehamj.rig.comparison import write_tables
 
     check_out(out_folder, overwrite, FILES)

@@ -4,14 +4,30 @@ import difflib
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from ehamj.errors import InputError
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
+
+T = TypeVar("T", bound=Settings)
 
 
-def explain(error: ValidationError) -> str:
+def checked(kind: type[T], table: Mapping[str, Any]) -> T:
+    """Settings of a kind from a table.
+
+    Raises:
+        InputError: with one message that names the key, the value and what is allowed.
+    """
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        raise InputError(explain(error, kind)) from None
+
+
+def explain(error: ValidationError, kind: type[Settings] = Scenario) -> str:
     """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
     findings = error.errors()
     inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
@@ -19,32 +35,32 @@ def explain(error: ValidationError) -> str:
     for found in findings:
         if found["type"] == "too_short" and found["loc"] in inside:
             continue  # only because pydantic left out the entry that another finding names
-        what, allowed = _finding(found)
+        what, allowed = _finding(found, kind)
         lines.setdefault(what, []).append(allowed)
     return "\n".join(
         f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
     )
 
 
-def _finding(found: Any) -> tuple[str, str]:
+def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     """One finding as ``key = value`` and what is allowed there."""
     location, value, kind, context = found["loc"], found.get("input"), found["type"], found.get("ctx", {})
-    key = _key(location)
+    key = _key(location, settings)
     message = found["msg"].removeprefix("Value error, ").replace(" after validation", "")
     message = re.sub(r"^(Input|String|Tuple|Dictionary) should (be|have)\b", r"must \2", message)
     if kind == "extra_forbidden":
-        message = f"unknown key; {_allowed_beside(location)}"
+        message = f"unknown key; {_allowed_beside(location, settings)}"
     elif kind == "union_tag_invalid":
         key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
     elif kind == "union_tag_not_found":
-        kinds = _walk(location)[1].get("discriminator", {}).get("mapping", {})
+        kinds = _walk(location, settings)[1].get("discriminator", {}).get("mapping", {})
         return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, kinds))}"
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
         message = "must be a table"
     elif kind == "tuple_type":
         message = "must be a list"
     elif kind == "missing" and isinstance(location[-1], int):
-        key, message = _key(location[:-1]), f"entry {location[-1] + 1} is missing"
+        key, message = _key(location[:-1], settings), f"entry {location[-1] + 1} is missing"
     elif kind == "missing":
         return key, "is missing"
     elif kind == "value_error" and isinstance(value, Mapping):
@@ -53,26 +69,26 @@ def _finding(found: Any) -> tuple[str, str]:
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
 
 
-def _allowed_beside(location: tuple[int | str, ...]) -> str:
+def _allowed_beside(location: tuple[int | str, ...], settings: type[Settings]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    keys = list(_walk(location[:-1])[1].get("properties", {}))
+    keys = list(_walk(location[:-1], settings)[1].get("properties", {}))
     near = difflib.get_close_matches(str(location[-1]), keys, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed: {', '.join(keys)}"
 
 
-def _key(location: tuple[int | str, ...]) -> str:
-    return ".".join(_walk(location)[0])
+def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:
+    return ".".join(_walk(location, settings)[0])
 
 
 @cache
-def _schema() -> dict[str, Any]:
-    return Scenario.model_json_schema()
+def _schema(settings: type[Settings]) -> dict[str, Any]:
+    return settings.model_json_schema()
 
 
-def _walk(location: tuple[int | str, ...]) -> tuple[list[str], dict[str, Any]]:
+def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], dict[str, Any]]:
     """Where a location leads: the keys as the user wrote them (without the tags of unions), and the schema there."""
-    schema = _schema()
+    schema = _schema(settings)
     keys: list[str] = []
     node: Any = schema
     for part in location:

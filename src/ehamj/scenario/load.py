@@ -9,11 +9,9 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
-from pydantic import ValidationError
-
 from ehamj.errors import InputError
 from ehamj.plant.mounts import DEFAULT_MOUNTS
-from ehamj.scenario.explain import explain
+from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
 from ehamj.settings import FILE, Settings
 
@@ -65,10 +63,7 @@ def parse_scenario(table: Mapping[str, Any]) -> Scenario:
     Raises:
         InputError: see `load_scenario`.
     """
-    try:
-        return Scenario.model_validate(table)
-    except ValidationError as error:
-        raise InputError(explain(error)) from None
+    return checked(Scenario, table)
 
 
 def changed(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
@@ -100,11 +95,15 @@ def override(table: dict[str, Any], text: str) -> None:
     said = f"--set {text!r}"
     if not equals or not all(part.strip() for part in key.split(".")):
         raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
+    _place(table, key, written(value), said)
+
+
+def written(text: str) -> Any:
+    """The value of what a user wrote: TOML, or else a string."""
     try:
-        parsed = tomllib.loads(f"value = {value}") if "\n" not in value else {}
+        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
     except tomllib.TOMLDecodeError:
-        parsed = {}
-    _place(table, key, parsed.get("value", value.strip()), said)
+        return text.strip()
 
 
 def _place(table: dict[str, Any], key: str, value: Any, said: str) -> None:

@@ -3,25 +3,28 @@
 The law keeps driving all four valves as if nothing had happened: it is the law of the sound machine.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.tables import modes_table
-from ehamj.studies.variants import changed, still, with_actuators
+from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.rest import static_forces
+from ehamj.studies.study import WholeHertz, among, study
+from ehamj.studies.tables import modes_table, table
+from ehamj.studies.variants import still, with_actuators
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,75 +64,55 @@ def membrane_only(actuator: Actuator) -> Actuator:
     return actuator.with_values({"piston_area": NEGLIGIBLE_AREA})
 
 
+STUCK_OPEN: Final = f"valve stuck {100 * STUCK:.0f} % open"
 FAILURES: Final[dict[str, Callable[[Actuator], Actuator]]] = {
     "valve stuck centred": stuck(0.0),
-    f"valve stuck {100 * STUCK:.0f} % open": stuck(STUCK),
+    STUCK_OPEN: stuck(STUCK),
     "valve stuck fully open": stuck(0.999),
     "piston leaks": leaking,
     "membrane only": membrane_only,
 }
 
 
-@dataclass(frozen=True)
-class FailedStudy:
-    """Which mount fails, and what is looked at.
+class FailedSettings(Settings):
+    """Which mount fails, and what is looked at."""
+
+    mount: str | None = Field(None, description="mount whose actuator fails; without, the first")
+    failures: tuple[Annotated[str, among(FAILURES)], ...] = Field(tuple(FAILURES), description="what fails")
+    lines: tuple[WholeHertz, ...] = Field(
+        (2.0, 5.0, 10.0, 20.0, 50.0, 100.0),
+        description="frequencies of the heaving floor in the runs, whole numbers [Hz]",
+        min_length=1,
+    )
+    # Far from the valves' limits, and far above the steps of their commands.
+    velocity: float = Field(1e-6, gt=0, description="RMS velocity of each line [m/s]")
+
+
+def at_mount(scenario: Scenario, mount: str | None) -> str:
+    """The mount of that name; without one, the first.
 
     Raises:
-        InputError: if there is no such mount.
+        InputError: if there is none.
     """
-
-    scenario: Scenario
-    mount: str = "front-left"
-    failures: tuple[str, ...] = tuple(FAILURES)
-    """Which of `FAILURES`."""
-    lines: tuple[float, ...] = (2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-    """Frequencies of the heaving floor in the runs, whole numbers [Hz]."""
-    velocity: float = 1e-6
-    """RMS velocity of each line [m/s]: far from the valves' limits, and far above the steps of their commands."""
-
-    def __post_init__(self) -> None:
-        if self.mount not in MOUNTS:
-            raise InputError(f"mount = {self.mount!r}: must be one of {', '.join(MOUNTS)}")
-        for name in self.failures:
-            if name not in FAILURES:
-                raise InputError(f"failures: {name!r} must be one of {', '.join(FAILURES)}")
+    mounts = scenario.plant.mounts
+    if mount is not None and mount not in mounts:
+        raise InputError(f"mount = {mount!r}: must be one of {', '.join(mounts)}")
+    return mount or mounts[0]
 
 
-def failed(study: FailedStudy, failure: str) -> Scenario:
+def failed(scenario: Scenario, failure: str, mount: str | None = None) -> Scenario:
     """The machine with one actuator failed; ``sound`` is the machine as it is.
 
     Raises:
-        InputError: if there is no such failure.
+        InputError: if there is no such failure or mount.
     """
     if failure == "sound":
-        return study.scenario
+        return scenario
     if failure not in FAILURES:
         raise InputError(f"failure = {failure!r}: must be one of sound, {', '.join(FAILURES)}")
-    own = study.scenario.plant.actuators[MOUNTS.index(study.mount)]
-    return changed(study.scenario, **with_actuators(study.scenario, {study.mount: FAILURES[failure](own)}))
-
-
-def static_forces(model: LinearModel) -> dict[str, Array]:
-    """What mounts carry at rest: ``stroke`` [m], ``oil`` and ``membrane``, forces on the plate, up [N], (mount,)."""
-    plant, state = model.plant, model.equilibrium
-    stroke = np.array([_stroke(model, mount) for mount in range(N_MOUNTS)])
-    pressure = np.array([[state[_at(model, f"pressure_{k} {mount}")] for k in (1, 2)] for mount in MOUNTS])
-    area = np.array([[a.piston_area, a.piston_area * a.area_ratio] for a in plant.actuators])
-    stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
-    return {"stroke": stroke, "oil": (pressure * area) @ [1.0, -1.0], "membrane": -stiffness * stroke}
-
-
-def _at(model: LinearModel, state: str) -> int:
-    return model.states.index(state)
-
-
-def _stroke(model: LinearModel, mount: int) -> float:
-    plate = f"displacement plate {MOUNTS[mount]}"
-    if plate in model.states:
-        return float(model.equilibrium[_at(model, plate)])
-    x, y = model.plant.positions[mount]
-    z, rx, ry = (model.equilibrium[_at(model, f"displacement {joint}")] for joint in ("z", "rx", "ry"))
-    return float(z + y * rx - x * ry)
+    name, plant = at_mount(scenario, mount), scenario.plant
+    own = plant.actuators[plant.mounts.index(name)]
+    return changed(scenario, with_actuators(scenario, {name: FAILURES[failure](own)}))
 
 
 OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displacement ry")
@@ -140,72 +123,75 @@ def residual(model: LinearModel, loop: Loop | None, hertz: Array) -> ComplexArra
     return floor_response(model, loop, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
 
 
-def simulated_residual(study: FailedStudy, scenario: Scenario, loop: Loop | None) -> ComplexArray:
-    """As `residual`, at the study's lines, from a nonlinear run of 5 s of which the last is evaluated."""
-    f = np.array(study.lines)
+def simulated_residual(
+    scenario: Scenario,
+    loop: Loop | None,
+    settings: FailedSettings = FailedSettings(),  # noqa: B008  # frozen
+) -> ComplexArray:
+    """As `residual`, at the settings' lines, from a nonlinear run of 5 s of which the last is evaluated."""
+    f = np.array(settings.lines)
     phases = -np.pi * np.arange(f.size) * (np.arange(f.size) + 1) / f.size
-    ground = {"kind": "multisine", "dof": "z", "frequencies": f.tolist(), "velocities": (study.velocity,)}
+    ground = {"kind": "multisine", "dof": "z", "frequencies": f.tolist(), "velocities": (settings.velocity,)}
     ground |= {"phases": phases.tolist(), "fade_in": 1.0}
     law = None if loop is None else loop.law
     run = simulate(still(scenario, ground=ground, duration=5.0, record_rate=2000.0), controller=law)
     part = run.dataset.sel(time=slice(4.0 + 1e-9, None))
     time = part["time"].values
     signals = [part["cg_displacement"].sel(axis="z"), *(part["machine_displacement"].sel(dof=d) for d in ("rx", "ry"))]
-    columns = np.column_stack([np.ones_like(time), time, *_waves(time, f)])  # a mean and a drift beside the lines
+    waves = [wave(2 * np.pi * hertz * time) for hertz in f for wave in (np.cos, np.sin)]
+    columns = np.column_stack([np.ones_like(time), time, *waves])  # a mean and a drift beside the lines
     fitted = np.linalg.lstsq(columns, np.column_stack([signal.values for signal in signals]), rcond=None)[0][2:]
     answer = fitted[0::2] - 1j * fitted[1::2]
-    floor = np.sqrt(2.0) * study.velocity / (2 * np.pi * f) * np.exp(1j * (phases - np.pi / 2))
+    floor = np.sqrt(2.0) * settings.velocity / (2 * np.pi * f) * np.exp(1j * (phases - np.pi / 2))
     return np.asarray(answer / floor[:, None])
 
 
-def _waves(time: Array, hertz: Array) -> list[Array]:
-    return [wave(2 * np.pi * f * time) for f in hertz for wave in (np.cos, np.sin)]
-
-
-def simulated_event(study: FailedStudy, share: float, duration: float = 1.5) -> dict[str, Array]:
+def simulated_event(
+    scenario: Scenario, share: float, mount: str | None = None, duration: float = 1.5
+) -> dict[str, Array]:
     """What each mount carries after a valve of the sound machine ran to a share of its stroke and stayed there.
 
     As `static_forces`, from a nonlinear run that begins at the sound machine's equilibrium.
     """
-    own = study.scenario.plant.actuators[MOUNTS.index(study.mount)]
-    step = {"kind": "step", "mounts": (study.mount,), "amplitude": share * own.spool_stroke / own.valve_gain}
+    name, plant = at_mount(scenario, mount), scenario.plant
+    own = plant.actuators[plant.mounts.index(name)]
+    step = {"kind": "step", "mounts": (name,), "amplitude": share * own.spool_stroke / own.valve_gain}
     control = {"kind": "open-loop", "signals": (step | {"start": 0.05},)}
-    run = simulate(still(study.scenario, control=control, duration=duration)).dataset.isel(time=-1)
-    stiffness = np.array([actuator.membrane_stiffness for actuator in study.scenario.plant.actuators])
+    run = simulate(still(scenario, control=control, duration=duration)).dataset.isel(time=-1)
+    stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
     stroke = run["stroke"].values
     return {"stroke": stroke, "oil": run["actuator_force"].values, "membrane": -stiffness * stroke}
 
 
-def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if a machine with a failed actuator has no operating point.
-    """
-    loop = Loop.of(study.scenario)
-    cases = ("sound", *study.failures)
+@study(
+    "failed-actuator",
+    FailedSettings,
+    "one actuator failed (stuck valve, leak, no oil): modes, forces, what isolation is left",
+    small={"failures": ("membrane only",), "lines": (20.0,)},
+)
+def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Progress) -> Outcome:
+    """A machine with a failed actuator that has no operating point is refused."""
+    loop, mount = Loop.of(scenario), at_mount(scenario, settings.mount)
     models, answers = {}, {}
-    for case in cases:
+    for case in ("sound", *settings.failures):
         progress(f"{case}: linear model and run")
-        scenario = failed(study, case)
-        models[case] = linear_model(scenario)
-        answers[case] = (
-            residual(models[case], loop, np.array(study.lines)),
-            simulated_residual(study, scenario, loop),
-        )
+        machine = failed(scenario, case, mount)
+        models[case] = linear_model(machine)
+        linear = residual(models[case], loop, np.array(settings.lines))
+        answers[case] = (linear, simulated_residual(machine, loop, settings))
     progress("a valve runs away")
-    static = static_forces(linear_model(failed(study, f"valve stuck {100 * STUCK:.0f} % open")))
-    event = simulated_event(study, STUCK)
+    static = static_forces(linear_model(failed(scenario, STUCK_OPEN, mount)))
+    event = simulated_event(scenario, STUCK, mount)
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)
-    isolation = _isolation_table(study, answers)
+    isolation = _isolation_table(mount, settings.lines, answers)
     curves = _curves_table(models, loop)
     largest = float(isolation["difference"].max())
     return Outcome(
         title="One actuator failed",
-        question=f"What does the machine do when the actuator at {study.mount} fails and the others go on?",
+        question=f"What does the machine do when the actuator at {mount} fails and the others go on?",
         answers=(
-            *_failure_answers(study, isolation, forces),
+            *_failure_answers(mount, isolation, forces),
             f"Nonlinear runs agree with the linear residuals within {largest:.1g} of the floor's motion.",
             f"A run in which the valve of the sound machine opens to {100 * STUCK:.0f} % and stays ends with the "
             f"forces computed for it, to {off:.2g} N.",
@@ -221,89 +207,73 @@ def failed_actuator(study: FailedStudy, progress: Progress = silent) -> Outcome:
                 lambda: _failed_chart(curves, isolation, "rotation", "rotation over floor [dB re 1 rad/m]"),
             ),
         },
-        notes=(
-            "The law is that of the sound machine and drives all valves; without a law valves are held.",
-            f"piston leaks: {LEAK:g} times the flow-pressure coefficient, across the piston. membrane only: no oil in "
-            "the cylinder. A stuck valve keeps its opening whatever the command.",
-            "Negative membrane forces pull: the feet must be bolted.",
-        ),
+        notes=NOTES,
         numbers={"largest_difference": largest, "force_difference_n": off},
     )
 
 
-def _isolation_table(study: FailedStudy, answers: "dict[str, tuple[ComplexArray, ComplexArray]]") -> xr.Dataset:
+NOTES: Final = (
+    "The law is that of the sound machine and drives all valves; without a law valves are held.",
+    f"piston leaks: {LEAK:g} times the flow-pressure coefficient, across the piston. membrane only: no oil in "
+    "the cylinder. A stuck valve keeps its opening whatever the command.",
+    "Negative membrane forces pull: the feet must be bolted.",
+)
+
+
+def _isolation_table(
+    mount: str, lines: Sequence[float], answers: Mapping[str, tuple[ComplexArray, ComplexArray]]
+) -> xr.Dataset:
     linear, simulated = (np.array([pair[k] for pair in answers.values()]) for k in range(2))
-    over = ("case", "frequency")
     turn = [np.hypot(np.abs(part[..., 1]), np.abs(part[..., 2])) for part in (linear, simulated)]
     heave = [np.abs(part[..., 0]) for part in (linear, simulated)]
-    return xr.Dataset(
-        {
-            "heave": labelled(over, heave[0], "1", "CG heave over floor, linear"),
-            "heave_simulated": labelled(over, heave[1], "1", "CG heave over floor, nonlinear run"),
-            "rotation": labelled(over, turn[0], "rad/m", "rotation over floor, linear"),
-            "rotation_simulated": labelled(over, turn[1], "rad/m", "rotation over floor, nonlinear run"),
-            "difference": labelled(
-                over, np.abs(simulated - linear)[..., 0], "1", "run less linear, CG heave over floor, complex"
-            ),
-        },
-        {
-            "case": labelled(("case",), list(answers), "", "actuator"),
-            "frequency": labelled(("frequency",), list(study.lines), "Hz", "frequency"),
-        },
-        {"title": f"residual of a heaving floor, failure at {study.mount}"},
+    return table(
+        f"residual of a heaving floor, failure at {mount}",
+        {"case": (list(answers), "", "actuator"), "frequency": (list(lines), "Hz", "frequency")},
+        heave=(heave[0], "1", "CG heave over floor, linear"),
+        heave_simulated=(heave[1], "1", "CG heave over floor, nonlinear run"),
+        rotation=(turn[0], "rad/m", "rotation over floor, linear"),
+        rotation_simulated=(turn[1], "rad/m", "rotation over floor, nonlinear run"),
+        difference=(np.abs(simulated - linear)[..., 0], "1", "run less linear, CG heave over floor, complex"),
     )
 
 
-def _curves_table(models: dict[str, LinearModel], loop: Loop | None) -> xr.Dataset:
+def _curves_table(models: Mapping[str, LinearModel], loop: Loop | None) -> xr.Dataset:
     f = np.geomspace(0.5, 300.0, 201)
     values = np.array([residual(model, loop, f) for model in models.values()])
-    over = ("case", "frequency")
-    return xr.Dataset(
-        {
-            "heave": labelled(over, np.abs(values[..., 0]), "1", "CG heave over floor"),
-            "rotation": labelled(over, np.linalg.norm(values[..., 1:], axis=-1), "rad/m", "rotation over floor"),
-        },
-        {
-            "case": labelled(("case",), list(models), "", "actuator"),
-            "frequency": labelled(("frequency",), f, "Hz", "frequency"),
-        },
-        {"title": "residual of a heaving floor over frequency, linear"},
+    return table(
+        "residual of a heaving floor over frequency, linear",
+        {"case": (list(models), "", "actuator"), "frequency": (f, "Hz", "frequency")},
+        heave=(np.abs(values[..., 0]), "1", "CG heave over floor"),
+        rotation=(np.linalg.norm(values[..., 1:], axis=-1), "rad/m", "rotation over floor"),
     )
 
 
-def _forces_table(models: dict[str, LinearModel]) -> xr.Dataset:
+def _forces_table(models: Mapping[str, LinearModel]) -> xr.Dataset:
     found = [static_forces(model) for model in models.values()]
-    over = ("case", "mount")
-    return xr.Dataset(
-        {
-            "stroke": labelled(over, np.array([one["stroke"] for one in found]), "m", "stroke at rest"),
-            "oil": labelled(over, np.array([one["oil"] for one in found]), "N", "force of the oil at rest, up"),
-            "membrane": labelled(
-                over, np.array([one["membrane"] for one in found]), "N", "force of the membrane at rest, up"
-            ),
-        },
-        {
-            "case": labelled(("case",), list(models), "", "actuator"),
-            "mount": labelled(("mount",), list(MOUNTS), "", "mount"),
-        },
-        {"title": "what carries the machine at rest"},
+    stroke, oil, membrane = (np.array([one[part] for one in found]) for part in ("stroke", "oil", "membrane"))
+    mounts = next(iter(models.values())).plant.mounts
+    return table(
+        "what carries the machine at rest",
+        {"case": (list(models), "", "actuator"), "mount": (list(mounts), "", "mount")},
+        stroke=(stroke, "m", "stroke at rest"),
+        oil=(oil, "N", "force of the oil at rest, up"),
+        membrane=(membrane, "N", "force of the membrane at rest, up"),
     )
 
 
-def _failure_answers(study: FailedStudy, isolation: xr.Dataset, forces: xr.Dataset) -> list[str]:
-    at = min(study.lines, key=lambda f: abs(np.log(f / 10.0)))
-    one = isolation.sel(frequency=at)
+def _failure_answers(mount: str, isolation: xr.Dataset, forces: xr.Dataset) -> list[str]:
+    at = min(isolation["frequency"].values, key=lambda f: abs(np.log(f / 10.0)))
     found = []
     for case in isolation["case"].values:
-        heave, turn = float(one["heave"].sel(case=case)), float(one["rotation"].sel(case=case))
-        carried = forces["membrane"].sel(case=case) + forces["oil"].sel(case=case)
+        one, rest = isolation.sel(frequency=at, case=case), forces.sel(case=case)
+        heave, turn = float(one["heave"]), float(one["rotation"])
         words = f"{case.capitalize()}: a heaving floor of {at:g} Hz reaches the CG with {20 * np.log10(heave):.0f} dB"
         words += f" and turns the machine by {turn:.2g} rad per m" if turn > 1e-6 else " and does not turn the machine"
         if case != "sound":
-            low, high = float(carried.min()), float(carried.max())
+            carried = rest["membrane"] + rest["oil"]
+            low, high, oil = float(carried.min()), float(carried.max()), float(rest["oil"].sel(mount=mount))
             spread = f"{1e-3 * low:.1f} to {1e-3 * high:.1f}" if high - low > 1.0 else f"{1e-3 * low:.1f}"
             words += f"; at rest each mount carries {spread} kN"
-            oil = float(forces["oil"].sel(case=case, mount=study.mount))
             words += f", the oil there {1e-3 * oil:.1f} kN" if abs(oil) > 1.0 else ""
         found.append(words.replace(" -", " −") + ".")
     return found

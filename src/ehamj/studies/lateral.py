@@ -1,18 +1,19 @@
 """Lateral stiffness of the mounts: where sway ends and rocking begins, and what a floor that sways does."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field, field_validator
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
-from ehamj.errors import InputError
 from ehamj.plots.charts import Line, lines_chart, map_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
+from ehamj.settings import Settings
+from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
+from ehamj.studies.study import Range, study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,83 +21,59 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class LateralStudy:
-    """Factors on the lateral stiffness of every mount; its lateral damping is kept.
+class LateralSettings(Settings):
+    """Factors on the lateral stiffness of every mount; its lateral damping is kept."""
 
-    Raises:
-        InputError: if the range is not rising and positive.
-    """
+    factors: Range = Field((0.02, 50.0), description="lowest and highest factor on the lateral stiffness")
+    points: int = Field(121, ge=3, description="factors between them")
 
-    scenario: Scenario
-    factors: tuple[float, float] = (0.02, 50.0)
-    points: int = 121
-
-    def __post_init__(self) -> None:
-        low, high = self.factors
-        if not 0.0 < low < high < np.inf:
-            raise InputError(f"factors = {self.factors!r}: must be two rising, positive, finite numbers")
+    @field_validator("factors")
+    @classmethod
+    def _as_it_is(cls, factors: tuple[float, float]) -> tuple[float, float]:
+        if not factors[0] <= 1.0 <= factors[1]:
+            raise ValueError("must enclose 1, the machine as it is")
+        return factors
 
 
-def designs(study: LateralStudy) -> tuple[Array, Designs]:
-    """Factors, and the designs over the dimension ``factor``."""
-    factors = np.geomspace(*study.factors, study.points)
-    used = {mount.actuator for mount in study.scenario.mount}
+def stiffness_over_factors(scenario: Scenario, factors: Array) -> Designs:
+    """The machine with its mounts' lateral stiffness multiplied, over the dimension ``factor``."""
+    own = {name: scenario.actuators[name].lateral_stiffness for name in {mount.actuator for mount in scenario.mount}}
     vary = {
-        f"actuators.{name}.lateral_stiffness": xr.DataArray(
-            factors * study.scenario.actuators[name].lateral_stiffness, dims="factor"
-        )
-        for name in sorted(used)
+        f"actuators.{name}.lateral_stiffness": xr.DataArray(factors * value, dims="factor")
+        for name, value in sorted(own.items())
     }
-    return factors, Designs.of(study.scenario, vary)
+    return Designs.of(scenario, vary)
 
 
-def lateral_stiffness(study: LateralStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine has no linear model in closed form.
-    """
+@study(
+    "lateral",
+    LateralSettings,
+    "what the lateral stiffness of the mounts does to sway, rocking and yaw",
+    small={"points": 5},
+)
+def lateral_stiffness(scenario: Scenario, settings: LateralSettings, progress: Progress) -> Outcome:
+    """A machine that has no linear model in closed form is refused."""
     progress("modes and floor response")
-    factors, many = designs(study)
-    mean = float(np.mean([actuator.lateral_stiffness for actuator in study.scenario.plant.actuators]))
-    hertz = np.geomspace(2.0, 500.0, 121)
+    factors = np.geomspace(*settings.factors, settings.points)
+    many = stiffness_over_factors(scenario, factors)
+    mean = float(np.mean([actuator.lateral_stiffness for actuator in scenario.plant.actuators]))
     coordinates = {
         "factor": labelled(("factor",), factors, "1", "factor on the lateral stiffness"),
         "stiffness": labelled(("factor",), mean * factors, "N/m", "mean lateral stiffness of a mount"),
     }
     modes = modes_of(many)[["frequency", "damping_ratio"]].reset_coords(drop=True).assign_coords(coordinates)
     modes.attrs["title"] = "modes over the lateral stiffness"
-    sway = xr.apply_ufunc(np.abs, floor_response(many, hertz, "x").sel(output="cg x")).reset_coords(drop=True)
-    response = (
-        sway.assign_coords(coordinates).rename("gain").assign_attrs(units="1", long_name="CG over floor, along x")
-    )
-    response["frequency"].attrs = {"units": "Hz", "long_name": "frequency"}
-    here = modes.sel(factor=1.0, method="nearest")
-    soft, stiff = modes.isel(factor=0), modes.isel(factor=-1)
-    told = [
-        f"{mode} {float(here['frequency'].sel(mode=mode)):.0f} Hz (from "
-        f"{float(soft['frequency'].sel(mode=mode)):.0f} to "
-        f"{float(stiff['frequency'].sel(mode=mode)):.0f} Hz)"
-        for mode in ("lower about x", "lower about y", "yaw")
-    ]
-    slope = float(np.gradient(np.log(modes["frequency"].sel(mode="lower about x")), np.log(factors))[study.points // 2])
-    best = _quietest(response)
+    transfer = floor_response(many, np.geomspace(2.0, 500.0, 121), "x").sel(output="cg x")
+    sway = xr.apply_ufunc(np.abs, transfer).reset_coords(drop=True).assign_coords(coordinates).rename("gain")
+    sway.attrs = {"units": "1", "long_name": "CG over floor, along x"}
+    sway["frequency"].attrs = {"units": "Hz", "long_name": "frequency"}
+    lower = np.log(modes["frequency"].sel(mode="lower about x"))
+    slope = float(np.gradient(lower, np.log(factors))[settings.points // 2])
     return Outcome(
         title="Lateral stiffness of the mounts",
         question="What does the lateral stiffness of the mounts do to sway, rocking and yaw?",
-        answers=(
-            "Sway and yaw follow the lateral stiffness k as √k: ten times slower needs 100 times less. "
-            f"{'; '.join(told)} for {study.factors[0]:g} to {study.factors[1]:g} times today's.",
-            f"Here the lower mode about x rises as k to the power {slope:.2f}; below 0.5 it also "
-            "rocks on the vertical stiffness.",
-            f"Since the valves do not reach the horizontal, soft is what isolates it: at 20 Hz, {best[0]:.2g} "
-            "times today's "
-            f"stiffness lets {20 * np.log10(best[1]):.0f} dB of a swaying floor through, today's "
-            f"{20 * np.log10(best[2]):.0f} "
-            "dB.",
-        ),
-        tables={"modes": modes, "sway": response.to_dataset().assign_attrs(title="a floor that sways along x")},
+        answers=_answers(modes, slope, _quietest(sway)),
+        tables={"modes": modes, "sway": sway.to_dataset().assign_attrs(title="a floor that sways along x")},
         drawings={
             "modes": Drawing(
                 "Natural frequencies and damping ratios of the machine's six modes over the mean lateral stiffness.",
@@ -104,11 +81,31 @@ def lateral_stiffness(study: LateralStudy, progress: Progress = silent) -> Outco
             ),
             "sway": Drawing(
                 "How much of a floor that sways along x reaches the centre of gravity.",
-                lambda: _sway_chart(response, mean),
+                lambda: _sway_chart(sway, mean),
             ),
         },
         notes=("Lateral damping is kept, so softer mounts are better damped. Valves held, small motions.",),
         numbers={"exponent_lower_about_x": slope},
+    )
+
+
+def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, float]) -> tuple[str, ...]:
+    here = modes.sel(factor=1.0, method="nearest")["frequency"]
+    soft, stiff = (modes.isel(factor=end)["frequency"] for end in (0, -1))
+    told = [
+        f"{mode} {float(here.sel(mode=mode)):.0f} Hz (from {float(soft.sel(mode=mode)):.0f} to "
+        f"{float(stiff.sel(mode=mode)):.0f} Hz)"
+        for mode in ("lower about x", "lower about y", "yaw")
+    ]
+    factor, least, own = quietest
+    return (
+        "Sway and yaw follow the lateral stiffness k as √k: ten times slower needs 100 times less. "
+        f"{'; '.join(told)} for {modes['factor'].values[0]:g} to {modes['factor'].values[-1]:g} times today's.",
+        f"Here the lower mode about x rises as k to the power {slope:.2f}; below 0.5 it also "
+        "rocks on the vertical stiffness.",
+        f"Since the valves do not reach the horizontal, soft is what isolates it: at 20 Hz, {factor:.2g} times today's "
+        f"stiffness lets {20 * np.log10(least):.0f} dB of a swaying floor through, today's "
+        f"{20 * np.log10(own):.0f} dB.",
     )
 
 

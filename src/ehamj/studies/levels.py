@@ -5,31 +5,31 @@ control at each level. Above some level the valves clip. A law that isolates onl
 spends its voltage where it counts, and holds on longer.
 """
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.commands import Passive
 from ehamj.criteria.vc import CLASSES
-from ehamj.errors import InputError
-from ehamj.plant.mounts import WARP
+from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result
 from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.variants import changed
+from ehamj.settings import Settings
+from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.study import among, study
+from ehamj.studies.tables import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 BANDS: Final = ("2", "5", "10", "20", "50", "100")
 RECORD_RATE: Final = 4000.0
@@ -38,111 +38,86 @@ SETTLED: Final = 2.0
 """Time from which pressures are judged [s]."""
 
 
-@dataclass(frozen=True)
-class LevelStudy:
+class LevelSettings(Settings):
     """Which floors, and for how long.
 
     The law is the scenario's; a scenario without a digital controller is looked at under `CombinedSettings`. Laws that
     can be told to isolate from a frequency on are run both ways.
-
-    Raises:
-        InputError: if a level is unknown, or the runs are too short for a band.
     """
 
-    scenario: Scenario
-    levels: tuple[str, ...] = ("VC-E", "VC-C", "VC-B", "VC-A", "operating theatre", "workshop")
-    duration: float = 10.0
-    isolate_from: float = 5.0
-    """Frequency from which the second law isolates [Hz]."""
-
-    def __post_init__(self) -> None:
-        for level in self.levels:
-            if level not in CLASSES:
-                raise InputError(f"levels: {level!r} must be one of {', '.join(CLASSES)}")
-        if not self.duration >= 6.0:
-            raise InputError(f"duration = {self.duration:g} s: must be at least 6 s, for the band at 2 Hz")
+    levels: tuple[Annotated[str, among(CLASSES)], ...] = Field(
+        ("VC-E", "VC-C", "VC-B", "VC-A", "operating theatre", "workshop"), min_length=1, description="floors, by class"
+    )
+    duration: float = Field(10.0, ge=6, description="length of each run, at least 6 for the band at 2 Hz [s]")
+    isolate_from: float = Field(5.0, gt=0, description="frequency from which the second law isolates [Hz]")
 
 
-def levels(study: LevelStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine cannot be simulated so.
-    """
-    laws = _laws(study)
-    names = list(laws)
-    cases = [_case(study, laws[name], level) for name in names for level in study.levels]
+@study(
+    "levels",
+    LevelSettings,
+    "attenuation against the floor's level, from VC-E to workshop: what the valves are enough for",
+    small={"levels": ("VC-C",), "duration": 6.0},
+)
+def levels(scenario: Scenario, settings: LevelSettings, progress: Progress) -> Outcome:
+    """A machine that cannot be simulated so is refused."""
+    laws = _laws(scenario, settings.isolate_from)
+    cases = [_case(scenario, settings, law, level) for law in laws.values() for level in settings.levels]
     progress(f"{len(cases)} nonlinear runs")
-    runs = simulate_many(cases)
-    table = level_table(names, study.levels, runs)
+    found = level_table(list(laws), settings.levels, simulate_many(cases))
     return Outcome(
         title="Attenuation against the floor's level",
         question="How strong a floor can this machine be isolated from, and what happens beyond?",
-        answers=tuple(_answers(table)),
-        tables={"levels": table},
+        answers=tuple(_answers(found)),
+        tables={"levels": found},
         drawings={
             "attenuation": Drawing(
                 "Vertical attenuation of the centre of gravity over the floor's level, per third-octave band; thick: "
-                "the scenario's law, thin: isolating from "
-                f"{study.isolate_from:g} Hz on. Below, the share of time at which a command is at its limit.",
-                lambda: _chart(table),
+                f"the scenario's law, thin: isolating from {settings.isolate_from:g} Hz on. Below, the share of time "
+                "at which a command is at its limit.",
+                lambda: _chart(found),
             )
         },
         notes=(
-            f"Floor: flat from 1 to 80 Hz, a wave along +x at 200 m/s, {study.duration:g} s, plates tied; levels are "
-            "third-octave RMS velocities. Sensors are the scenario's.",
+            f"Floor: flat from 1 to 80 Hz, a wave along +x at 200 m/s, {settings.duration:g} s, plates tied; levels "
+            "are third-octave RMS velocities. Sensors are the scenario's.",
         ),
-        numbers={
-            name: {
-                str(level): {
-                    "attenuation_db": {band: _number(one.attenuation.sel(band=float(band))) for band in BANDS},
-                    "clipped_share": float(one.clipped),
-                    "command_rms_v": float(one.command),
-                    "warp_share": float(one.warp),
-                }
-                for level in study.levels
-                for one in (table.sel(law=name, level=level),)
-            }
-            for name in names
-        },
+        numbers={law: {level: _numbers(found.sel(law=law, level=level)) for level in settings.levels} for law in laws},
     )
 
 
-def _laws(study: LevelStudy) -> dict[str, Any]:
+def _laws(scenario: Scenario, isolate_from: float) -> dict[str, Any]:
     """Controls by name."""
-    control = study.scenario.control
-    if isinstance(control, Passive) or study.scenario.controller() is None:
+    control, later = scenario.control, {"isolate_from": isolate_from}
+    if isinstance(control, Passive) or scenario.controller() is None:
         control = CombinedSettings()
     found = {"everywhere": control}
-    later = {"isolate_from": study.isolate_from}
     if isinstance(control, CombinedSettings):
         parts = tuple(
             part.model_copy(update=later) if isinstance(part, FeedforwardSettings | ModalSettings) else part
             for part in control.parts
         )
-        found[f"from {study.isolate_from:g} Hz"] = control.model_copy(update={"parts": parts})
+        found[f"from {isolate_from:g} Hz"] = control.model_copy(update={"parts": parts})
     elif isinstance(control, FeedforwardSettings | ModalSettings):
-        found[f"from {study.isolate_from:g} Hz"] = control.model_copy(update=later)
+        found[f"from {isolate_from:g} Hz"] = control.model_copy(update=later)
     return found
 
 
-def _case(study: LevelStudy, control: Any, level: str) -> Scenario:
-    floor = {"kind": "broadband", "level": level, "wave": {"speed": 200.0}}
-    return changed(
-        study.scenario,
-        ground=floor,
-        control=control.model_dump(exclude_none=True),
-        duration=study.duration,
-        record_rate=RECORD_RATE,
-        plates="tied" if all(a.rigid_foot for a in study.scenario.plant.actuators) else "sliding",
-        compare=(),
-        timestep="auto",
-    )
+def _case(scenario: Scenario, settings: LevelSettings, control: Any, level: str) -> Scenario:
+    values = {
+        "ground": {"kind": "broadband", "level": level, "wave": {"speed": 200.0}},
+        "control": control.model_dump(exclude_none=True),
+        "duration": settings.duration,
+        "record_rate": RECORD_RATE,
+        "plates": "tied" if all(a.rigid_foot for a in scenario.plant.actuators) else "sliding",
+        "compare": (),
+        "timestep": "auto",
+    }
+    return changed(scenario, values)
 
 
-def level_table(names: list[str], chosen: tuple[str, ...], runs: list[Result]) -> xr.Dataset:
+def level_table(laws: Sequence[str], chosen: Sequence[str], runs: Sequence[Result]) -> xr.Dataset:
     """Attenuation per band, clipped share, command and warp pressure of runs, (law, level)."""
-    shape = (len(names), len(chosen))
+    shape, over = (len(laws), len(chosen)), ("law", "level")
     attenuation = np.full((*shape, len(BANDS)), np.nan)
     clipped, command, warp = np.zeros((3, *shape))
     for at, run in zip(np.ndindex(*shape), runs, strict=True):
@@ -152,41 +127,44 @@ def level_table(names: list[str], chosen: tuple[str, ...], runs: list[Result]) -
         settled = run.dataset.sel(time=slice(SETTLED, None))
         command[at] = float(np.sqrt((settled["valve_command"].values ** 2).mean()))
         warp[at] = warp_share(run, settled)
-    over = ("law", "level")
     flat = [CLASSES[level] for level in chosen]
-    return xr.Dataset(
+    return table(
+        "attenuation against the floor's level",
         {
-            "attenuation": labelled((*over, "band"), attenuation, "dB", "vertical attenuation"),
-            "clipped": labelled(over, clipped, "1", "share of time with a command at its limit"),
-            "command": labelled(over, command, "V", "RMS of the commands"),
-            "warp": labelled(over, warp, "1", "largest warp pressure over supply pressure"),
-            "velocity": labelled(("level",), flat, "m/s", "level, RMS velocity per third-octave band"),
+            "law": (list(laws), "", "law isolates"),
+            "level": (list(chosen), "", "floor"),
+            "band": ([float(band) for band in BANDS], "Hz", "third-octave band"),
         },
-        {
-            "law": labelled(("law",), names, "", "law isolates"),
-            "level": labelled(("level",), list(chosen), "", "floor"),
-            "band": labelled(("band",), [float(band) for band in BANDS], "Hz", "third-octave band"),
-        },
-        {"title": "attenuation against the floor's level"},
+        attenuation=(attenuation, "dB", "vertical attenuation"),
+        clipped=(over, clipped, "1", "share of time with a command at its limit"),
+        command=(over, command, "V", "RMS of the commands"),
+        warp=(over, warp, "1", "largest warp pressure over supply pressure"),
+        velocity=(("level",), flat, "m/s", "level, RMS velocity per third-octave band"),
     )
 
 
 def warp_share(run: Result, part: xr.Dataset) -> float:
-    """Largest load pressure in the warp pattern, which moves nothing, over the supply pressure [-]."""
-    pressure = part["chamber_pressure"].sel(chamber=1) - part["chamber_pressure"].sel(chamber=2)
-    balance = np.abs(pressure.values @ np.array(WARP)) / len(WARP)
-    return float(balance.max() / run.scenario.supply.pressure)
+    """Largest load pressure in patterns that move nothing (warp), over the supply pressure [-]."""
+    pressure = (part["chamber_pressure"].sel(chamber=1) - part["chamber_pressure"].sel(chamber=2)).values
+    places = run.scenario.plant.positions
+    moving = pressure @ (plane(places) @ plane_fit(places)).T
+    return float(np.abs(pressure - moving).max() / run.scenario.supply.pressure)
 
 
-def _number(value: xr.DataArray) -> float | None:
-    number = float(value)
-    return number if np.isfinite(number) else None
+def _numbers(one: xr.Dataset) -> dict[str, Any]:
+    bands = zip(BANDS, one["attenuation"].values.tolist(), strict=True)
+    return {
+        "attenuation_db": {band: level if np.isfinite(level) else None for band, level in bands},
+        "clipped_share": float(one["clipped"]),
+        "command_rms_v": float(one["command"]),
+        "warp_share": float(one["warp"]),
+    }
 
 
-def _answers(table: xr.Dataset) -> list[str]:
+def _answers(levels_over: xr.Dataset) -> list[str]:
     found = []
-    for name in table.law.values:
-        one = table.sel(law=name)
+    for name in levels_over.law.values:
+        one = levels_over.sel(law=name)
         quiet = [str(level) for level in one.level.values if float(one.clipped.sel(level=level)) < 1e-3]
         until = f"up to {quiet[-1]} the valves do not clip" if quiet else "the valves clip at every level"
         words = "; ".join(
@@ -195,21 +173,23 @@ def _answers(table: xr.Dataset) -> list[str]:
             for level in one.level.values
         )
         found.append(f"Isolating {name}: {until}. At 10 Hz (share of time clipped): {words}.")
-    worst = float(table.warp.max())
+    worst = float(levels_over.warp.max())
     found.append(f"The pressure balance holds: warp pressure stays below {100 * worst:.2g} % of the supply pressure.")
     return found
 
 
-def _chart(table: xr.Dataset) -> "Figure":
-    micro = 1e6 * table.velocity.values
+def _chart(levels_over: xr.Dataset) -> "Figure":
+    micro = 1e6 * levels_over.velocity.values
     lines, shares = [], []
-    for row, name in enumerate(table.law.values):
-        for column, band in enumerate(table.band.values):
-            values = table.attenuation.sel(law=name, band=band).values
+    for row, name in enumerate(levels_over.law.values):
+        for column, band in enumerate(levels_over.band.values):
+            values = levels_over.attenuation.sel(law=name, band=band).values
             label = f"{band:g} Hz" if row == 0 else (str(name) if column == 0 else "")
             lines.append(Line(label, micro, values, column, row, width=2.0 if row == 0 else 1.0))
-        shares.append(Line("", micro, 100 * table.clipped.sel(law=name).values, 7, row, width=2.0 if row == 0 else 1.0))
+        shares.append(
+            Line("", micro, 100 * levels_over.clipped.sel(law=name).values, 7, row, width=2.0 if row == 0 else 1.0)
+        )
     panels = {"attenuation [dB]": lines, "clipped [%]": shares}
     across = "floor, RMS velocity per third-octave band [µm/s]"
-    marks = {str(level): float(at) for level, at in zip(table.level.values[:5], micro[:5], strict=False)}
+    marks = {str(level): float(at) for level, at in zip(levels_over.level.values[:5], micro[:5], strict=False)}
     return lines_chart("Attenuation against the floor's level", across, panels, "x", marks=marks)

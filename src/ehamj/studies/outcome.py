@@ -42,6 +42,8 @@ class Outcome:
     """What holds and what does not: assumptions, limits."""
     numbers: Mapping[str, Any] = field(default_factory=dict)
     """The few numbers that a script asks for, as plain data."""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """What the study was asked with, as plain data."""
 
 
 def labelled(dims: tuple[str, ...], values: Any, units: str, long_name: str) -> tuple[Any, Any, dict[str, str]]:

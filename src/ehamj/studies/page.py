@@ -50,7 +50,7 @@ def to_dict(name: str, outcome: Outcome) -> dict[str, Any]:
         "answers": list(outcome.answers),
         "notes": list(outcome.notes),
         "numbers": dict(outcome.numbers),
-    }
+    } | ({"settings": dict(outcome.settings)} if outcome.settings else {})
 
 
 def flat_table(dataset: xr.Dataset) -> tuple[list[str], list[list[Any]]]:

@@ -1,22 +1,26 @@
 """Rocking over the height of the centre of gravity and the distance of the mounts: thousands of designs at once."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.designs.footprint import LOWER, rocking_modes, slowest_rocking
-from ehamj.errors import InputError
 from ehamj.estimate.identification import realise
+from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import DOFS
 from ehamj.plots.charts import Line, map_chart
 from ehamj.rig.ringdown import JOLTS, PULSE
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
+from ehamj.studies.study import Range, among, study
+from ehamj.studies.tables import table
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
 
 if TYPE_CHECKING:
@@ -28,75 +32,59 @@ SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
 
 
-@dataclass(frozen=True)
-class RockingStudy:
-    """The map, and how many of its designs are run.
+class RockingSettings(Settings):
+    """The map, and how many of its designs are run."""
 
-    Raises:
-        InputError: if a range is not rising and positive.
-    """
-
-    scenario: Scenario
-    heights: tuple[float, float] = (0.2, 2.6)
-    """Lowest and highest CG above the mount plane [m]."""
-    widths: tuple[float, float] = (0.3, 1.8)
-    """Smallest and largest factor on the mounts' places."""
-    points: int = 51
-    """Designs each way."""
-    confirmed: int = 20
-    """Random designs that are run."""
-    soft: str = "pneumatic-mount"
-    """Preset of the second map, on which tall machines tip."""
-
-    def __post_init__(self) -> None:
-        for name in ("heights", "widths"):
-            low, high = getattr(self, name)
-            if not 0.0 < low < high < np.inf:
-                raise InputError(f"{name} = {(low, high)!r}: must be two rising, positive, finite numbers")
-
-
-def rocking_map(study: RockingStudy, scenario: Scenario) -> xr.Dataset:
-    """Modes of every design over ``height`` and ``width``: frequency, damping, growth rate and tipping margin."""
-    height = xr.DataArray(np.linspace(*study.heights, study.points), dims="height")
-    width = xr.DataArray(np.linspace(*study.widths, study.points), dims="width")
-    return rocking_modes(scenario, height, width).assign_coords(
-        height=labelled(("height",), height.values, "m", "CG height"),
-        width=labelled(("width",), width.values, "1", "factor on the mounts' places"),
-        distance=labelled(
-            ("width",), width.values * np.ptp(positions(scenario)[:, 1]), "m", "distance of the mounts in y"
-        ),
+    heights: Range = Field((0.2, 2.6), description="lowest and highest CG above the mount plane [m]")
+    widths: Range = Field((0.3, 1.8), description="smallest and largest factor on the mounts' places")
+    points: int = Field(51, ge=2, description="designs each way")
+    confirmed: int = Field(20, ge=1, description="random designs that are run")
+    soft: Annotated[str, among(ACTUATOR_PRESETS)] = Field(
+        "pneumatic-mount", description="preset of the second map, on which tall machines tip"
     )
 
 
-def confirmed_designs(study: RockingStudy, progress: Progress = silent) -> xr.Dataset:
+def rocking_map(scenario: Scenario, settings: RockingSettings) -> xr.Dataset:
+    """Modes of every design over ``height`` and ``width``: frequency, damping, growth rate and tipping margin."""
+    height = np.linspace(*settings.heights, settings.points)
+    width = np.linspace(*settings.widths, settings.points)
+    found = rocking_modes(scenario, xr.DataArray(height, dims="height"), xr.DataArray(width, dims="width"))
+    return found.assign_coords(
+        height=labelled(("height",), height, "m", "CG height"),
+        width=labelled(("width",), width, "1", "factor on the mounts' places"),
+        distance=labelled(("width",), width * np.ptp(positions(scenario)[:, 1]), "m", "distance of the mounts in y"),
+    )
+
+
+def soft_map(scenario: Scenario, settings: RockingSettings) -> xr.Dataset:
+    """The same map of the machine on soft mounts."""
+    bare = still(scenario)
+    return rocking_map(still(bare, **with_every_actuator(bare, preset(settings.soft))), settings)
+
+
+def confirmed_designs(scenario: Scenario, settings: RockingSettings, progress: Progress = silent) -> xr.Dataset:
     """Random designs of the map: lower sway-rocking frequencies computed, and identified from nonlinear ring-downs.
 
     Over ``design`` and ``mode`` (`LOWER`): ``computed`` and ``identified`` [Hz], ``deviation`` [-].
     """
-    random = np.random.default_rng(study.scenario.seed)
-    height, width = random.uniform(*study.heights, study.confirmed), random.uniform(*study.widths, study.confirmed)
-    sample = rocking_modes(study.scenario, xr.DataArray(height, dims="design"), xr.DataArray(width, dims="design"))
+    random, many = np.random.default_rng(scenario.seed), settings.confirmed
+    height, width = random.uniform(*settings.heights, many), random.uniform(*settings.widths, many)
+    sample = rocking_modes(scenario, xr.DataArray(height, dims="design"), xr.DataArray(width, dims="design"))
     computed = sample["frequency"].sel(mode=list(LOWER)).transpose("design", "mode").values
-    cases = list(zip(height, width, np.nan_to_num(computed, nan=np.inf).min(axis=1), strict=True))
+    slowest = np.nan_to_num(computed, nan=np.inf).min(axis=1)
     identified = np.empty_like(computed)
     with hydraulics():
-        for k, (h, w, slowest) in enumerate(cases):
-            progress(f"ring-down {k + 1} of {len(cases)}")
-            identified[k] = _identified(study.scenario, h, w, slowest, computed[k])
-    over = ("design", "mode")
-    return xr.Dataset(
-        {
-            "height": labelled(("design",), height, "m", "CG height"),
-            "width": labelled(("design",), width, "1", "factor on the mounts' places"),
-            "computed": labelled(over, computed, "Hz", "natural frequency, linear"),
-            "identified": labelled(over, identified, "Hz", "natural frequency, from a nonlinear ring-down"),
-            "deviation": labelled(over, identified / computed - 1.0, "1", "deviation"),
-        },
-        {
-            "design": labelled(("design",), np.arange(1, len(cases) + 1), "1", "design"),
-            "mode": labelled(("mode",), list(LOWER), "", "mode"),
-        },
-        {"title": "random designs, confirmed by nonlinear ring-downs"},
+        for k in range(many):
+            progress(f"ring-down {k + 1} of {many}")
+            identified[k] = _identified(scenario, height[k], width[k], slowest[k], computed[k])
+    return table(
+        "random designs, confirmed by nonlinear ring-downs",
+        {"design": (np.arange(1, many + 1), "1", "design"), "mode": (list(LOWER), "", "mode")},
+        height=(("design",), height, "m", "CG height"),
+        width=(("design",), width, "1", "factor on the mounts' places"),
+        computed=(computed, "Hz", "natural frequency, linear"),
+        identified=(identified, "Hz", "natural frequency, from a nonlinear ring-down"),
+        deviation=(identified / computed - 1.0, "1", "deviation"),
     )
 
 
@@ -120,50 +108,49 @@ def _identified(scenario: Scenario, height: float, width: float, slowest: float,
     return np.where(np.isnan(wanted), np.nan, nearest)
 
 
-def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine has no linear model in closed form.
-    """
-    progress(f"{study.points**2} designs")
-    own = rocking_map(study, study.scenario)
-    bare = still(study.scenario)
-    soft = rocking_map(study, still(bare, **with_every_actuator(bare, preset(study.soft))))
-    runs = confirmed_designs(study, progress)
+@study(
+    "rocking",
+    RockingSettings,
+    "sway and rocking over CG height and footprint: 2,601 designs, and where soft mounts let them tip",
+    small={"points": 3, "confirmed": 1},
+)
+def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -> Outcome:
+    """A machine that has no linear model in closed form is refused."""
+    progress(f"{settings.points**2} designs")
+    own, soft = rocking_map(scenario, settings), soft_map(scenario, settings)
+    runs = confirmed_designs(scenario, settings, progress)
     worst = float(np.nanmax(np.abs(runs["deviation"].values)))
-    slow, soft_slow = slowest_rocking(own), slowest_rocking(soft)
-    itself = rocking_modes(
-        study.scenario, xr.DataArray([study.scenario.machine.cg[2]], dims="d"), xr.DataArray([1.0], dims="d")
+    slow, kind = slowest_rocking(own), settings.soft
+    here = slowest_rocking(
+        rocking_modes(scenario, xr.DataArray([scenario.machine.cg[2]], dims="d"), xr.DataArray([1.0], dims="d"))
     )
-    here = slowest_rocking(itself)[0]
-    low, high = slow.isel(height=-1, width=0), slow.isel(height=0, width=-1)
+    low, high = float(slow.isel(height=-1, width=0)), float(slow.isel(height=0, width=-1))
     tips = int((soft["tipping_margin"] < 0).sum())
     return Outcome(
         title="Rocking over CG height and footprint",
         question="How slowly does the machine sway and rock, and which designs stand?",
         answers=(
-            f"Of {slow.size} designs the slowest sway-rocking mode lies between {float(low):.1f} Hz (CG highest, "
-            f"mounts closest) and {float(high):.1f} Hz (lowest, widest); this machine has {float(here):.1f} Hz.",
-            f"On {study.soft}s, {tips} of {soft_slow.size} designs tip over: those above the red line, where m g h "
+            f"Of {slow.size} designs the slowest sway-rocking mode lies between {low:.1f} Hz (CG highest, "
+            f"mounts closest) and {high:.1f} Hz (lowest, widest); this machine has {float(here[0]):.1f} Hz.",
+            f"On {kind}s, {tips} of {slow.size} designs tip over: those above the red line, where m g h "
             "exceeds Σ k y².",
-            f"{study.confirmed} random designs, run and identified from their ring-down, agree within "
+            f"{settings.confirmed} random designs, run and identified from their ring-down, agree within "
             f"{100 * worst:.2g} %.",
         ),
-        tables={"own-actuators": own, study.soft: soft, "confirmed": runs},
+        tables={"own-actuators": own, kind: soft, "confirmed": runs},
         drawings={
             "own": Drawing(
                 "Natural frequency of the slowest sway-rocking mode on the machine's own actuators, valves held. "
                 "Dots: designs confirmed by nonlinear runs.",
-                lambda: _chart(study, own, "On its own actuators", runs),
+                lambda: _slowest_chart(scenario, own, "On its own actuators", runs),
             ),
             "damping": Drawing(
                 "Damping ratio of the least damped sway-rocking mode of the same designs.",
-                lambda: _damping_chart(study, own),
+                lambda: _damping_chart(scenario, own),
             ),
             "soft": Drawing(
-                f"The same on {study.soft}s; red: the machine tips over.",
-                lambda: _chart(study, soft, f"On {study.soft}s"),
+                f"The same on {kind}s; red: the machine tips over.",
+                lambda: _slowest_chart(scenario, soft, f"On {kind}s"),
             ),
         },
         notes=(
@@ -176,29 +163,33 @@ def rocking(study: RockingStudy, progress: Progress = silent) -> Outcome:
     )
 
 
-def _chart(study: RockingStudy, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> "Figure":
-    across = np.ptp(positions(study.scenario)[:, 1])
-    marks = [Line("this machine", [across], [study.scenario.machine.cg[2]], color=1, marker="s")]
+def _slowest_chart(scenario: Scenario, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> "Figure":
+    marks = []
     if runs is not None:
-        marks.append(Line("confirmed by runs", across * runs["width"].values, runs["height"].values, 7, marker="."))
+        across = np.ptp(positions(scenario)[:, 1]) * runs["width"].values
+        marks = [Line("confirmed by runs", across, runs["height"].values, 7, marker=".")]
+    boundary = ("tips over", -modes["tipping_margin"].transpose("height", "width").values)
+    slowest = slowest_rocking(modes)
+    return _chart(scenario, title, ("slowest sway-rocking [Hz]", slowest), points=marks, boundary=boundary)
+
+
+def _damping_chart(scenario: Scenario, modes: xr.Dataset) -> "Figure":
+    least = 100 * modes["damping_ratio"].sel(mode=list(LOWER)).min("mode")
+    levels = (2.0, 3.0, 3.5, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0)
+    return _chart(scenario, "Damping of sway-rocking", ("damping ratio [%]", least), levels=levels)
+
+
+def _chart(
+    scenario: Scenario, title: str, values: tuple[str, xr.DataArray], points: Sequence[Line] = (), **options: Any
+) -> "Figure":
+    """A quantity over distance and height, with the machine as it is."""
+    name, found = values
+    across = np.ptp(positions(scenario)[:, 1])
     return map_chart(
         title,
-        ("distance of the mounts in y [m]", modes["distance"].values),
-        ("CG height [m]", modes["height"].values),
-        ("slowest sway-rocking [Hz]", slowest_rocking(modes).transpose("height", "width").values),
-        boundary=("tips over", -modes["tipping_margin"].transpose("height", "width").values),
-        points=marks,
-    )
-
-
-def _damping_chart(study: RockingStudy, modes: xr.Dataset) -> "Figure":
-    least = modes["damping_ratio"].sel(mode=list(LOWER)).min("mode").transpose("height", "width")
-    across = np.ptp(positions(study.scenario)[:, 1])
-    return map_chart(
-        "Damping of sway-rocking",
-        ("distance of the mounts in y [m]", modes["distance"].values),
-        ("CG height [m]", modes["height"].values),
-        ("damping ratio [%]", 100 * least.values),
-        levels=(2.0, 3.0, 3.5, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0),
-        points=[Line("this machine", [across], [study.scenario.machine.cg[2]], color=1, marker="s")],
+        ("distance of the mounts in y [m]", found["distance"].values),
+        ("CG height [m]", found["height"].values),
+        (name, found.transpose("height", "width").values),
+        points=[Line("this machine", [across], [scenario.machine.cg[2]], color=1, marker="s"), *points],
+        **options,
     )

@@ -5,29 +5,32 @@ weight turns the machine with m g h φ. The mounts turn it back with Σ k y² φ
 the static stiffness k: oil or gas that can leak around the piston holds nothing in the long run.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 from scipy.optimize import brentq
 
-from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 from ehamj.studies.floors import Loop, floor_response, rigid_floor
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.tables import modes_table
-from ehamj.studies.variants import changed, positions, preset, resized, still, with_every_actuator
+from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.study import Positive, among, study
+from ehamj.studies.tables import modes_table, table
+from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,29 +46,20 @@ MARGIN = 5e-3
 """Off the boundary by this much, nonlinear runs are made."""
 
 
-@dataclass(frozen=True)
-class SoftMountStudy:
-    """Which machine, on which mounts.
+class SoftMountSettings(Settings):
+    """On which mounts the machine is put, and where it is looked for when it tips."""
 
-    Raises:
-        InputError: if a width is not positive, or there is no gravity.
-    """
-
-    scenario: Scenario
-    presets: tuple[str, ...] = MOUNTS_COMPARED
-    widths: tuple[float, ...] = (0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5)
-    """Factors on the mounts' places for which the tipping boundary is computed."""
-    simulated: tuple[float, ...] = (0.5, 1.0)
-    """Factors for which it is found by nonlinear simulation, too."""
-    duration: float = 60.0
-    """Simulated time of each run [s]."""
-
-    def __post_init__(self) -> None:
-        if self.scenario.gravity == 0.0:
-            raise InputError("gravity = 0 m/s²: must be positive for this study, since nothing tips without it")
-        for factor in (*self.widths, *self.simulated):
-            if not 0.0 < factor < np.inf:
-                raise InputError(f"widths: {factor!r} must be a positive, finite factor")
+    presets: tuple[Annotated[str, among(ACTUATOR_PRESETS)], ...] = Field(
+        MOUNTS_COMPARED, min_length=1, description="presets of the mounts"
+    )
+    widths: tuple[Positive, ...] = Field(
+        (0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5),
+        description="factors on the mounts' places for which the tipping boundary is computed",
+    )
+    simulated: tuple[Positive, ...] = Field(
+        (0.5, 1.0), description="factors for which it is found by nonlinear simulation, too"
+    )
+    duration: float = Field(60.0, gt=0, description="simulated time of each run [s]")
 
 
 def static_stiffness(actuator: Actuator) -> float:
@@ -128,8 +122,8 @@ def falls(scenario: Scenario, about: str, duration: float = 60.0) -> bool:
     """
     dof = "rx" if about == "about x" else "ry"
     nudge = {"kind": "shock", "dof": dof, "velocity": NUDGE, "pulse_time": 0.05, "return_time": 0.2, "begin": 0.01}
-    output = {"replay": False, "report": False}
-    run = simulate(changed(scenario, ground=nudge, duration=duration, record_rate=200.0, output=output))
+    values = {"ground": nudge, "duration": duration, "record_rate": 200.0}
+    run = simulate(changed(scenario, values))
     tilt = np.abs(run.dataset["machine_displacement"].sel(dof=dof).values)
     return bool(tilt[-tilt.size // 10 :].max() > 1.5 * tilt[: tilt.size // 2].max())
 
@@ -141,119 +135,112 @@ def boundary(scenario: Scenario, actuator: Actuator, width: float) -> float:
     return float(brentq(rate, 0.9 * closed, 1.1 * closed, xtol=1e-5 * closed))
 
 
-def soft_mounts(study: SoftMountStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if a machine cannot stand on its mounts at all.
-    """
+@study(
+    "soft-mounts",
+    SoftMountSettings,
+    "elastic and pneumatic mounts as the baseline, and when the machine tips over on them",
+    small={"presets": ("pneumatic-mount",), "widths": (1.0,), "simulated": (1.0,), "duration": 2.0},
+)
+def soft_mounts(scenario: Scenario, settings: SoftMountSettings, progress: Progress) -> Outcome:
+    """A machine without gravity, or that cannot stand on its mounts at all, is refused."""
+    check_gravity(scenario, "tips")
     progress("tipping boundary")
-    tipping = tipping_table(study)
+    tipping = tipping_table(scenario, settings)
     progress("transmissibility and modes")
-    systems = compared_systems(study)
+    systems = compared_systems(scenario, settings.presets)
+    gains = transmissibility_table(systems)
+    height = tipping["eigenvalue"].sel(width=1.0)
     return Outcome(
         title="Soft passive mounts",
         question="How well do passive mounts isolate this machine, and when does it tip over on them?",
-        answers=_answers(study, tipping),
+        answers=_answers(scenario, len(settings.simulated), tipping),
         tables={
             "tipping": tipping,
-            "transmissibility": transmissibility_table(systems),
+            "transmissibility": gains,
             "modes": modes_table({name: model for name, (model, _) in systems.items()}),
         },
         drawings={
             "tipping": Drawing(
                 "CG height at which the machine tips, over half the distance of the mounts (the narrower direction). "
-                "Squares: nonlinear runs of 60 s; filled ones fell over.",
-                lambda: _tipping_chart(study, tipping),
+                f"Squares: nonlinear runs of {settings.duration:g} s; filled ones fell over.",
+                lambda: _tipping_chart(tipping, scenario.machine.cg[2]),
             ),
             "heave": Drawing(
                 "How much of a heaving floor reaches the centre of gravity; below 0 dB the machine is quieter.",
-                lambda: _transmissibility_chart(systems, "z", "Floor to machine, vertical"),
+                lambda: _gain_chart(gains.sel(axis="z"), "Floor to machine, vertical"),
             ),
             "sway": Drawing(
                 "The same along x. The isolators act vertically, and reach sway only through its rocking part.",
-                lambda: _transmissibility_chart(systems, "x", "Floor to machine, along x"),
+                lambda: _gain_chart(gains.sel(axis="x"), "Floor to machine, along x"),
             ),
         },
-        notes=(
-            "Transmissibility is that of the linear model: a floor that drives valves to their "
-            "limits is isolated less (`ehamj run`).",
-            "The presets elastic-mount (a spring of 5 Hz under 4 t) and pneumatic-mount (an air spring with damping "
-            "chamber, 2 Hz) are assumed, typical values; levelling valves are not modelled.",
-            "Static stiffness is the membrane's: oil or gas leaks around the piston and holds no load that stays.",
-            "The boundary is that of a CG over the middle of the mounts; beside it the machine leans. "
-            "Mass and inertia about the CG are kept while its height changes; height counts from the mount plane.",
-        ),
+        notes=NOTES,
         numbers={
-            "tipping_height_m": {
-                str(name): float(tipping["eigenvalue"].sel(mounts=name, width=1.0)) for name in tipping["mounts"].values
-            }
+            "tipping_height_m": {name: float(height.sel(mounts=name)) for name in tipping["mounts"].values.tolist()}
         },
     )
 
 
-def tipping_table(study: SoftMountStudy) -> xr.Dataset:
+NOTES = (
+    "Transmissibility is that of the linear model: a floor that drives valves to their "
+    "limits is isolated less (`ehamj run`).",
+    "The presets elastic-mount (a spring of 5 Hz under 4 t) and pneumatic-mount (an air spring with damping "
+    "chamber, 2 Hz) are assumed, typical values; levelling valves are not modelled.",
+    "Static stiffness is the membrane's: oil or gas leaks around the piston and holds no load that stays.",
+    "The boundary is that of a CG over the middle of the mounts; beside it the machine leans. "
+    "Mass and inertia about the CG are kept while its height changes; height counts from the mount plane.",
+)
+
+
+def tipping_table(scenario: Scenario, settings: SoftMountSettings) -> xr.Dataset:
     """CG height at which the machine tips [m], over ``mounts`` and ``width``: closed form, eigenvalues, and runs.
 
     The runs stand 0.5 % below the eigenvalue's height and fall 0.5 % above; ``stands`` and ``falls`` are the heights at
     which they did, NaN where none was made or the run did otherwise.
     """
-    widths = sorted({*study.widths, *study.simulated, 1.0})
-    shape = (len(study.presets), len(widths))
+    actuators = [preset(name) for name in settings.presets]
+    widths = sorted({*settings.widths, *settings.simulated, 1.0})
+    shape = (len(actuators), len(widths))
     closed, eigen, stands, fell = (np.full(shape, np.nan) for _ in range(4))
     about = np.full(shape, "", dtype=object)
-    runs = []
-    for i, name in enumerate(study.presets):
-        for j, width in enumerate(widths):
-            actuator = preset(name)
-            both = tipping_height(tall(study.scenario, actuator, 1.0, width).plant)
-            closed[i, j], about[i, j] = min(both), AXES_OF_TIPPING[int(np.argmin(both))]
-            eigen[i, j] = boundary(study.scenario, actuator, width)
-            if width in study.simulated:
-                runs += [(i, j, side * MARGIN) for side in (-1, 1)]
+    for i, j in np.ndindex(*shape):
+        both = tipping_height(tall(scenario, actuators[i], 1.0, widths[j]).plant)
+        closed[i, j], about[i, j] = min(both), AXES_OF_TIPPING[int(np.argmin(both))]
+        eigen[i, j] = boundary(scenario, actuators[i], widths[j])
 
-    def run(case: tuple[int, int, float]) -> bool:
-        i, j, off = case
-        scenario = tall(study.scenario, preset(study.presets[i]), (1.0 + off) * eigen[i, j], widths[j])
-        return falls(scenario, about[i, j], study.duration)
+    def run(case: tuple[int, int, int]) -> None:
+        i, j, side = case
+        height = (1.0 + side * MARGIN) * eigen[i, j]
+        down = falls(tall(scenario, actuators[i], height, widths[j]), about[i, j], settings.duration)
+        if down == (side > 0):
+            (fell if down else stands)[i, j] = height
 
+    runs = [(i, j, side) for i, j in np.ndindex(*shape) if widths[j] in settings.simulated for side in (-1, 1)]
     with hydraulics(), ThreadPoolExecutor() as pool:
-        outcomes = list(pool.map(run, runs))
-    for (i, j, off), down in zip(runs, outcomes, strict=True):
-        if down == (off > 0):
-            (fell if down else stands)[i, j] = (1.0 + off) * eigen[i, j]
-    over = ("mounts", "width")
-    half = 0.5 * np.ptp(positions(study.scenario), axis=0).min()
-    return xr.Dataset(
-        {
-            "half_distance": labelled(("width",), half * np.array(widths), "m", "half distance of the mounts"),
-            "about": labelled(over, about.astype(str), "", "direction in which it tips first"),
-            "closed_form": labelled(over, closed, "m", "CG height, closed form Σ k y²/(m g)"),
-            "eigenvalue": labelled(over, eigen, "m", "CG height, from eigenvalues"),
-            "stands": labelled(over, stands, "m", "CG height at which a run stood"),
-            "falls": labelled(over, fell, "m", "CG height at which a run fell over"),
-        },
-        {
-            "mounts": labelled(("mounts",), list(study.presets), "", "mounts"),
-            "width": labelled(("width",), widths, "1", "factor on the mounts' places"),
-        },
-        {"title": "CG height at which the machine tips over"},
+        list(pool.map(run, runs))
+    half = 0.5 * np.ptp(positions(scenario), axis=0).min()
+    return table(
+        "CG height at which the machine tips over",
+        {"mounts": (list(settings.presets), "", "mounts"), "width": (widths, "1", "factor on the mounts' places")},
+        half_distance=(("width",), half * np.array(widths), "m", "half distance of the mounts"),
+        about=(about.astype(str), "", "direction in which it tips first"),
+        closed_form=(closed, "m", "CG height, closed form Σ k y²/(m g)"),
+        eigenvalue=(eigen, "m", "CG height, from eigenvalues"),
+        stands=(stands, "m", "CG height at which a run stood"),
+        falls=(fell, "m", "CG height at which a run fell over"),
     )
 
 
 Systems = Mapping[str, tuple[LinearModel, Loop | None]]
 
 
-def compared_systems(study: SoftMountStudy) -> Systems:
+def compared_systems(scenario: Scenario, presets: Sequence[str] = MOUNTS_COMPARED) -> Systems:
     """The machine on each kind of soft mount and on its own actuators: valves held, and under its control if any."""
-    scenario = study.scenario
-    found: dict[str, tuple[LinearModel, Loop | None]] = {}
-    for name in study.presets:
-        passive = still(scenario)
-        found[name] = (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None)
-    own = linear_model(scenario)
+    passive, own, loop = still(scenario), linear_model(scenario), Loop.of(scenario)
+    found: dict[str, tuple[LinearModel, Loop | None]] = {
+        name: (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None) for name in presets
+    }
     found["its own, valves held"] = (own, None)
-    loop = Loop.of(scenario)
     if loop is not None:
         found["its own, controlled"] = (own, loop)
     return found
@@ -262,94 +249,68 @@ def compared_systems(study: SoftMountStudy) -> Systems:
 def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.Dataset:
     """CG motion over that of a rigid floor along x, y and z [-], over ``system``, ``axis`` and ``frequency``."""
     f = np.geomspace(0.3, 300.0, 301) if hertz is None else hertz
-    values = np.array(
-        [
-            [
-                np.abs(floor_response(model, loop, f, (f"cg_displacement {axis}",), _floor(model, axis))[:, 0])
-                for axis in AXES
-            ]
-            for model, loop in systems.values()
-        ]
-    )
-    return xr.Dataset(
-        {"gain": labelled(("system", "axis", "frequency"), values, "1", "CG over floor")},
+
+    def gain(model: LinearModel, loop: Loop | None, axis: str) -> Array:
+        floor = rigid_floor(model.plant, axis)
+        return np.abs(floor_response(model, loop, f, (f"cg_displacement {axis}",), floor)[:, 0])
+
+    return table(
+        "floor to machine",
         {
-            "system": labelled(("system",), list(systems), "", "mounts"),
-            "axis": labelled(("axis",), list(AXES), "", "axis"),
-            "frequency": labelled(("frequency",), f, "Hz", "frequency"),
+            "system": (list(systems), "", "mounts"),
+            "axis": (list(AXES), "", "axis"),
+            "frequency": (f, "Hz", "frequency"),
         },
-        {"title": "floor to machine"},
+        gain=(np.array([[gain(*one, axis) for axis in AXES] for one in systems.values()]), "1", "CG over floor"),
     )
 
 
-def _floor(model: LinearModel, axis: str) -> NDArray[np.complex128]:
-    return rigid_floor(model.plant, axis)
-
-
-def _answers(study: SoftMountStudy, tipping: xr.Dataset) -> tuple[str, ...]:
-    height = study.scenario.machine.cg[2]
+def _answers(scenario: Scenario, simulated: int, tipping: xr.Dataset) -> tuple[str, ...]:
+    height = scenario.machine.cg[2]
     one = tipping.sel(width=1.0)
     found = []
-    for name in tipping["mounts"].values:
+    for name in tipping["mounts"].values.tolist():
         limit, about = float(one["eigenvalue"].sel(mounts=name)), str(one["about"].sel(mounts=name).values)
-        tilt = lean(study.scenario, preset(str(name)))
+        tilt = lean(scenario, preset(name))
         leaning = f", leaning by {1e3 * tilt:.2g} mrad" if tilt > 1e-6 else ""
         state = f"stands{leaning}" if height < limit else "TIPS OVER"
         found.append(
             f"On {name}, the machine tips {about} with its CG above {limit:.2f} m; at {height:.2f} m it {state}."
         )
     half = float(one["half_distance"])
-    rule = np.sqrt(study.scenario.gravity * height) / (2 * np.pi * half)
-    found.append(
+    rule = np.sqrt(scenario.gravity * height) / (2 * np.pi * half)
+    stood, fell = (int(np.isfinite(tipping[what]).sum()) for what in ("stands", "falls"))
+    wanted = tipping.sizes["mounts"] * simulated
+    return (
+        *found,
         f"As a rule, whatever the mass: mounts tip the machine when it heaves below √(g h)/(2π b) = {rule:.2f} Hz, "
-        f"with CG height h = {height:.2f} m and half the mounts' distance b = {half:.2f} m."
+        f"with CG height h = {height:.2f} m and half the mounts' distance b = {half:.2f} m.",
+        f"Nonlinear runs agree: {stood} of {wanted} stood {100 * MARGIN:g} % below the computed height, and "
+        f"{fell} of {wanted} fell over {100 * MARGIN:g} % above.",
     )
-    done = int(np.isfinite(tipping["stands"]).sum()), int(np.isfinite(tipping["falls"]).sum())
-    wanted = len(study.presets) * len(study.simulated)
-    found.append(
-        f"Nonlinear runs agree: {done[0]} of {wanted} stood {100 * MARGIN:g} % below the computed height, and "
-        f"{done[1]} of {wanted} fell over {100 * MARGIN:g} % above."
-    )
-    return tuple(found)
 
 
-def _tipping_chart(study: SoftMountStudy, tipping: xr.Dataset) -> "Figure":
+def _tipping_chart(tipping: xr.Dataset, height: float) -> "Figure":
     half = tipping["half_distance"].values
-    lines = []
-    for k, name in enumerate(tipping["mounts"].values):
-        one = tipping.sel(mounts=name)
-        lines.append(Line(f"{name}: tips above", half, one["closed_form"].values, color=k))
-    for label, marker in (("stands", "s"), ("falls", "X")):
-        both = np.concatenate([tipping[label].sel(mounts=name).values for name in tipping["mounts"].values])
-        words = {"stands": "run stood (0.5 % below)", "falls": "run fell (0.5 % above)"}[label]
-        lines.append(
-            Line(words, np.tile(half, tipping.sizes["mounts"]), both, color=7 if marker == "s" else 1, marker=marker)
-        )
-    lines.append(
-        Line(
-            "this machine",
-            [half[list(tipping["width"].values).index(1.0)]],
-            [study.scenario.machine.cg[2]],
-            2,
-            marker="o",
-        )
-    )
+    lines = [
+        Line(f"{name}: tips above", half, tipping["closed_form"].sel(mounts=name).values, color=k)
+        for k, name in enumerate(tipping["mounts"].values)
+    ]
+    runs = (("stands", "run stood (0.5 % below)", 7, "s"), ("falls", "run fell (0.5 % above)", 1, "X"))
+    for what, words, color, marker in runs:
+        both = tipping[what].transpose("mounts", "width").values.ravel()
+        lines.append(Line(words, np.tile(half, tipping.sizes["mounts"]), both, color, marker=marker))
+    here = float(tipping["half_distance"].sel(width=1.0))
+    lines.append(Line("this machine", [here], [height], 2, marker="o"))
     return lines_chart(
         "When it tips over", "half distance of the mounts [m]", {"CG height [m]": lines}, logarithmic="y"
     )
 
 
-def _transmissibility_chart(systems: Systems, axis: str, title: str) -> "Figure":
-    table = transmissibility_table(systems)["gain"].sel(axis=axis)
-    f = table["frequency"].values
+def _gain_chart(gains: xr.Dataset, title: str) -> "Figure":
     lines = [
-        Line(str(name), f, 20 * np.log10(table.sel(system=name).values), color=k, dash=k)
-        for k, name in enumerate(table["system"].values)
+        Line(str(name), gains["frequency"].values, 20 * np.log10(gains["gain"].sel(system=name).values), k, k)
+        for k, name in enumerate(gains["system"].values)
     ]
-    return lines_chart(
-        title,
-        "frequency [Hz]",
-        {"CG over floor [dB]": lines},
-        logarithmic="x",
-        limits={"CG over floor [dB]": (-70.0, 30.0)},
-    )
+    label = "CG over floor [dB]"
+    return lines_chart(title, "frequency [Hz]", {label: lines}, logarithmic="x", limits={label: (-70.0, 30.0)})

@@ -1,6 +1,7 @@
-"""Tables that several studies share."""
+"""Tables of studies, every column with its unit and what it is."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,6 +9,23 @@ import xarray as xr
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
 from ehamj.studies.outcome import labelled
+
+Column = tuple[Any, str, str]
+"""Values, unit ("" for names and flags) and what they are."""
+
+
+def table(
+    title: str, over: Mapping[str, Column], **variables: Column | tuple[tuple[str, ...], Any, str, str]
+) -> xr.Dataset:
+    """Variables over all the dimensions ``over``, in this order, or over those of them that stand before the values."""
+    return xr.Dataset(
+        {
+            name: labelled(*column) if len(column) == 4 else labelled(tuple(over), *column)
+            for name, column in variables.items()
+        },
+        {name: labelled((name,), *column) for name, column in over.items()},
+        {"title": title},
+    )
 
 
 def modes_table(models: Mapping[str, LinearModel]) -> xr.Dataset:
@@ -19,16 +37,10 @@ def modes_table(models: Mapping[str, LinearModel]) -> xr.Dataset:
     for i, own in enumerate(found.values()):
         for j, mode in enumerate(own):
             names[i, j], frequency[i, j], damping[i, j] = mode.name, mode.frequency, mode.damping_ratio
-    over = ("system", "number")
-    return xr.Dataset(
-        {
-            "name": labelled(over, names.astype(str), "", "mode"),
-            "frequency": labelled(over, frequency, "Hz", "natural frequency"),
-            "damping": labelled(over, damping, "1", "damping ratio"),
-        },
-        {
-            "system": labelled(("system",), list(found), "", "machine"),
-            "number": labelled(("number",), np.arange(1, most + 1), "1", "number"),
-        },
-        {"title": "modes"},
+    return table(
+        "modes",
+        {"system": (list(found), "", "machine"), "number": (np.arange(1, most + 1), "1", "number")},
+        name=(names.astype(str), "", "mode"),
+        frequency=(frequency, "Hz", "natural frequency"),
+        damping=(damping, "1", "damping ratio"),
     )

@@ -1,22 +1,23 @@
 """Unequal loads: the centre of gravity beside the middle of the mounts."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import floor_response, modes_of
-from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
-from ehamj.plant.mounts import MOUNTS
 from ehamj.plots.charts import Line, map_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.failed import static_forces
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.variants import positions, resized, still
+from ehamj.settings import Settings
+from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
+from ehamj.studies.rest import static_forces
+from ehamj.studies.study import Positive, Range, study
+from ehamj.studies.tables import table
+from ehamj.studies.variants import check_gravity, positions, resized, still
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,141 +25,133 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class UnequalStudy:
-    """Offsets of the CG, as shares of half the mounts' distances in x and y.
+class UnequalSettings(Settings):
+    """Offsets of the CG, as shares of half the mounts' distances in x and y."""
 
-    Raises:
-        InputError: if the reach is not positive, or there is no gravity.
-    """
-
-    scenario: Scenario
-    reach: float = 1.1
-    points: int = 45
-    frequency: tuple[float, float] = (1.0, 100.0)
-    """Range in which rotations by a heaving floor are looked for [Hz]."""
-    confirmed: int = 20
-    """Random offsets whose loads are computed by the simulator's own equilibrium."""
-
-    def __post_init__(self) -> None:
-        if self.scenario.gravity == 0.0:
-            raise InputError(
-                "gravity = 0 m/s²: must be positive for this study, since nothing loads the mounts without it"
-            )
-        if not 0.0 < self.reach < np.inf:
-            raise InputError(f"reach = {self.reach!r}: must be positive and finite")
+    reach: Positive = Field(1.1, description="largest offset, as a share of half the mounts' distance")
+    points: int = Field(45, ge=2, description="offsets each way")
+    frequency: Range = Field(
+        (1.0, 100.0), description="range in which rotations by a heaving floor are looked for [Hz]"
+    )
+    confirmed: int = Field(
+        20, ge=1, description="random offsets whose loads are computed by the simulator's own equilibrium"
+    )
 
 
-def loads_map(study: UnequalStudy) -> xr.Dataset:
+def _middle(scenario: Scenario) -> tuple[Array, Array]:
+    """Middle of the mounts, and half their distances, in x and y [m]."""
+    places = positions(scenario)
+    return places.mean(axis=0), 0.5 * np.ptp(places, axis=0)
+
+
+def loads_map(scenario: Scenario, settings: UnequalSettings) -> xr.Dataset:
     """Over ``y`` and ``x`` of the CG [m]: load of each mount [N], turn by a heaving floor [rad/m], lowest mode [Hz]."""
-    half = 0.5 * np.ptp(positions(study.scenario), axis=0)
-    centre = positions(study.scenario).mean(axis=0)
-    x, y = (c + study.reach * h * np.linspace(-1.0, 1.0, study.points) for c, h in zip(centre, half, strict=True))
-    found = _offsets(study, xr.DataArray(y, dims="y"), xr.DataArray(x, dims="x"))
+    share = settings.reach * np.linspace(-1.0, 1.0, settings.points)
+    x, y = (centre + half * share for centre, half in zip(*_middle(scenario), strict=True))
+    found = _offsets(scenario, settings, xr.DataArray(x, dims="x"), xr.DataArray(y, dims="y"))
     return found.assign_coords(
-        x=labelled(("x",), x, "m", "CG in x"), y=labelled(("y",), y, "m", "CG in y"), mount=list(MOUNTS)
+        x=labelled(("x",), x, "m", "CG in x"),
+        y=labelled(("y",), y, "m", "CG in y"),
+        mount=list(scenario.plant.mounts),
     ).assign_attrs(title="unequal loads")
 
 
-def _offsets(study: UnequalStudy, y: xr.DataArray, x: xr.DataArray) -> xr.Dataset:
-    many = Designs.of(study.scenario, {"machine.cg.1": y, "machine.cg.0": x})
+def _offsets(scenario: Scenario, settings: UnequalSettings, x: xr.DataArray, y: xr.DataArray) -> xr.Dataset:
+    many = Designs.of(scenario, {"machine.cg.1": y, "machine.cg.0": x})
     modes = modes_of(many).reset_coords(drop=True)
-    stiffness = [-actuator.membrane_stiffness for actuator in study.scenario.plant.actuators]
-    hertz = np.geomspace(*study.frequency, 60)
-    answer = floor_response(many, hertz, "z").reset_coords(drop=True).sel(output=["rx", "ry"])
-    turns = xr.apply_ufunc(np.abs, answer)
+    stiffness = xr.DataArray([-actuator.membrane_stiffness for actuator in scenario.plant.actuators], dims="mount")
+    answer = floor_response(many, np.geomspace(*settings.frequency, 60), "z").reset_coords(drop=True)
+    turns = xr.apply_ufunc(np.abs, answer.sel(output=["rx", "ry"]))
     largest = xr.apply_ufunc(np.sqrt, (turns**2).sum("output")).max("frequency")
-    about = "rotation over a heaving floor, largest at any frequency"
+    columns = {
+        "load": (modes["rest_stroke"] * stiffness, "N", "load of a mount at rest"),
+        "turn": (largest, "rad/m", "rotation over a heaving floor, largest at any frequency"),
+        "lowest": (modes["frequency"].min("mode"), "Hz", "slowest mode"),
+        "highest": (modes["frequency"].max("mode"), "Hz", "fastest mode"),
+    }
     return xr.Dataset(
-        {
-            "load": (modes["rest_stroke"] * xr.DataArray(stiffness, dims="mount")).assign_attrs(
-                units="N", long_name="load of a mount at rest"
-            ),
-            "turn": largest.assign_attrs(units="rad/m", long_name=about),
-            "lowest": modes["frequency"].min("mode").assign_attrs(units="Hz", long_name="slowest mode"),
-            "highest": modes["frequency"].max("mode").assign_attrs(units="Hz", long_name="fastest mode"),
-        }
+        {key: values.assign_attrs(units=unit, long_name=name) for key, (values, unit, name) in columns.items()}
     )
 
 
-def confirmed_loads(study: UnequalStudy) -> xr.Dataset:
+def confirmed_loads(scenario: Scenario, settings: UnequalSettings) -> xr.Dataset:
     """Random offsets: the mounts' loads in closed form, and those of the simulator's equilibrium [N]."""
-    random = np.random.default_rng(study.scenario.seed)
-    half, centre = 0.5 * np.ptp(positions(study.scenario), axis=0), positions(study.scenario).mean(axis=0)
-    at = centre + half * random.uniform(-0.9, 0.9, (study.confirmed, 2))
-    sample = _offsets(study, xr.DataArray(at[:, 1], dims="design"), xr.DataArray(at[:, 0], dims="design"))
+    random = np.random.default_rng(scenario.seed)
+    centre, half = _middle(scenario)
+    at = centre + half * random.uniform(-0.9, 0.9, (settings.confirmed, 2))
+    x, y = (xr.DataArray(values, dims="design") for values in at.T)
+    sample, over = _offsets(scenario, settings, x, y), ("design", "mount")
     simulated = []
-    for x, y in at:
-        cg = (x, y, study.scenario.machine.cg[2])
-        forces = static_forces(linear_model(still(study.scenario, **resized(study.scenario, cg))))
+    for place in at.tolist():
+        cg = (*place, scenario.machine.cg[2])
+        forces = static_forces(linear_model(still(scenario, **resized(scenario, cg))))
         simulated.append(forces["oil"] + forces["membrane"])
-    over = ("design", "mount")
-    return xr.Dataset(
+    return table(
+        "random offsets, confirmed by the simulator",
         {
-            "x": labelled(("design",), at[:, 0], "m", "CG in x"),
-            "y": labelled(("design",), at[:, 1], "m", "CG in y"),
-            "load": labelled(over, sample["load"].transpose(*over).values, "N", "load at rest, closed form"),
-            "simulated": labelled(over, np.array(simulated), "N", "load at rest, simulator's equilibrium"),
+            "design": (np.arange(1, len(at) + 1), "1", "design"),
+            "mount": (list(scenario.plant.mounts), "", "mount"),
         },
-        {
-            "design": labelled(("design",), np.arange(1, len(at) + 1), "1", "design"),
-            "mount": labelled(("mount",), list(MOUNTS), "", "mount"),
-        },
-        {"title": "random offsets, confirmed by the simulator"},
+        x=(("design",), at[:, 0], "m", "CG in x"),
+        y=(("design",), at[:, 1], "m", "CG in y"),
+        load=(sample["load"].transpose(*over).values, "N", "load at rest, closed form"),
+        simulated=(np.array(simulated), "N", "load at rest, simulator's equilibrium"),
     )
 
 
-def unequal_loads(study: UnequalStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine has no linear model in closed form.
-    """
+@study(
+    "unequal-loads",
+    UnequalSettings,
+    "a centre of gravity beside the middle: loads of the mounts, heave that rocks",
+    small={"points": 5, "confirmed": 1},
+)
+def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progress) -> Outcome:
+    """A machine without gravity, or that has no linear model in closed form, is refused."""
+    check_gravity(scenario, "loads the mounts")
     progress("offsets")
-    table = loads_map(study)
+    offsets = loads_map(scenario, settings)
     progress("equilibria of random offsets")
-    runs = confirmed_loads(study)
-    plant = study.scenario.plant
+    runs = confirmed_loads(scenario, settings)
+    plant = scenario.plant
     weight = plant.total_mass * plant.gravity
     off = float(np.abs(runs["simulated"] - runs["load"]).max()) / weight
-    least = table["load"].min("mount") / (0.25 * weight)
+    least = offsets["load"].min("mount") / (weight / len(plant.mounts))
     x, y = plant.machine.cg[:2]
-    here = table.sel(x=x, y=y, method="nearest")
-    shares = ", ".join(
-        f"{name} {1e-3 * float(load):.1f}" for name, load in zip(MOUNTS, here["load"].values, strict=True)
-    )
-    tenth = 0.1 * 0.5 * np.ptp(positions(study.scenario)[:, 0])
-    aside = table.sel(x=x + tenth, y=y, method="nearest")
+    here = offsets.sel(x=x, y=y, method="nearest")
+    tenth = 0.1 * float(_middle(scenario)[1][0])
+    aside = offsets.sel(x=x + tenth, y=y, method="nearest")
+    shares = ", ".join(f"{name} {1e-3 * float(here['load'].sel(mount=name)):.1f}" for name in plant.mounts)
+    low, high = settings.frequency
     return Outcome(
         title="Unequal loads",
         question="What does a centre of gravity beside the middle of the mounts do?",
         answers=(
             f"At rest this machine's mounts carry (kN): {shares}.",
             f"A CG {1e3 * tenth:.0f} mm further front changes the front mounts' load to "
-            f"{1e-3 * float(aside['load'][0]):.1f} kN "
-            f"and makes a heaving floor turn the machine by up to {float(aside['turn']):.2g} rad per m between "
-            f"{study.frequency[0]:g} and {study.frequency[1]:g} Hz; here it is {float(here['turn']):.2g}.",
+            f"{1e-3 * float(aside['load'][0]):.1f} kN and makes a heaving floor turn the machine by up to "
+            f"{float(aside['turn']):.2g} rad per m between {low:g} and {high:g} Hz; here it is "
+            f"{float(here['turn']):.2g}.",
             f"{100 * float((least < 0).mean()):.0f} % of the offsets shown lift a foot: its membrane would have "
             "to pull.",
-            f"{study.confirmed} random offsets agree with the simulator's own equilibrium within {off:.1g} of "
+            f"{settings.confirmed} random offsets agree with the simulator's own equilibrium within {off:.1g} of "
             "the weight.",
         ),
-        tables={"offsets": table, "confirmed": runs},
+        tables={"offsets": offsets, "confirmed": runs},
         drawings={
             "loads": Drawing(
                 "Load of the least loaded mount over a quarter of the weight; red: a foot would lift off.",
-                lambda: _chart(study, table, "Least loaded mount", "load over a quarter [%]", 100 * least, -least),
+                lambda: _chart(scenario, "Least loaded mount", ("load over a quarter [%]", 100 * least), -least),
             ),
             "turn": Drawing(
                 "Largest rotation that a heaving floor causes, valves held: a CG beside the middle couples heave "
                 "and rocking.",
                 lambda: _chart(
-                    study, table, "Heaving floor turns the machine", "rotation over floor [rad/m]", table["turn"]
+                    scenario, "Heaving floor turns the machine", ("rotation over floor [rad/m]", offsets["turn"])
                 ),
             ),
             "lowest": Drawing(
                 "Natural frequency of the slowest mode.",
-                lambda: _chart(study, table, "Slowest mode", "frequency [Hz]", table["lowest"]),
+                lambda: _chart(scenario, "Slowest mode", ("frequency [Hz]", offsets["lowest"])),
             ),
         },
         notes=("Mounts as they are, at rest under gravity, valves held. Height of the CG, mass and inertia are kept.",),
@@ -167,20 +160,17 @@ def unequal_loads(study: UnequalStudy, progress: Progress = silent) -> Outcome:
 
 
 def _chart(
-    study: UnequalStudy,
-    table: xr.Dataset,
-    title: str,
-    name: str,
-    values: xr.DataArray,
-    boundary: xr.DataArray | None = None,
+    scenario: Scenario, title: str, values: tuple[str, xr.DataArray], lifts: xr.DataArray | None = None
 ) -> "Figure":
-    at, cg = positions(study.scenario), study.scenario.machine.cg
+    at, cg = positions(scenario), scenario.machine.cg
+    name, found = values
+    boundary: Any = None if lifts is None else ("a foot lifts off", lifts.transpose("y", "x").values)
     return map_chart(
         title,
-        ("CG in x [m], front to the right", table["x"].values),
-        ("CG in y [m], left is up", table["y"].values),
-        (name, values.transpose("y", "x").values),
-        boundary=None if boundary is None else ("a foot lifts off", boundary.transpose("y", "x").values),
+        ("CG in x [m], front to the right", found["x"].values),
+        ("CG in y [m], left is up", found["y"].values),
+        (name, found.transpose("y", "x").values),
+        boundary=boundary,
         points=[
             Line("this machine", [cg[0]], [cg[1]], color=1, marker="o"),
             Line("mounts", at[:, 0], at[:, 1], color=7, marker="s"),

@@ -1,23 +1,25 @@
 """Valve and oil: what their parameters do to the machine's modes, and how fast a position loop may be."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, modes_of
-from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, lines_chart
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 from ehamj.studies.floors import Loop
-from ehamj.studies.gains import highest_factor, inertial_position
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.variants import changed
+from ehamj.studies.position_loop import highest_factor, inertial_position
+from ehamj.studies.study import Positive, among, study
+from ehamj.studies.tables import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,30 +34,23 @@ TRIED: Final = 20.0
 """Crossover of the loop whose gain is raised [Hz]."""
 
 
-@dataclass(frozen=True)
-class ValveOilStudy:
-    """Factors on one parameter of every actuator at a time, and shares of entrained air.
+class ValveOilSettings(Settings):
+    """Factors on one parameter of every actuator at a time, and shares of entrained air."""
 
-    Raises:
-        InputError: if a factor is not positive, or a share of air not below one.
-    """
-
-    scenario: Scenario
-    factors: tuple[float, ...] = tuple(np.geomspace(0.25, 4.0, 33).tolist())
-    loops: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0)
-    """Factors at which the fastest position loop is looked for."""
-    looped: tuple[str, ...] = (*VALVE, *OIL)
-    """Parameters that are changed for it."""
-    air: tuple[float, ...] = tuple(np.linspace(0.0, 0.05, 26).tolist())
-    """Entrained air at 1 atm [-], the given modulus being the liquid's."""
-
-    def __post_init__(self) -> None:
-        for factor in (*self.factors, *self.loops):
-            if not 0.0 < factor < np.inf:
-                raise InputError(f"factors: {factor!r} must be positive and finite")
-        for share in self.air:
-            if not 0.0 <= share < 1.0:
-                raise InputError(f"air: {share!r} must be from 0 to below 1")
+    factors: tuple[Positive, ...] = Field(
+        tuple(np.geomspace(0.25, 4.0, 33).tolist()), min_length=1, description="factors on a parameter"
+    )
+    loops: tuple[Positive, ...] = Field(
+        (0.25, 0.5, 1.0, 2.0, 4.0), description="factors at which the fastest position loop is looked for; 1 and 2 too"
+    )
+    looped: tuple[Annotated[str, among((*VALVE, *OIL))], ...] = Field(
+        (*VALVE, *OIL), min_length=1, description="parameters that are changed for it"
+    )
+    air: tuple[Annotated[float, Field(ge=0, lt=1)], ...] = Field(
+        tuple(np.linspace(0.0, 0.05, 26).tolist()),
+        min_length=1,
+        description="entrained air at 1 atm, the given modulus being the liquid's [-]",
+    )
 
 
 def _every(scenario: Scenario, name: str, values: xr.DataArray, relative: bool = True) -> dict[str, xr.DataArray]:
@@ -65,82 +60,77 @@ def _every(scenario: Scenario, name: str, values: xr.DataArray, relative: bool =
     return {f"actuators.{one}.{name}": values * own[one] for one in used}
 
 
-def modes_over_factors(study: ValveOilStudy) -> xr.Dataset:
+def modes_over_factors(scenario: Scenario, settings: ValveOilSettings) -> xr.Dataset:
     """Modes with valves held over (parameter, factor, mode), one parameter of `OIL` at a time."""
-    factor = xr.DataArray(np.array(study.factors), dims="factor")
-    parts = [modes_of(Designs.of(study.scenario, _every(study.scenario, name, factor))) for name in OIL]
-    table = xr.concat(
-        [part[["frequency", "damping_ratio"]].reset_coords(drop=True).drop_vars("factor") for part in parts],
-        "parameter",
-    )
-    return table.assign_coords(
+    factor = xr.DataArray(np.array(settings.factors), dims="factor")
+    parts = [_modes(scenario, _every(scenario, name, factor)).drop_vars("factor") for name in OIL]
+    return xr.concat(parts, "parameter").assign_coords(
         parameter=labelled(("parameter",), list(OIL), "", "parameter"),
-        factor=labelled(("factor",), list(study.factors), "1", "factor"),
-    ).assign_attrs(title="modes over oil and cylinder, one at a time")
+        factor=labelled(("factor",), list(settings.factors), "1", "factor"),
+    ).assign_attrs(title="modes over oil and cylinder, one at a time")  # fmt: skip
 
 
-def modes_over_air(study: ValveOilStudy) -> xr.Dataset:
+def modes_over_air(scenario: Scenario, settings: ValveOilSettings) -> xr.Dataset:
     """Modes with valves held over the share of entrained air."""
-    share = xr.DataArray(np.array(study.air), dims="air")
-    part = modes_of(Designs.of(study.scenario, _every(study.scenario, "air_fraction", share, relative=False)))
-    return part[["frequency", "damping_ratio"]].reset_coords(drop=True).assign_coords(
-        air=labelled(("air",), list(study.air), "1", "entrained air at 1 atm, by volume")
-    ).assign_attrs(title="modes over entrained air")  # fmt: skip
+    share = xr.DataArray(np.array(settings.air), dims="air")
+    found = _modes(scenario, _every(scenario, "air_fraction", share, relative=False))
+    column = labelled(("air",), list(settings.air), "1", "entrained air at 1 atm, by volume")
+    return found.assign_coords(air=column).assign_attrs(title="modes over entrained air")
 
 
-def fastest_loops(study: ValveOilStudy, progress: Progress = silent) -> xr.Dataset:
-    """Crossover [Hz] at which position loops of all four valves become unstable, over (parameter, factor).
+def _modes(scenario: Scenario, vary: dict[str, xr.DataArray]) -> xr.Dataset:
+    return modes_of(Designs.of(scenario, vary))[["frequency", "damping_ratio"]].reset_coords(drop=True)
 
-    The loop is `ehamj.studies.gains.inertial_position`, built for the changed actuators.
+
+def fastest_loops(scenario: Scenario, settings: ValveOilSettings, progress: Progress = silent) -> xr.Dataset:
+    """Crossover [Hz] at which position loops of all valves become unstable, over (parameter, factor).
+
+    The loop is `ehamj.studies.position_loop.inertial_position`, built for the changed actuators.
     """
-    names = study.looped
-    crossover = np.empty((len(names), len(study.loops)))
-    for i, name in enumerate(names):
+    factors = sorted({1.0, 2.0, *settings.loops})
+    crossover = np.empty((len(settings.looped), len(factors)))
+    for i, name in enumerate(settings.looped):
         progress(f"loops: {name}")
-        for j, factor in enumerate(study.loops):
-            scenario = _scaled(study.scenario, name, factor)
-            loop = Loop(inertial_position(scenario.plant, TRIED))
-            crossover[i, j] = TRIED * highest_factor(linear_model(scenario), loop)
-    return xr.Dataset(
-        {"crossover": labelled(("parameter", "factor"), crossover, "Hz", "crossover at the limit of stability")},
-        {
-            "parameter": labelled(("parameter",), list(names), "", "parameter"),
-            "factor": labelled(("factor",), list(study.loops), "1", "factor"),
-        },
-        {"title": "fastest position loop"},
+        for j, factor in enumerate(factors):
+            one = _scaled(scenario, name, factor)
+            loop = Loop(inertial_position(one.plant, TRIED))
+            crossover[i, j] = TRIED * highest_factor(linear_model(one), loop)
+    return table(
+        "fastest position loop",
+        {"parameter": (list(settings.looped), "", "parameter"), "factor": (factors, "1", "factor")},
+        crossover=(crossover, "Hz", "crossover at the limit of stability"),
     )
 
 
 def _scaled(scenario: Scenario, name: str, factor: float) -> Scenario:
-    tables = {
-        key: one.with_values({name: factor * getattr(one, name)}).model_dump()
-        for key, one in scenario.actuators.items()
-    }
-    return changed(scenario, actuators=tables)
+    own = {key: getattr(one, name) for key, one in scenario.actuators.items()}
+    return changed(scenario, {f"actuators.{key}.{name}": factor * value for key, value in own.items()})
 
 
-def valve_and_oil(study: ValveOilStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine has no linear model in closed form.
-    """
+@study(
+    "valve-and-oil",
+    ValveOilSettings,
+    "what valve and oil do to the modes, and to the fastest loop",
+    small={"factors": (0.5, 1.0, 2.0), "air": (0.0, 0.01), "loops": (1.0, 2.0), "looped": ("valve_frequency",)},
+)
+def valve_and_oil(scenario: Scenario, settings: ValveOilSettings, progress: Progress) -> Outcome:
+    """A machine that has no linear model in closed form is refused."""
     progress("modes")
-    table, air = modes_over_factors(study), modes_over_air(study)
-    loops = fastest_loops(study, progress)
+    oil, air = modes_over_factors(scenario, settings), modes_over_air(scenario, settings)
+    loops = fastest_loops(scenario, settings, progress)
     return Outcome(
         title="Valve and oil",
         question="What do valve and oil do to the machine's modes, and to the speed of a loop?",
-        answers=_answers(study, table, air, loops),
-        tables={"modes": table, "air": air, "loops": loops},
+        answers=_answers(oil, air, loops),
+        tables={"modes": oil, "air": air, "loops": loops},
         drawings={
             "heave": Drawing(
                 "Heave, which compresses the oil of all mounts: frequency and damping over one parameter at a time.",
-                lambda: _modes_chart(table, "heave"),
+                lambda: _modes_chart(oil, "heave"),
             ),
             "sway": Drawing(
                 "The lower sway-rocking mode about x, which oil reaches only through rocking.",
-                lambda: _modes_chart(table, "lower about x"),
+                lambda: _modes_chart(oil, "lower about x"),
             ),
             "air": Drawing("Frequencies of the modes over entrained air.", lambda: _air_chart(air)),
             "loops": Drawing(
@@ -157,8 +147,8 @@ def valve_and_oil(study: ValveOilStudy, progress: Progress = silent) -> Outcome:
     )
 
 
-def _answers(study: ValveOilStudy, table: xr.Dataset, air: xr.Dataset, loops: xr.Dataset) -> tuple[str, ...]:
-    heave = table.sel(mode="heave")
+def _answers(oil: xr.Dataset, air: xr.Dataset, loops: xr.Dataset) -> tuple[str, ...]:
+    heave = oil.sel(mode="heave")
     here = heave.sel(parameter="bulk_modulus").sel(factor=1.0, method="nearest")
     leak = heave.sel(parameter="flow_pressure").sel(factor=2.0, method="nearest")
     with_air = air.sel(mode="heave").sel(air=0.01, method="nearest")
@@ -180,8 +170,8 @@ def _answers(study: ValveOilStudy, table: xr.Dataset, air: xr.Dataset, loops: xr
     )
 
 
-def _modes_chart(table: xr.Dataset, mode: str) -> "Figure":
-    one = table.sel(mode=mode)
+def _modes_chart(oil: xr.Dataset, mode: str) -> "Figure":
+    one = oil.sel(mode=mode)
     panels = {
         quantity: [
             Line(name.replace("_", " "), one["factor"].values, factor * one[what].sel(parameter=name).values, k, k)

@@ -4,25 +4,27 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.plant.mounts import MOUNTS
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Isolator, Scenario
-
-
-def changed(scenario: Scenario, **tables: Any) -> Scenario:
-    """The scenario with other tables or values at its top level."""
-    return parse_scenario(scenario.model_dump() | tables)
 
 
 def still(scenario: Scenario, **tables: Any) -> Scenario:
     """The bare machine: floor at rest, valves held, no variants."""
     bare = {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "compare": ()}
-    return changed(scenario, **(bare | tables))
+    return changed(scenario, bare | tables)
 
 
-def positions(scenario: Scenario) -> np.ndarray:
+def check_gravity(scenario: Scenario, without: str) -> None:
+    """Raise InputError if there is no gravity, ``without`` which a study asks nothing."""
+    if scenario.gravity == 0.0:
+        raise InputError(f"gravity = 0 m/s²: must be positive for this study, since nothing {without} without it")
+
+
+def positions(scenario: Scenario) -> NDArray[np.float64]:
     """x and y of the mounts in their order, (mount, 2) [m]."""
     return np.array(scenario.plant.positions)
 
@@ -38,31 +40,24 @@ def resized(scenario: Scenario, cg: Sequence[float] | None = None, places: np.nd
     half = np.maximum(np.abs(at).max(axis=0) + 0.1, np.abs(own_cg[:2]))
     size = (*(max(have, 2.0 * need) for have, need in zip(machine.size[:2], half, strict=True)),
             max(machine.size[2], 1.6 * own_cg[2]))  # fmt: skip
-    mounts = [mount.model_dump() for mount in scenario.mount]
-    for mount in mounts:
-        mount["position"] = tuple(at[MOUNTS.index(mount["name"])].tolist())
-    return {"machine": machine.with_values({"cg": own_cg, "size": size}).model_dump(), "mount": tuple(mounts)}
+    place = dict(zip(scenario.plant.mounts, at.tolist(), strict=True))
+    mounts = tuple(mount.model_dump() | {"position": tuple(place[mount.name])} for mount in scenario.mount)
+    return {"machine": machine.with_values({"cg": own_cg, "size": size}).model_dump(), "mount": mounts}
 
 
 def with_actuators(scenario: Scenario, actuators: Mapping[str, Actuator]) -> dict[str, Any]:
     """The tables ``actuators`` and ``mount`` with actuators of their own at some mounts, by the mounts' names."""
-    tables: dict[str, Any] = {name: one.model_dump() for name, one in scenario.actuators.items()}
-    mounts = [mount.model_dump() for mount in scenario.mount]
-    for mount in mounts:
-        if mount["name"] in actuators:
-            tables[mount["name"]] = _table(actuators[mount["name"]])
-            mount["actuator"] = mount["name"]
-    return {"actuators": tables, "mount": tuple(mounts)}
+    own = {name: one.model_dump(include=set(Actuator.model_fields)) for name, one in actuators.items()}
+    mounts = (mount.model_dump() for mount in scenario.mount)
+    return {
+        "actuators": {name: one.model_dump() for name, one in scenario.actuators.items()} | own,
+        "mount": tuple(mount | ({"actuator": mount["name"]} if mount["name"] in own else {}) for mount in mounts),
+    }
 
 
 def with_every_actuator(scenario: Scenario, actuator: Actuator) -> dict[str, Any]:
     """The tables ``actuators`` and ``mount`` with the same actuator at every mount."""
-    return with_actuators(scenario, dict.fromkeys(MOUNTS, actuator))
-
-
-def _table(actuator: Actuator) -> dict[str, Any]:
-    own = set(Actuator.model_fields)
-    return {name: value for name, value in actuator.model_dump().items() if name in own}
+    return with_actuators(scenario, dict.fromkeys(scenario.plant.mounts, actuator))
 
 
 def preset(name: str) -> Actuator:

@@ -5,22 +5,25 @@ stiff mounts follows the plane through its four mounts, and most where half a wa
 given over the floor's velocity: [rad/s per m/s] = [rad/m].
 """
 
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
-from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
 from ehamj.studies.floors import Loop, floor_response, ground_to, rigid_floor
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
-from ehamj.studies.variants import changed, positions, still
+from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.study import Positive, WholeHertz, study
+from ehamj.studies.tables import table
+from ehamj.studies.variants import still
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,34 +31,27 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+HELD = "valves held"
 TURNS = ("machine_velocity rx", "machine_velocity ry")
 SETTLED = 2.0
 """Time from which a run is evaluated, for one second [s]."""
 
 
-@dataclass(frozen=True)
-class WaveStudy:
-    """Which waves pass below which machine.
+class WaveSettings(Settings):
+    """Which waves pass below the machine."""
 
-    Raises:
-        InputError: if a speed or frequency is not positive.
-    """
-
-    scenario: Scenario
-    axis: Literal["x", "y", "z"] = "z"
-    """Direction in which the floor's particles move."""
-    speeds: tuple[float, ...] = tuple(np.geomspace(100.0, 2000.0, 27).tolist())
-    """Apparent wave speeds [m/s]."""
-    directions: tuple[float, ...] = tuple(np.arange(0.0, 360.0, 5.0).tolist())
-    """Directions of travel, from +x towards +y [deg]."""
-    frequencies: tuple[float, ...] = tuple(np.arange(1.0, 121.0).tolist())
-    """Frequencies [Hz]."""
-
-    def __post_init__(self) -> None:
-        for name in ("speeds", "frequencies"):
-            for value in getattr(self, name):
-                if not 0.0 < value < np.inf:
-                    raise InputError(f"{name}: {value!r} must be positive and finite")
+    axis: Literal["x", "y", "z"] = Field("z", description="direction in which the floor's particles move")
+    speeds: tuple[Positive, ...] = Field(
+        tuple(np.geomspace(100.0, 2000.0, 27).tolist()), min_length=1, description="apparent wave speeds [m/s]"
+    )
+    directions: tuple[float, ...] = Field(
+        tuple(np.arange(0.0, 360.0, 5.0).tolist()),
+        min_length=1,
+        description="directions of travel, from +x towards +y [deg]",
+    )
+    frequencies: tuple[WholeHertz, ...] = Field(
+        tuple(np.arange(1.0, 121.0).tolist()), min_length=1, description="frequencies, whole numbers [Hz]"
+    )
 
 
 def wave_motion(places: Array, hertz: Array, speed: float, direction: float, axis: str) -> ComplexArray:
@@ -74,69 +70,62 @@ def largest_turn(rx: ComplexArray, ry: ComplexArray) -> Array:
     return np.asarray(np.sqrt(0.5 * (total + np.abs(rx**2 + ry**2))))
 
 
-def rocking(study: WaveStudy, model: LinearModel, loop: Loop | None) -> Array:
+def rocking(
+    model: LinearModel,
+    loop: Loop | None,
+    settings: WaveSettings = WaveSettings(),  # noqa: B008  # frozen
+) -> Array:
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
-    f, places = np.array(study.frequencies), positions(study.scenario)
-    k = AXES.index(study.axis)
+    f, places = np.array(settings.frequencies), np.array(model.plant.positions)
+    k = AXES.index(settings.axis)
     transfer = ground_to(model, loop, f, TURNS)[:, :, k :: len(AXES)]  # (frequency, output, mount)
-    found = np.empty((len(study.directions), len(study.speeds), f.size))
-    for i, direction in enumerate(study.directions):
-        for j, speed in enumerate(study.speeds):
-            motion = wave_motion(places, f, speed, direction, study.axis)[:, :, k]
+    found = np.empty((len(settings.directions), len(settings.speeds), f.size))
+    for i, direction in enumerate(settings.directions):
+        for j, speed in enumerate(settings.speeds):
+            motion = wave_motion(places, f, speed, direction, settings.axis)[:, :, k]
             turns = np.einsum("fm,fom->of", motion, transfer)
             found[i, j] = largest_turn(*turns)
     return found
 
 
-def waves(study: WaveStudy, progress: Progress = silent) -> Outcome:
-    """Run the study.
-
-    Raises:
-        InputError: if the machine has no operating point.
-    """
+@study(
+    "waves",
+    WaveSettings,
+    "which travelling wave in the floor rocks the machine most",
+    small={"speeds": (150.0, 300.0), "directions": (0.0, 90.0), "frequencies": (30.0, 60.0)},
+)
+def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Outcome:
+    """A machine that has no operating point is refused."""
     progress("linear response")
-    model, loop = linear_model(study.scenario), Loop.of(study.scenario)
-    systems: dict[str, Loop | None] = {"valves held": None} | ({} if loop is None else {"controlled": loop})
-    table = rocking_table(study, {name: rocking(study, model, one) for name, one in systems.items()})
-    worst = {name: worst_wave(table, name) for name in systems}
-    coupling = coupling_table(model, np.array(study.frequencies))
+    model, loop = linear_model(scenario), Loop.of(scenario)
+    systems: dict[str, Loop | None] = {HELD: None} | ({} if loop is None else {"controlled": loop})
+    found = rocking_table(settings, {name: rocking(model, one, settings) for name, one in systems.items()})
+    worst = {name: worst_wave(found, name) for name in systems}
+    coupling = coupling_table(model, np.array(settings.frequencies))
     progress("nonlinear run of the worst wave")
-    simulated = simulated_rocking(study, worst["valves held"])
-    slope = 2 * np.pi * worst["valves held"]["frequency"] / worst["valves held"]["speed"]
-    answers = [
-        f"{name.capitalize()}, the wave that rocks the machine most goes towards {one['direction']:.0f}° at "
-        f"{one['speed']:.0f} m/s and {one['frequency']:.0f} Hz: {one['rocking']:.3g} rad/s per m/s of floor velocity."
-        for name, one in worst.items()
-    ]
-    answers.append(
-        f"The floor itself turns at {slope:.3g} rad/m in the first of these waves; the mounts' distance averages, and "
-        "the sway-rocking modes add."
-    )
-    off = simulated / worst["valves held"]["rocking"] - 1.0
-    answers.append(
-        f"A nonlinear run of the first wave gives {simulated:.4g} rad/m, {100 * off:+.2f} % off the linear model."
-    )
+    simulated = simulated_rocking(scenario, settings.axis, worst[HELD])
+    maps = {f"map-{name.replace(' ', '-')}": name for name in systems}
     return Outcome(
         title="Waves that rock the machine",
-        question=f"Which wave of {study.axis}-motion in the floor rocks this machine most?",
-        answers=tuple(answers),
+        question=f"Which wave of {settings.axis}-motion in the floor rocks this machine most?",
+        answers=_answers(worst, simulated),
         tables={
-            "directions": _largest(table),
-            **{f"map-{_slug(name)}": _at(table, one, name).to_dataset() for name, one in worst.items()},
+            "directions": _largest(found),
+            **{key: _at(found, worst[name], name).to_dataset() for key, name in maps.items()},
             "coupling": coupling,
         },
         drawings={
-            f"map-{_slug(name)}": Drawing(
+            key: Drawing(
                 f"Rotation rate over the floor's velocity, {name}, for waves towards {worst[name]['direction']:.0f}°.",
-                lambda name=name: _map(table, worst[name], name),  # type: ignore[misc]
+                partial(_map, found, worst[name], name),
             )
-            for name in systems
+            for key, name in maps.items()
         }
         | {
             "directions": Drawing(
                 "Largest rotation rate over the floor's velocity at any frequency, by the direction in which the wave "
                 "travels, seen from above.",
-                lambda: _directions(table),
+                lambda: _directions(found),
             )
         },
         notes=(
@@ -148,44 +137,56 @@ def waves(study: WaveStudy, progress: Progress = silent) -> Outcome:
     )
 
 
-def rocking_table(study: WaveStudy, found: dict[str, Array]) -> xr.Dataset:
-    """Label what `rocking` found for each system."""
-    over = ("system", "direction", "speed", "frequency")
-    return xr.Dataset(
-        {"rocking": labelled(over, np.array(list(found.values())), "rad/m", "rotation rate over floor velocity")},
-        {
-            "system": labelled(("system",), list(found), "", "machine"),
-            "direction": labelled(("direction",), list(study.directions), "deg", "direction of travel"),
-            "speed": labelled(("speed",), list(study.speeds), "m/s", "wave speed"),
-            "frequency": labelled(("frequency",), list(study.frequencies), "Hz", "frequency"),
-        },
-        {"title": f"rocking in waves of {study.axis}-motion"},
+def _answers(worst: dict[str, dict[str, float]], simulated: float) -> tuple[str, ...]:
+    held = worst[HELD]
+    slope = 2 * np.pi * held["frequency"] / held["speed"]
+    off = simulated / held["rocking"] - 1.0
+    return (
+        *(
+            f"{name.capitalize()}, the wave that rocks the machine most goes towards {one['direction']:.0f}° at "
+            f"{one['speed']:.0f} m/s and {one['frequency']:.0f} Hz: {one['rocking']:.3g} rad/s per m/s of floor "
+            "velocity."
+            for name, one in worst.items()
+        ),
+        f"The floor itself turns at {slope:.3g} rad/m in the first of these waves; the mounts' distance averages, and "
+        "the sway-rocking modes add.",
+        f"A nonlinear run of the first wave gives {simulated:.4g} rad/m, {100 * off:+.2f} % off the linear model.",
     )
 
 
-def worst_wave(table: xr.Dataset, system: str) -> dict[str, float]:
+def rocking_table(settings: WaveSettings, found: dict[str, Array]) -> xr.Dataset:
+    """Label what `rocking` found for each system."""
+    return table(
+        f"rocking in waves of {settings.axis}-motion",
+        {
+            "system": (list(found), "", "machine"),
+            "direction": (list(settings.directions), "deg", "direction of travel"),
+            "speed": (list(settings.speeds), "m/s", "wave speed"),
+            "frequency": (list(settings.frequencies), "Hz", "frequency"),
+        },
+        rocking=(np.array(list(found.values())), "rad/m", "rotation rate over floor velocity"),
+    )
+
+
+def worst_wave(found: xr.Dataset, system: str) -> dict[str, float]:
     """Direction [deg], speed [m/s], frequency [Hz] and rocking [rad/m] of the wave that rocks most."""
-    values = table["rocking"].sel(system=system)
+    values = found["rocking"].sel(system=system)
     at = np.unravel_index(int(np.argmax(values.values)), values.shape)
     place = {str(name): float(values[name][k]) for name, k in zip(values.dims, at, strict=True)}
     return place | {"rocking": float(values.values[at])}
 
 
-def _at(table: xr.Dataset, wave: dict[str, float], system: str) -> xr.DataArray:
+def _at(found: xr.Dataset, wave: dict[str, float], system: str) -> xr.DataArray:
     """Rocking of one system over speed and frequency, in the direction of one wave."""
-    return table["rocking"].sel(system=system, direction=wave["direction"], drop=True)
+    return found["rocking"].sel(system=system, direction=wave["direction"], drop=True)
 
 
-def _largest(table: xr.Dataset) -> xr.Dataset:
+def _largest(found: xr.Dataset) -> xr.Dataset:
     """Largest rocking at any frequency, and that frequency, over system, direction and speed."""
-    values = table["rocking"]
-    found = xr.Dataset({"rocking": values.max("frequency"), "frequency": values.idxmax("frequency")})
-    found["rocking"].attrs, found["frequency"].attrs = values.attrs, {"units": "Hz", "long_name": "at frequency"}
-    return found.assign_attrs(table.attrs)
-
-
-def _slug(name: str) -> str:
-    return name.replace(" ", "-")
+    values = found["rocking"]
+    largest = xr.Dataset({"rocking": values.max("frequency"), "frequency": values.idxmax("frequency")})
+    largest["rocking"].attrs, largest["frequency"].attrs = values.attrs, {"units": "Hz", "long_name": "at frequency"}
+    return largest.assign_attrs(found.attrs)
 
 
 def coupling_table(model: LinearModel, hertz: Array) -> xr.Dataset:
@@ -194,17 +195,14 @@ def coupling_table(model: LinearModel, hertz: Array) -> xr.Dataset:
     gains = [
         np.abs(floor_response(model, None, hertz, outputs, rigid_floor(model.plant, dof))).max(axis=0) for dof in DOFS
     ]
-    return xr.Dataset(
-        {"gain": labelled(("floor", "machine"), np.array(gains), "m/m, rad/m, m/rad, rad/rad", "largest gain")},
-        {
-            "floor": labelled(("floor",), list(DOFS), "", "floor"),
-            "machine": labelled(("machine",), list(DOFS), "", "machine"),
-        },
-        {"title": "what a rigid floor's motions move"},
+    return table(
+        "what a rigid floor's motions move",
+        {"floor": (list(DOFS), "", "floor"), "machine": (list(DOFS), "", "machine")},
+        gain=(np.array(gains), "m/m, rad/m, m/rad, rad/rad", "largest gain"),
     )
 
 
-def simulated_rocking(study: WaveStudy, wave: dict[str, float], velocity: float = 1e-5) -> float:
+def simulated_rocking(scenario: Scenario, axis: str, wave: dict[str, float], velocity: float = 1e-5) -> float:
     """Rotation rate over floor velocity [rad/m] in a nonlinear run of one wave with valves held.
 
     ``velocity`` is the floor's amplitude [m/s]. Frequencies are whole numbers of Hz: a second has whole periods.
@@ -212,20 +210,20 @@ def simulated_rocking(study: WaveStudy, wave: dict[str, float], velocity: float 
     hertz = wave["frequency"]
     ground: dict[str, Any] = {
         "kind": "sine",
-        "dof": study.axis,
+        "dof": axis,
         "amplitude": velocity / (2 * np.pi * hertz),
         "frequency": hertz,
     }
     ground |= {"wave": {"speed": wave["speed"], "direction": wave["direction"]}, "fade_in": 0.5}
-    run = simulate(changed(still(study.scenario), ground=ground, duration=SETTLED + 1.0, record_rate=2000.0))
+    run = simulate(still(scenario, ground=ground, duration=SETTLED + 1.0, record_rate=2000.0))
     part = run.dataset["machine_velocity"].sel(time=slice(SETTLED + 1e-9, None))
     line = np.exp(-2j * np.pi * hertz * part["time"].values)
     phasors = [2.0 * np.mean(part.sel(dof=dof).values * line) for dof in ("rx", "ry")]
     return float(largest_turn(*map(np.asarray, phasors))) / velocity
 
 
-def _map(table: xr.Dataset, worst: dict[str, float], system: str) -> "Figure":
-    values = _at(table, worst, system)
+def _map(found: xr.Dataset, worst: dict[str, float], system: str) -> "Figure":
+    values = _at(found, worst, system)
     return map_chart(
         f"Rocking in waves, {system}",
         ("frequency [Hz]", values["frequency"].values),
@@ -236,18 +234,18 @@ def _map(table: xr.Dataset, worst: dict[str, float], system: str) -> "Figure":
     )
 
 
-def _directions(table: xr.Dataset) -> "Figure":
-    speeds = table["speed"].values
+def _directions(found: xr.Dataset) -> "Figure":
+    speeds = found["speed"].values
     chosen = [int(np.argmin(np.abs(np.log(speeds / speed)))) for speed in (100.0, 200.0, 500.0)]
     lines = [
         Line(
             f"{speeds[k]:.0f} m/s, {system}",
             [],
-            table["rocking"].sel(system=system).isel(speed=k).max("frequency"),
+            found["rocking"].sel(system=system).isel(speed=k).max("frequency"),
             c,
             d,
         )
-        for d, system in enumerate(table["system"].values)
+        for d, system in enumerate(found["system"].values)
         for c, k in enumerate(dict.fromkeys(chosen))
     ]
-    return direction_chart("Rocking by the wave's direction", "rad/s per m/s", table["direction"].values, lines)
+    return direction_chart("Rocking by the wave's direction", "rad/s per m/s", found["direction"].values, lines)

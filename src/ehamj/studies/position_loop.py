@@ -1,0 +1,66 @@
+"""A position loop of all valves, and the limit of a loop's gain."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from ehamj.control import Controller
+from ehamj.errors import InputError
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.modes import sampled_loop
+from ehamj.plant.plant import Plant
+from ehamj.studies.floors import Loop
+
+PERIOD: Final = 1e-4
+"""Sampling period of the study's own law [s]."""
+LEAK: Final = 0.05
+"""Corner below which its integrators forget [Hz]."""
+STABLE: Final = 1.0 + 1e-9
+"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
+UNLIMITED: Final = 1e4
+"""Factor on the gain beyond which no limit is looked for."""
+
+
+def inertial_position(plant: Plant, crossover: float) -> Controller:
+    """Feedback of each foot's absolute velocity, integrated, to its own valve: u = −2πf_c A_p/(K_Q K_v) ∫v dt.
+
+    The valve integrates its command into stroke, K_Q K_v/A_p, so each loop crosses at f_c = ``crossover`` [Hz].
+    """
+    pole = float(np.exp(-2 * np.pi * LEAK * PERIOD))
+    gains = [-2 * np.pi * crossover * a.piston_area / (a.flow_gain * a.valve_gain) for a in plant.actuators]
+    identity = np.eye(len(gains))
+    inputs = tuple(f"foot_velocity {mount} z" for mount in plant.mounts)
+    half = 0.5 * PERIOD  # trapezoidal rule
+    gain = np.diag(gains)
+    return Controller(pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain, inputs, PERIOD)
+
+
+def scaled(loop: Loop, factor: float) -> Loop:
+    """The loop with all gains of its law multiplied."""
+    return replace(loop, law=loop.law.scaled(factor))
+
+
+def radius(model: LinearModel, loop: Loop) -> float:
+    """Spectral radius of the sampled loop: stable below one."""
+    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop.law, loop.sensors, loop.seed).A)).max())
+
+
+def highest_factor(model: LinearModel, loop: Loop) -> float:
+    """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
+
+    Raises:
+        InputError: if even a thousandth of the gain is unstable.
+    """
+    low = 1e-3
+    if radius(model, scaled(loop, low)) > STABLE:
+        raise InputError("control: the loop is unstable even with a thousandth of its gain")
+    high = low
+    while radius(model, scaled(loop, high)) <= STABLE:
+        low, high = high, 3.0 * high
+        if high > UNLIMITED:
+            return float("inf")
+    while high / low > 1.0 + 1e-3:
+        middle = float(np.sqrt(low * high))
+        low, high = (middle, high) if radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
+    return float(np.sqrt(low * high))
