@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ehamj.criteria.curves import Verdict
 from ehamj.criteria.vc import CLASSES, CLASSIC, FLAT, limit
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

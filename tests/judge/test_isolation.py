@@ -13,7 +13,7 @@ from scipy import signal
 from ehamj.criteria.curves import Limit, Norm
 from ehamj.criteria.settings import CriteriaSettings, ResponseSpectrumSettings
 from ehamj.criteria.vc import CLASSES
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 from ehamj.judge import isolation, settled
 from ehamj.judge.levels import floor_and_machine, levels_of
 from ehamj.judge.spectra import response_spectra

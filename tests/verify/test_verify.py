@@ -40,7 +40,7 @@ def wrong(name: str, change: Callable[[Any], Any], table: str = "actuator") -> S
         return simulate(altered(scenario))
 
     def linearise(scenario: Scenario) -> LinearModel:
-        return linear_model(altered(scenario))
+        return linear_model(altered(scenario).plant)
 
     return Subject(run, linearise)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.errors import InputError
-from ehamj.estimate.third_octave import Band, bands
+from ehamj.estimate.bands import Band, bands
 from ehamj.findings import Finding
 from ehamj.plant.axes import AXES
 

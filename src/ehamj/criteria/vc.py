@@ -8,7 +8,7 @@ All three axes have the same limits.
 from typing import Literal
 
 from ehamj.criteria.curves import Limit, Norm, rounded
-from ehamj.estimate.third_octave import Band
+from ehamj.estimate.bands import Band
 
 LowFrequency = Literal["classic", "flat"]
 

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.estimate.third_octave import band_rms
+from ehamj.estimate.periodogram import band_rms
 from ehamj.findings import Finding
 from ehamj.judge.levels import BANDS, LEAST_ROWS, ByBand, named, settled
 from ehamj.plant.axes import AXES

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.estimate.third_octave import LEAST_BINS, Band
+from ehamj.estimate.bands import Band
+from ehamj.estimate.periodogram import LEAST_BINS
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels, settled
 from ehamj.plant.axes import AXES

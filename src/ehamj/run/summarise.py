@@ -12,8 +12,9 @@ from ehamj.judge.isolation import isolation
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import LoopMargins, Summary, Timing
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
-from ehamj.linear.margins import feeds_back, report
+from ehamj.linear.margins import report
 from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
@@ -74,7 +75,7 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> LoopMargin
     """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without."""
     if law is None or not feeds_back(law):
         return None
-    found = report(linear_model(scenario), law, scenario.sensors, scenario.seed)
+    found = report(linear_model(scenario.plant), Loop.of(scenario, law))
     return LoopMargins.model_validate(found.to_dict(places=("motions",)))
 
 
