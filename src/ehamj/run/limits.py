@@ -7,10 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.judge.summary import AtLimit, ByMount, Oil
-from ehamj.mujoco.advance import TALLY, TALLY_FLOW
+from ehamj.mujoco.rows import Tally
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 WORDS = {
     "command": "the command was at its limit",
@@ -20,20 +18,20 @@ WORDS = {
 }
 
 
-def saturation(tally: Array, states: int, mounts: tuple[str, ...]) -> dict[str, ByMount]:
+def saturation(tally: Tally, states: int, mounts: tuple[str, ...]) -> dict[str, ByMount]:
     """Share of the ``states`` that were counted at each limit, per mount."""
-    shares = tally[:TALLY_FLOW].reshape(len(TALLY), len(mounts)) / states
-    return {name: dict(zip(mounts, map(float, row), strict=True)) for name, row in zip(TALLY, shares, strict=True)}
+    shares = {name: tally.limits[name] / states for name in WORDS}
+    return {name: dict(zip(mounts, map(float, each), strict=True)) for name, each in shares.items()}
 
 
-def oil(tally: Array, states: int, duration: float) -> Oil:
+def oil(tally: Tally, states: int, duration: float) -> Oil:
     """What was drawn in ``duration`` [s]."""
-    total, peak, power = (float(value) for value in tally[TALLY_FLOW:])
+    drawn = {name: float(tally.drawn[name][0]) for name in ("flow", "peak_flow", "power")}
     return Oil(
-        mean_flow_m3_s=total / states,
-        peak_flow_m3_s=peak,
-        volume_m3=total / states * duration,
-        mean_power_w=power / states,
+        mean_flow_m3_s=drawn["flow"] / states,
+        peak_flow_m3_s=drawn["peak_flow"],
+        volume_m3=drawn["flow"] / states * duration,
+        mean_power_w=drawn["power"] / states,
     )
 
 
