@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.criteria.vc import CLASSES
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, G
 from ehamj.ground.lines import RandomGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 from ehamj.ground.channel import USABLE, Channel
 from ehamj.ground.quantities import GRAVITY
 from ehamj.signals import Array

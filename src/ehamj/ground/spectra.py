@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, Band, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, G
 from ehamj.ground.quantities import ORDERS, Quantity
 from ehamj.signals import Array
 
