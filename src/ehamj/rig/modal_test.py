@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ehamj.control.channels import point_row
 from ehamj.errors import InputError
 from ehamj.estimate.identification import Estimates, Stable, agreed, oscillating, polyreference, realise, residues
 from ehamj.linear.eigen import mac
@@ -23,6 +22,7 @@ from ehamj.linear.modes import Mode, modes
 from ehamj.linear.shapes import weights
 from ehamj.mujoco.model import reduced
 from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.levers import lever, levers
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
 from ehamj.result import Result
@@ -245,7 +245,7 @@ def _responses(
     runs = simulate_many(
         _excited(scenario, kind, plan, name, realisation) for realisation in range(realisations) for name in inputs
     )
-    fits, to_centre = [], np.linalg.pinv(_levers(scenario.plant))
+    fits, to_centre = [], np.linalg.pinv(levers(scenario.plant.positions))
     for realisation in range(realisations):
         own = runs[realisation * len(inputs) : (realisation + 1) * len(inputs)]
         columns = [
@@ -276,11 +276,6 @@ def _scales(plant: Plant) -> Array:
     """By what each degree of freedom of the floor is divided, so that the mounts move alike: 1, or a distance [m]."""
     distance = float(np.sqrt(np.mean(np.sum(np.array(plant.positions) ** 2, axis=1))))
     return np.array([1.0] * 3 + [distance] * 3)
-
-
-def _levers(plant: Plant) -> Array:
-    """Motion of the feet, mount by mount in x, y, z, per degree of freedom, (12, 6)."""
-    return np.array([point_row((*place, 0.0), axis) for place in plant.positions for axis in range(len(AXES))])
 
 
 def _excited(scenario: Scenario, kind: Kind, plan: _Plan, name: str, realisation: int) -> Scenario:
@@ -324,7 +319,7 @@ def _response(run: Result, name: str, kind: Kind, plan: _Plan, noise: float, see
         given = run.dataset["external_force"].values[-count:, DOFS.index(name)]
     else:
         floor = run.dataset[f"ground_{motion}"].values.reshape(time, -1)[-count:]
-        given = floor @ np.linalg.pinv(_levers(run.scenario.plant)).T[:, DOFS.index(name)]
+        given = floor @ np.linalg.pinv(levers(run.scenario.plant.positions)).T[:, DOFS.index(name)]
     answers = _with_noise(feet - feet[-1], noise, *seed)
     index = np.round(plan.lines * count / rate).astype(int)
     return np.asarray(np.fft.rfft(answers, axis=0)[index] / np.fft.rfft(given)[index, None])
@@ -347,8 +342,8 @@ def _named(
     """Each mode found under the name of the computed one that it is most like in shape and frequency."""
     shapes = np.array([mode.shape for mode in found]).T.reshape(len(DOFS), len(found))
     expected = np.array([mode.shape for mode in computed]).T
-    lever = np.array([point_row(machine.cg, axis) for axis in range(len(AXES))] + [*np.eye(len(DOFS))[3:]])
-    alike = mac(lever @ shapes, lever @ expected, weights(machine))
+    at_cg = np.concatenate([lever(machine.cg), np.eye(len(DOFS))[3:]])
+    alike = mac(at_cg @ shapes, at_cg @ expected, weights(machine))
     apart = np.log(np.array([[abs(m.pole) / (2 * np.pi * c.frequency) for c in computed] for m in found]))
     likeness = alike * np.exp(-((apart.reshape(alike.shape) / NEAR) ** 2))
     pairs = {int(r): int(c) for r, c in zip(*linear_sum_assignment(-likeness), strict=True) if likeness[r, c] > 0.1}
