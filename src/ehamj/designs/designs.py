@@ -9,7 +9,7 @@ What they do is in `ehamj.designs.many`.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -17,10 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
 from ehamj.errors import InputError
-from ehamj.linear.elements import Values
+from ehamj.isolator.actuator import Actuator
+from ehamj.linear.elements import ACTUATOR_VALUES, Values
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
+
+_WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
+"""Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""
 
 
 @dataclass(frozen=True)
@@ -93,16 +97,15 @@ def _coordinates(scenario: Scenario, given: Mapping[str, xr.DataArray]) -> dict[
 
 
 def _check_plain(scenario: Scenario) -> None:
-    """Refuse what moves the operating point of a valve or adds states."""
+    """Refuse every option that the closed forms do not know: what adds states or moves a valve's operating point."""
     if scenario.supply.dynamic:
         raise InputError("supply.dynamic = true: must be false here; linear_model gives one such design")
     for name, actuator in scenario.actuators.items():
-        for option in ("overlap", "null_offset", "hysteresis", "threshold"):
-            if np.any(getattr(actuator, option)):
-                raise InputError(
-                    f"actuators.{name}.{option} = {getattr(actuator, option)}: must be zero here, "
-                    "where valves are linear about their centre"
-                )
+        for option, value in actuator.beyond((*ACTUATOR_VALUES, *_WITHOUT_EFFECT)).items():
+            raise InputError(
+                f"actuators.{name}.{option} = {value!r}: must be {Actuator.model_fields[option].default!r} here, "
+                "where valves are linear about their centre"
+            )
 
 
 def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array], key: str, value: Array) -> None:

@@ -20,9 +20,9 @@ from scipy.optimize import linear_sum_assignment
 
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
+from ehamj.isolator.equations import State
 from ehamj.linear.elements import Elements, Oil, solve
 from ehamj.linear.machine import inputs_of
-from ehamj.memory import STATES
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
 
@@ -46,11 +46,11 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     commands in V. NaN where a design has no static equilibrium inside its cylinders.
     """
     elements, oil, _ = _assembled(designs)
-    at, count = designs.values.mounts, len(designs.mounts)
+    at, count, states = designs.values.mounts, len(designs.mounts), len(State._fields)
     n, inputs = elements.mass.shape[-1], len(inputs_of(designs.mounts))
     motion, pressures = _oil_motion(elements, oil)
-    size = 2 * n + count * len(STATES)
-    own = [2 * n + len(STATES) * np.arange(count) + k for k in range(len(STATES))]
+    size = 2 * n + count * states
+    own = [2 * n + states * np.arange(count) + k for k in range(states)]
     keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
     A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, inputs))
     A[..., keep[:, None], keep] = np.concatenate([motion, pressures], axis=-2)
@@ -71,7 +71,7 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, count)[0])
     joints = (*JOINTS, *(f"plate {designs.mounts[mount]}" for mount in soft))
     names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
-    names += tuple(f"{state} {mount}" for mount in designs.mounts for state in STATES)
+    names += tuple(f"{state} {mount}" for mount in designs.mounts for state in State._fields)
     bad = _without_rest(designs, oil)
     A[bad], B[bad] = np.nan, np.nan
     return A, B, names
