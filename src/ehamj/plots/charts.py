@@ -36,7 +36,7 @@ HEIGHT: Final = 280.0
 
 @dataclass(frozen=True)
 class Line:
-    """A line, or points where ``marker`` is given; ``color`` may be a place in `COLORS`, ``dash`` is one in `DASHES`."""
+    """A line, or points where ``marker`` is given; ``color`` may be one in `COLORS`, ``dash`` one in `DASHES`."""
 
     label: str
     x: ArrayLike
