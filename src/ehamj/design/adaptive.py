@@ -12,7 +12,7 @@ narrow-band feedback (Glover, IEEE Trans. ASSP 25(6), 1977) of loop gain ``leak`
 law below it stays as it is: with ``beside``, H is the response with that law closed.
 """
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -24,7 +24,6 @@ from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import volts
 from ehamj.control.settings import DigitalSettings, Positive
-from ehamj.control.statespace import response
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
@@ -77,7 +76,7 @@ def line_cancellation(
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
     answers = sampled_plant(linear, law, z, sensors, scenario.seed)
-    closed = answers @ np.linalg.inv(np.eye(len(plant.mounts)) - response(z, law.A, law.B, law.C, law.D) @ answers)
+    closed = answers @ np.linalg.inv(np.eye(len(plant.mounts)) - law.at(z) @ answers)
     at, spread, fit = (
         [law.inputs.index(name) for name in feet],
         volts(plant) @ plane(plant.positions),
@@ -85,9 +84,7 @@ def line_cancellation(
     )
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
     function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
-    return PythonController(
-        function, law.inputs, law.period, law.delay, law.voltage_limit, law.bits, law.switch_on, law.fade, law.from_rest
-    )
+    return PythonController(function, law.inputs, law.period, law.delay, **asdict(law.converter))
 
 
 class _LineLaw:

@@ -128,7 +128,7 @@ def make_loop(
     laws: Sequence[Controller | PythonController] = controller.parts
     functions = {k: _function(p, failures) for k, p in enumerate(laws) if isinstance(p, PythonController)}
     parts, matrices, inputs_of, size = _parts(laws, channels, timestep, functions)
-    resolution = 0.0 if controller.bits is None else 2.0 * controller.voltage_limit / 2**controller.bits
+    converter = controller.converter
     return Loop(
         parts,
         matrices,
@@ -137,9 +137,9 @@ def make_loop(
         weights,
         filters,
         feedthrough,
-        np.array([float(controller.from_rest and quantity_of(name.partition(" ")[0]) in STATIC) for name in channels]),
+        np.array([float(converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC) for name in channels]),
         grid,
-        np.array([controller.voltage_limit, resolution, controller.switch_on, controller.fade]),
+        np.array([converter.voltage_limit, converter.resolution, converter.switch_on, converter.fade]),
         int(np.gcd.reduce(parts[:, EVERY])),
         controller.states,
         np.zeros(size + len(channels) * (2 + filters.shape[1])),
