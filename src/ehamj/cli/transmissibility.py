@@ -74,7 +74,7 @@ def transmissibility(
     third-octave), figures/ and scenario.toml.
     """
     from ehamj.report.comparison import write_transmissibility
-    from ehamj.rig.comparison import write_tables
+    from ehamj.rig.tables import write_tables
 
     check_out(out_folder, overwrite, FILES)
     stored = Path(source).is_dir()

@@ -11,8 +11,9 @@ from ehamj.control import LinearController
 from ehamj.judge import isolation
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
-from ehamj.linear.margins import feeds_back, report
+from ehamj.linear.margins import report
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.scenario.model import Scenario
 
@@ -73,7 +74,7 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> dict[str, 
     """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without."""
     if law is None or not feeds_back(law):
         return None
-    return report(linear_model(scenario), law, scenario.sensors, scenario.seed).to_dict(places=("motions",))
+    return report(linear_model(scenario.plant), Loop.of(scenario, law)).to_dict(places=("motions",))
 
 
 def _observed(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:
