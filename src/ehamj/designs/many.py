@@ -20,9 +20,9 @@ from scipy.optimize import linear_sum_assignment
 
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
+from ehamj.isolator.equations import State
 from ehamj.linear.elements import Elements, Oil, solve
 from ehamj.linear.machine import inputs_of
-from ehamj.memory import STATES
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 
@@ -49,8 +49,8 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     at = designs.values.mounts
     n = elements.mass.shape[-1]
     motion, pressures = _oil_motion(elements, oil)
-    size = 2 * n + N_MOUNTS * len(STATES)
-    own = [2 * n + len(STATES) * np.arange(N_MOUNTS) + k for k in range(len(STATES))]
+    size = 2 * n + N_MOUNTS * len(State._fields)
+    own = [2 * n + len(State._fields) * np.arange(N_MOUNTS) + k for k in range(len(State._fields))]
     keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
     inputs = len(inputs_of(MOUNTS))
     A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, inputs))
@@ -72,7 +72,7 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)[0])
     joints = (*JOINTS, *(f"plate {MOUNTS[mount]}" for mount in soft))
     names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
-    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in STATES)
+    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in State._fields)
     bad = _without_rest(designs, oil)
     A[bad], B[bad] = np.nan, np.nan
     return A, B, names

@@ -22,10 +22,10 @@ from ehamj.control.channels import (
     point_row,
 )
 from ehamj.errors import InputError
-from ehamj.memory import STATES as ACTUATOR_STATES
-from ehamj.memory import SUPPLY_STATES
+from ehamj.isolator.equations import State
+from ehamj.memory import states_of
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
+from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
 from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.plant import Plant
@@ -129,7 +129,7 @@ def linear_model(
     data = mujoco.MjData(model)
     force = _finite("load", load, len(DOFS))
     data.xfrc_applied[model.body("machine").id] = force
-    held = Inputs.rest()
+    held = Inputs.rest(model)
     held.command[:] = 0.0 if commands is None else _finite("commands", commands, len(plant.mounts))
     with hydraulics():
         try:
@@ -196,8 +196,7 @@ def linearise(
 def _state_names(model: mujoco.MjModel, mounts: Sequence[str]) -> tuple[str, ...]:
     joints = [*JOINTS, *(f"plate {mount}" for mount in mounts)][: model.nq]
     motion = [f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints]
-    actuators = (f"{state} {mount}" for mount in mounts for state in ACTUATOR_STATES)
-    return (*motion, *actuators, *(SUPPLY_STATES if supply_states(model) else ()))
+    return (*motion, *states_of(model))
 
 
 def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held: Inputs) -> Array:
@@ -236,7 +235,7 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) ->
         C[ACCELERATION + dof], D[ACCELERATION + dof] = A[moves], B[moves]
     size = 2 * n * len(AXES)
     D[GROUND : GROUND + size, n : n + size] = np.eye(size)
-    for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in ACTUATOR_STATES):
+    for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[STATE + row, at[name]] = 1.0
     for order, what in enumerate(("displacement", "velocity")):
         for mount, (name, (x, y)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
