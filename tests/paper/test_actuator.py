@@ -1,4 +1,4 @@
-"""The linear actuator, its loop and its figures of merit against the oracle's closed forms, python-control, and the numbers that physics.md prints."""
+"""The linear actuator, its loop and its merits against closed forms, python-control, and what physics.md prints."""
 
 import math
 from dataclasses import replace
