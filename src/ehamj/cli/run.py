@@ -24,6 +24,7 @@ from ehamj.cli.frame import (
 )
 
 if TYPE_CHECKING:
+    from ehamj.judge import Summary
     from ehamj.result import Result
     from ehamj.scenario.model import Scenario
 
@@ -61,8 +62,8 @@ def run(
         write_run(target, results)
     summary = results[loaded.name].summary
     if as_json:
-        variants = {name: results[loaded.variant(name).name].summary for name in loaded.compare}
-        print_json({"folder": str(folder), "summary": summary, "variants": variants})
+        variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
+        print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
         _print_summary(summary, folder)
     if failures:
@@ -92,12 +93,12 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
-def _print_summary(summary: dict[str, Any], folder: Path) -> None:
+def _print_summary(summary: "Summary", folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    timing = summary["timing"]
-    state = "complete" if summary["complete"] else "INCOMPLETE"
-    times = f"{timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s"
-    out.print(f"[bold]{escape(summary['name'])}[/]: {times}, {state}", highlight=False)
+    timing = summary.timing
+    state = "complete" if summary.complete else "INCOMPLETE"
+    times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
+    out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
     table = Table("about equilibrium", "unit", "peak", "RMS")
     rows: list[tuple[str, str, float, Callable[[dict[str, Any]], float]]] = []
     for axis in "xyz":
@@ -108,17 +109,17 @@ def _print_summary(summary: dict[str, Any], folder: Path) -> None:
     rows.append(("stroke (front-left)", "µm", 1e6, _pick("stroke", "front-left")))
     rows.append(("spool (front-left)", "mA", 1.0, _pick("spool", "front-left")))
     for label, unit, factor, pick in rows:
-        table.add_row(label, unit, f"{factor * pick(summary['peak']):.3g}", f"{factor * pick(summary['rms']):.3g}")
-    if summary["peak"]:
+        table.add_row(label, unit, f"{factor * pick(summary.peak):.3g}", f"{factor * pick(summary.rms):.3g}")
+    if summary.peak:
         out.print(table)
-    verdict = summary["criterion"]["verdict"]
-    out.print(f"vibration class, vertical: {verdict['vertical']}", highlight=False, soft_wrap=True)
-    out.print(f"vibration class, horizontal: {verdict['horizontal']}", highlight=False, soft_wrap=True)
-    quiet = {band: dB for band, dB in summary["attenuation_db"]["z"].items() if dB is not None and band in SHOWN_BANDS}
+    verdict = summary.criterion.verdict
+    out.print(f"vibration class, vertical: {verdict.vertical}", highlight=False, soft_wrap=True)
+    out.print(f"vibration class, horizontal: {verdict.horizontal}", highlight=False, soft_wrap=True)
+    quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
     if quiet:
         words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
         out.print(f"vertical attenuation, floor to machine: {words}", highlight=False, soft_wrap=True)
-    for warning in summary["warnings"]:
+    for warning in summary.warnings:
         out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
     out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)
     for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
