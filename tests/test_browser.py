@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from ehamj.report import write_report
-from ehamj.report.responses import write_transmissibility
+from ehamj.report.comparison import write_transmissibility
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import load_scenario
 

@@ -21,6 +21,7 @@ RANKS = (
     ("judge", "designs", "pages"),
     ("run", "replay"),
     ("rig", "bench"),
+    ("evaluation",),
     ("paper", "report", "studies"),
     ("design", "verify", "store"),
     ("cli", "__init__"),

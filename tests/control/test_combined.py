@@ -1,6 +1,7 @@
 """Feedforward and modal feedback together in the nonlinear machine: the acceptance case, limits, shocks, one clock."""
 
 import re
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from oracles import linear
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.kinds import CombinedSettings
+from ehamj.control.sensors import IDEAL
 from ehamj.design.requirements import with_factors
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
@@ -212,8 +214,8 @@ def test_a_shock_is_forgotten_within_half_a_second() -> None:
 
 def test_parts_have_the_clock_of_the_whole() -> None:
     settings = CombinedSettings.model_validate({"kind": "combined", "rate": 8000.0, "delay": 2e-4, "bits": 12})
-    assert {(part.rate, part.delay, part.bits) for part in settings.parts} == {(8000.0, 2e-4, 12)}
-    law = settings.controller(parse_scenario({}).plant)
+    assert {(part.rate, part.delay, part.bits) for part in settings.members} == {(8000.0, 2e-4, 12)}
+    law = settings.controller(parse_scenario({}).plant, IDEAL)
     assert (law.period, law.delay, law.bits) == (1.25e-4, 2e-4, 12)
 
 
@@ -232,10 +234,34 @@ def test_parts_that_state_the_clock_of_the_whole_are_fine() -> None:
     assert parse_scenario({"control": control}).controller() is not None
 
 
+def test_another_clock_of_the_whole_reaches_its_parts() -> None:
+    stated = parse_scenario({})
+    whole = CombinedSettings(delay=1e-4)
+    later = whole.model_copy(update={"delay": 3e-4}).controller(stated.plant, stated.sensors)
+    # The feedforward leads by the delay: another delay is another law, not only a later one.
+    direct = CombinedSettings(delay=3e-4).controller(stated.plant, stated.sensors)
+    np.testing.assert_array_equal(later.D, direct.D)
+    assert later.delay == 3e-4
+    assert np.abs(later.D - whole.controller(stated.plant, stated.sensors).D).max() > 0.01 * np.abs(later.D).max()
+
+
+def test_a_resolved_scenario_takes_another_delay(tmp_path: Any) -> None:
+    stated = parse_scenario({"control": {**COMBINED, "parts": [{"kind": "feedforward"}, {"kind": "modal"}]}})
+    path = tmp_path / "scenario.toml"
+    path.write_text(stated.to_toml(), encoding="utf-8")
+    for part in tomllib.loads(path.read_text(encoding="utf-8"))["control"]["parts"]:
+        assert not {"rate", "delay", "bits", "switch_on", "fade", "recovery"} & set(part)
+    changed = load_scenario(path, ["control.delay=3e-4"])
+    assert changed.control == CombinedSettings(delay=3e-4)
+    law = changed.controller()
+    assert law is not None
+    assert law.parts[0].delay == 3e-4
+
+
 def test_the_commands_of_the_parts_add_up() -> None:
     stated = parse_scenario({"sensors": SENSORS})
     whole = CombinedSettings(delay=1.5e-4)
-    law, parts = whole.controller(stated.plant, stated.sensors), whole.parts
+    law, parts = whole.controller(stated.plant, stated.sensors), whole.members
     found = law.response(17.0)[0]
     total = np.zeros_like(found)
     for part in parts:

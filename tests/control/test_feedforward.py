@@ -9,7 +9,7 @@ from oracles import linear
 from ehamj.control import Controller
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.instruments import Geophone
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
@@ -29,7 +29,7 @@ def law_of(actuators: dict[str, Any] | None = None, mounts: Any = None, **change
     table: dict[str, Any] = {"actuators": actuators} if actuators else {}
     if mounts:
         table["mount"] = mounts
-    return settings(**changes).controller(parse_scenario(table).plant)
+    return settings(**changes).controller(parse_scenario(table).plant, IDEAL)
 
 
 def response(law: Controller, hertz: Any) -> np.ndarray:

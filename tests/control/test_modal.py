@@ -7,17 +7,19 @@ import pytest
 from numpy.typing import NDArray
 
 from ehamj.control import Controller
-from ehamj.control.architectures.modal import MOTIONS, PRESSURES, ModalSettings, plane, warp
-from ehamj.control.inertial import FEET, GROUND, STROKES
+from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.channels import MountChannels
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
+from ehamj.plant.levers import MOTIONS, plane, warp
 from ehamj.plant.mounts import MOUNTS, WARP
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 
+FEET, STROKES, GROUND, _, _, PRESSURES = MountChannels.of(MOUNTS)
 UNEVEN = ((1.05, 0.5), (0.7, -0.75), (-0.6, 0.7), (-1.0, -0.4))
 SENSORS = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}}
 WITHOUT = {
@@ -84,7 +86,7 @@ def test_a_loop_acts_against_the_motion(motion: str) -> None:
 
 def test_the_plane_is_the_strokes_of_heave_roll_and_pitch() -> None:
     plant = uneven().plant
-    for row, (x, y) in zip(plane(plant), UNEVEN, strict=True):
+    for row, (x, y) in zip(plane(plant.positions), UNEVEN, strict=True):
         assert row.tolist() == [1.0, y, -x]
 
 
@@ -104,11 +106,11 @@ def weights(found: NDArray[np.complex128]) -> Array:
 
 
 def test_on_a_rectangle_warp_is_plus_minus_minus_plus() -> None:
-    np.testing.assert_allclose(warp(machine().plant), WARP, rtol=1e-12)
+    np.testing.assert_allclose(warp(machine().plant.positions), WARP, rtol=1e-12)
 
 
 def test_pressures_in_warp_exert_neither_force_nor_moment() -> None:
-    pattern = warp(uneven().plant)
+    pattern = warp(uneven().plant.positions)
     x, y = np.array(UNEVEN).T
     assert np.abs([pattern.sum(), pattern @ x, pattern @ y]).max() < 1e-14
     assert pattern @ pattern == pytest.approx(4.0)
@@ -120,8 +122,8 @@ def test_the_balance_sees_only_warp_and_moves_nothing(place: Any) -> None:
     law = law_of(scenario, warp={"crossing": 20.0})
     assert law.inputs == PRESSURES
     assert law.states == 0
-    drive = law.D @ warp(scenario.plant)
-    assert np.all(drive * warp(scenario.plant) < 0)
+    drive = law.D @ warp(scenario.plant.positions)
+    assert np.all(drive * warp(scenario.plant.positions) < 0)
     x, y = np.array(scenario.plant.positions).T
     for motion in (np.ones(4), x, y):
         assert np.abs(law.D @ motion).max() < 1e-12 * np.abs(drive).max()

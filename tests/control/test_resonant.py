@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.architectures.resonant import ResonantSettings
+from ehamj.control.kinds import CombinedSettings
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
 from ehamj.linear.sampled import sampled_loop

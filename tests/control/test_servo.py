@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ehamj.control.architectures.servo import StrokeServoSettings
+from ehamj.control.sensors import IDEAL
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import loop_gain
 from ehamj.linear.modes import modes
@@ -30,7 +31,7 @@ def servo(**given: Any) -> StrokeServoSettings:
 @pytest.mark.parametrize("hertz", [1.0, 5.0, 12.0])
 def test_the_loop_of_heave_is_crossing_over_frequency(hertz: float, model: LinearModel) -> None:
     # L = f_c/(j f)·(1 + f_i/(j f))·valve·e^(−sτ), oil and inertia left out: 0.04°/Hz.
-    law = servo(loop={"crossing": 40.0, "integral": 2.0, "notch_depth": 1.0}).controller(model.plant)
+    law = servo(loop={"crossing": 40.0, "integral": 2.0, "notch_depth": 1.0}).controller(model.plant, IDEAL)
     found = loop_gain(model, law, hertz)[0].sum(axis=1).mean()
     s = 2j * np.pi * hertz
     valve = 1 / (1 + 2 * 0.65 * s / 1571 + (s / 1571) ** 2)
@@ -60,7 +61,7 @@ def test_servos_that_disagree_fight_unless_they_are_balanced(sensors: dict[str, 
 
 
 def damping(model: LinearModel, gain: float, mode: str) -> float:
-    law = servo(pressure={"gain": gain}, rate=40_000.0).controller(model.plant)
+    law = servo(pressure={"gain": gain}, rate=40_000.0).controller(model.plant, IDEAL)
     return max(m.damping_ratio for m in modes(model, law) if m.name.endswith(mode) and m.frequency < 600.0)
 
 
@@ -75,7 +76,9 @@ def test_with_a_fast_valve_it_damps_the_oil_too() -> None:
 
 
 def test_dynamic_pressure_feedback_leaves_static_loads_alone(model: LinearModel) -> None:
-    law = servo(pressure={"gain": 3.0}, balance={"crossing": 0.0}, loop={"crossing": 0.0}).controller(model.plant)
+    law = servo(pressure={"gain": 3.0}, balance={"crossing": 0.0}, loop={"crossing": 0.0}).controller(
+        model.plant, IDEAL
+    )
     gains = np.abs(law.response([0.02, 200.0])[:, 0]).max(axis=1)
     assert gains[0] < 2e-3 * gains[1]  # a high-pass at 20 Hz: 1e-3
 

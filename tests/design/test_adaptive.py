@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.control.architectures.combined import CombinedSettings
+from ehamj.control.kinds import CombinedSettings
 from ehamj.design.adaptive import LineSettings, line_cancellation
 from ehamj.errors import InputError
 from ehamj.run.simulate import simulate

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.modal import MOTIONS, WarpBalance
+from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import Block
 from ehamj.control.inertial import Blend
+from ehamj.control.kinds import CombinedSettings
 from ehamj.design.command import design_controller, write_design
 from ehamj.design.hinfinity import HInfinitySettings, generalised, hinfinity, mixed_sensitivity
 from ehamj.design.lqg import LqgSettings, lqg, regulator
@@ -28,6 +28,7 @@ from ehamj.errors import InputError
 from ehamj.linear.margins import report
 from ehamj.linear.modes import modes
 from ehamj.linear.response import rigid_floor, sampled_plant
+from ehamj.plant.levers import MOTIONS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario

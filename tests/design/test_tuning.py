@@ -5,14 +5,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.modal import MOTIONS, ModalSettings
+from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.kinds import CombinedSettings
 from ehamj.design.requirements import Machines, Requirements, Variations, with_factors
 from ehamj.design.tuning import Design, tune
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
 from ehamj.linear.modes import modes
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import CombinedSettings
 from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.kinds import CombinedSettings
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import STABLE, LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
 from ehamj.linear.sampled import sampled_loop, sampled_machine

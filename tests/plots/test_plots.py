@@ -37,7 +37,7 @@ def figures() -> dict[str, Figure]:
     gap.values[5:9] = np.nan
     curves = [levels("floor", 20.0, plots.FLOOR_COLOR), gap, levels("passive", 19.0, plots.VERMILLION)]
     classes = {"VC-A": (BANDS[6:20], np.full(14, 50.0)), "operating theatre": (BANDS[6:20], np.full(14, 100.0))}
-    mounts = [Trace(f"mount {k}", TIME, noise(k), color) for k, (color, _) in enumerate(plots.MOUNT_STYLES)]
+    mounts = [Trace(f"mount {k}", TIME, noise(k), color) for k, (color, _) in enumerate(plots.mount_styles(4))]
     band = Trace("all mounts", TIME, np.column_stack([trace.values for trace in mounts]), plots.BLUE)
     limits = [Limit("fully open, ±2 V", (2.0, -2.0)), Limit("stop", (1e6,))]
     return {

@@ -17,7 +17,7 @@ from ehamj.criteria import iso2631, nist
 from ehamj.criteria.curves import CANDIDATES, Norm
 from ehamj.pages import Picture, render
 from ehamj.report import report_page, write_report
-from ehamj.report.shown import colors_of
+from ehamj.report.shown import Shown
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
@@ -124,7 +124,7 @@ def test_levels_lie_as_far_from_a_drawn_limit_as_the_norm_counts(
     figure = pictures[f"criterion-{name}-{view}"].figure
     lines = {line.get_color(): line for line in figure.axes[0].lines if line.get_label()[0] == "_"}
     strictest = norm.classes[-1]
-    for label, color in colors_of(results).items():
+    for label, color in Shown.of(results).colors.items():
         drawn = dict(zip(*(np.asarray(part) for part in lines[color].get_data()), strict=True))
         for band in CANDIDATES:
             limit = norm.limit(strictest, axes[0], band)
@@ -161,7 +161,7 @@ def test_relative_motions_are_the_summarys_and_the_datasets(results: dict[str, R
 
 
 def test_response_spectra_are_the_summarys(results: dict[str, Result], pictures: dict[str, Picture]) -> None:
-    colors = colors_of(results)
+    colors = Shown.of(results).colors
     for kind, factor in (("velocity", 1e6), ("acceleration", 1e3)):
         lines = {
             (line.get_color(), line.get_linestyle()): line

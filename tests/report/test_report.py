@@ -18,6 +18,7 @@ from scipy import signal
 from ehamj import plots
 from ehamj.control import Controller
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
+from ehamj.evaluation import FREQUENCIES
 from ehamj.ground import Start
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
@@ -26,10 +27,13 @@ from ehamj.pages import Picture, render
 from ehamj.pages.words import number
 from ehamj.plant.mounts import MOUNTS
 from ehamj.report import report_page, write_report
-from ehamj.report.histories import characteristic_part
-from ehamj.report.responses import FREQUENCIES
-from ehamj.report.shown import colors_of
-from ehamj.report.verdict import PROCESSING
+from ehamj.report.sections import SECTIONS
+from ehamj.report.sections.headline import PROCESSING, headline, warnings
+from ehamj.report.sections.histories import characteristic_part, histories
+from ehamj.report.sections.inputs import inputs
+from ehamj.report.sections.limits import limits
+from ehamj.report.sections.modes import modes as modes_section
+from ehamj.report.shown import Shown
 from ehamj.result import Result
 from ehamj.run.failures import Incomplete
 from ehamj.run.simulate import simulate
@@ -80,9 +84,9 @@ def failed() -> Result:
     return caught.value.result
 
 
-def text_of(results: dict[str, Result]) -> Any:
-    """The page without its figures."""
-    return lxml_html.fromstring(render(report_page(results)))
+def text_of(results: dict[str, Result], *sections: Any) -> Any:
+    """The page without its drawings, or the given sections of it."""
+    return lxml_html.fromstring(render(report_page(results, sections or SECTIONS)))
 
 
 def names_of(result: Result) -> set[str]:
@@ -237,7 +241,7 @@ def test_shares_oil_and_timing_are_the_summarys(results: dict[str, Result], whol
 
 def test_figures_show_the_summarys_levels(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
-    colors = colors_of(results)
+    colors = Shown.of(results).colors
     for axis in ("z", "x"):
         for figure, levels in (
             ("attenuation", lambda summary, axis=axis: summary["attenuation_db"][axis]),
@@ -272,7 +276,7 @@ def test_histories_reach_their_peaks(results: dict[str, Result], pictures: list[
 
 def test_the_linear_transmissibility_is_drawn(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
-    colors = colors_of(results)
+    colors = Shown.of(results).colors
     model = linear_model(results["passive"].scenario)
     for dof, output in (("z", "cg_displacement z"), ("rx", "machine_displacement rx")):
         above, phase, _ = figures[f"transmissibility-{dof}"].axes
@@ -297,7 +301,7 @@ def test_the_runs_own_transmissibility_is_drawn(results: dict[str, Result], pict
     settings = {"nperseg": 226, "detrend": "constant"}
     f, cross = signal.csd(floor, machine, 1000.0, **settings)
     _, own = signal.welch(floor, 1000.0, **settings)
-    color = colors_of(results)["passive"]
+    color = Shown.of(results).colors["passive"]
     line = next(x for x in figure.figure.axes[0].lines if x.get_color() == color and x.get_linestyle() == "None")
     shown = dict(zip(np.round(line.get_xdata(), 6), line.get_ydata(), strict=True))
     for k in (1, 2, 3, 4):
@@ -335,7 +339,7 @@ def test_a_loop_that_feeds_back_has_modes_of_its_own(results: dict[str, Result])
     law = Controller(
         np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((4, 0)), -100.0 * np.ones((4, 1)), ("machine_velocity z",)
     )
-    seen = text_of({"run": replace(results["passive"], controller=law), "passive": results["passive"]})
+    seen = text_of({"run": replace(results["passive"], controller=law), "passive": results["passive"]}, modes_section)
     head, *rows = table_of(seen, "Modes of the machine")
     assert head[1:5] == ["valves held: f [Hz]", "valves held: ζ [-]", "run: f [Hz]", "run: ζ [-]"]
     model = linear_model(results["passive"].scenario)
@@ -363,7 +367,7 @@ def test_the_map_of_rocking_has_the_machine_in_it(results: dict[str, Result], pi
 
 def test_each_machine_has_a_table_of_its_modes(results: dict[str, Result]) -> None:
     heavy = replace(results["passive"], scenario=load_scenario("recorded", ["machine.mass=8000"]))
-    seen = text_of({"light": results["passive"], "heavy": heavy})
+    seen = text_of({"light": results["passive"], "heavy": heavy}, modes_section)
     frequencies = [
         value(next(row[1] for row in table_of(seen, f"Modes of the machine, {name}") if row[0] == "heave"))
         for name in ("light", "heavy")
@@ -395,15 +399,15 @@ def test_peaks_stand_against_their_limits(results: dict[str, Result], whole: Any
 
 
 def test_limits_that_were_reached_say_when(results: dict[str, Result]) -> None:
-    assert not text_of(results).xpath('//table[@aria-label="Limits that were reached"]')
+    assert not text_of(results, limits).xpath('//table[@aria-label="Limits that were reached"]')
     reached = {"first_s": 1.25, "longest_s": 0.031, "mount": "rear-left"}
     at_limit = {"command": reached, "spool": None}
-    seen = text_of({"run": with_summary(results["passive"], at_limit=at_limit)})
+    seen = text_of({"run": with_summary(results["passive"], at_limit=at_limit)}, limits)
     assert table_of(seen, "Limits that were reached")[1:] == [["command", "1.250", "0.0310", "rear-left"]]
 
 
 def test_margins_stand_as_the_summary_says_them(results: dict[str, Result]) -> None:
-    assert not text_of(results).xpath('//table[@aria-label="Margins of the control loop"]')
+    assert not text_of(results, limits).xpath('//table[@aria-label="Margins of the control loop"]')
     heave = {"gain_db": 9.859, "phase_deg": 53.95, "disk": 0.9939, "peak_sensitivity": 1.497, "peak_hz": 421.7}
     warp = {**heave, "gain_db": None, "phase_deg": None, "crossings_hz": []}
     motions = {"heave": {**heave, "crossings_hz": [66.85, 79.2388]}, "warp": warp}
@@ -417,9 +421,9 @@ def test_margins_stand_as_the_summary_says_them(results: dict[str, Result]) -> N
         ["heave", "9.86", "54.0", "0.994", "1.50", "422", "66.8, 79.2"],
         ["warp", "–", "–", "0.994", "1.50", "422", "–"],
     ]
-    assert table_of(text_of({"run": one}), "Margins of the control loop")[1:] == rows
+    assert table_of(text_of({"run": one}, limits), "Margins of the control loop")[1:] == rows
     unstable = ["the closed loop is unstable", *["–"] * 6]
-    both = table_of(text_of({"one": one, "other": other}), "Margins of the control loop")[1:]
+    both = table_of(text_of({"one": one, "other": other}, limits), "Margins of the control loop")[1:]
     assert both == [["one"], *rows, ["other"], unstable, *rows]
 
 
@@ -508,7 +512,7 @@ def test_the_page_shows_parameters_with_their_sources(whole: Any) -> None:
 
 def test_a_changed_parameter_is_given(results: dict[str, Result]) -> None:
     table = {**BASE, "machine": {"mass": 4321.0}, "actuators": {"isolator": {"piston_area": 0.03}}}
-    seen = text_of({"run": replace(results["passive"], scenario=parse_scenario(table))})
+    seen = text_of({"run": replace(results["passive"], scenario=parse_scenario(table))}, inputs)
     assert table_of(seen, "Machine")[1][2:] == ["4321 kg", "given"]
     assert table_of(seen, "Actuator isolator")[1][2:] == ["0.03 m²", "given"]
     assert seen.xpath('//tbody//span[@class="badge given"]')
@@ -532,13 +536,13 @@ def test_nothing_undefined_is_printed(which: str, request: pytest.FixtureRequest
 
 
 def test_an_incomplete_run_says_so_loudly(failed: Result) -> None:
-    (alert,) = text_of({"run": failed}).xpath('//*[@role="alert"]')
+    (alert,) = text_of({"run": failed}, headline).xpath('//*[@role="alert"]')
     text = " ".join(alert.text_content().split())
     assert text.startswith("Incomplete ")
     assert failed.summary["failure"] in text
     assert "history-stroke" in names_of(failed)
     complete = replace(failed, summary={**failed.summary, "complete": True})
-    assert text_of({"run": complete}).xpath('//*[@role="alert"]') == []
+    assert text_of({"run": complete}, headline).xpath('//*[@role="alert"]') == []
 
 
 def test_the_end_of_a_run_that_failed_is_drawn_in_full(failed: Result, results: dict[str, Result]) -> None:
@@ -552,7 +556,7 @@ def test_the_end_of_a_run_that_failed_is_drawn_in_full(failed: Result, results: 
 
 
 def test_an_incomplete_variant_is_named(failed: Result, results: dict[str, Result]) -> None:
-    seen = text_of({"good": results["passive"], "bad": failed})
+    seen = text_of({"good": results["passive"], "bad": failed}, headline)
     assert [node.text_content().split()[1] for node in seen.xpath('//*[@role="alert"]')] == ["bad"]
 
 
@@ -574,7 +578,7 @@ def test_a_run_that_hardly_began_has_a_page(failed: Result, rows: int, tmp_path:
 
 
 def test_ground_at_rest_has_no_attenuation(at_rest: Result) -> None:
-    seen = text_of({"run": at_rest})
+    seen = text_of({"run": at_rest}, headline)
     assert "The ground is at rest" in seen.xpath('//*[@id="headline"]')[0].text_content()
     names = names_of(at_rest)
     assert not any("attenuation" in name for name in names)
@@ -583,7 +587,7 @@ def test_ground_at_rest_has_no_attenuation(at_rest: Result) -> None:
 
 def test_a_passive_run_has_no_command(results: dict[str, Result]) -> None:
     assert "history-command" not in names_of(results["passive"])
-    assert "the valves stay centred" in visible(text_of({"alone": results["passive"]}))
+    assert "the valves stay centred" in visible(text_of({"alone": results["passive"]}, histories))
 
 
 def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) -> None:
@@ -594,7 +598,7 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
         label: replace(result, summary={**result.summary, "warnings": [steps, shared, *extra]})
         for (label, result), extra in zip(results.items(), ([odd], []), strict=True)
     }
-    seen = text_of(runs)
+    seen = text_of(runs, warnings, inputs)
     assert [item.text_content() for item in seen.xpath('//*[@id="warnings"]//li')] == [shared, f"feedforward: {odd}"]
     assert [item.text_content() for item in seen.xpath('//*[@id="inputs"]//ul/li')] == [steps]
 
@@ -622,7 +626,7 @@ def test_defects_of_a_record_are_warnings(tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("time [s], z [m/s]\n" + "\n".join(lines))
     ground = {"kind": "record", "file": str(tmp_path / "bad.csv"), "gaps": "interpolate"}
     run = simulate(parse_scenario({**BASE, "duration": 2.0, "ground": ground}))
-    seen = text_of({"run": run})
+    seen = text_of({"run": run}, warnings, inputs)
     told = [item.text_content() for item in seen.xpath('//*[@id="warnings"]//li')]
     for part in ("looks clipped", "1 gap", "which no floor does", "too slowly for the vibration criteria"):
         assert any(part in text for text in told), part
@@ -644,9 +648,9 @@ def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:
 
 def test_passive_keeps_its_colour(results: dict[str, Result]) -> None:
     active, passive = results["feedforward"], results["passive"]
-    assert colors_of({"a": active, "b": passive}) == {"a": plots.BLUE, "b": plots.VERMILLION}
-    assert colors_of({"b": passive, "a": active}) == {"b": plots.VERMILLION, "a": plots.BLUE}
-    many = colors_of({str(k): active for k in range(12)})
+    assert Shown.of({"a": active, "b": passive}).colors == {"a": plots.BLUE, "b": plots.VERMILLION}
+    assert Shown.of({"b": passive, "a": active}).colors == {"b": plots.VERMILLION, "a": plots.BLUE}
+    many = Shown.of({str(k): active for k in range(12)}).colors
     assert plots.VERMILLION not in many.values()
     assert plots.FLOOR_COLOR not in many.values()
 

@@ -208,8 +208,8 @@ def ceiling(scenario: Scenario, step: float) -> Array:
     mass[0, 4] = mass[4, 0] = m * h
     mass[1, 3] = mass[3, 1] = -m * h
     table = np.array(build_model(plant, step).actuator_user)
-    frequency = np.array([setting.frequency for setting in scenario.control.signals])  # type: ignore[union-attr]
-    amplitude = np.array([setting.amplitude for setting in scenario.control.signals])  # type: ignore[union-attr]
+    frequency = np.array([setting.frequency for setting in scenario.control.signals])  # type: ignore[attr-defined]
+    amplitude = np.array([setting.amplitude for setting in scenario.control.signals])  # type: ignore[attr-defined]
     steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
     states = _ceiling_loop()(np.linalg.inv(mass), table, amplitude, 2 * np.pi * frequency, steps, every, step)
     pressure = states[:, 12:].reshape(-1, N_MOUNTS, N_STATES)[:, :, 2:]

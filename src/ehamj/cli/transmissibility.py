@@ -55,7 +55,7 @@ def transmissibility(
     otherwise. The folder holds transmissibility.html (read it first), transmissibility.nc (all responses, those of
     single mounts too), transmissibility.csv and attenuation.csv (per third-octave), figures/ and scenario.toml.
     """
-    from ehamj.report.responses import write_transmissibility
+    from ehamj.report.comparison import write_transmissibility
 
     check_out(out_folder, overwrite, FILES)
     stored = Path(source).is_dir()

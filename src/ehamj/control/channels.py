@@ -5,7 +5,9 @@ A channel is written as in the result's variables, with its labels: ``ground_vel
 """
 
 import difflib
+from collections.abc import Sequence
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +87,26 @@ def channel_row(name: str, plant: Plant) -> Array:
     else:
         row[state + 1 + int(labels[1])] = 1.0
     return row
+
+
+class MountChannels(NamedTuple):
+    """The channels of one quantity at all mounts, which laws measure."""
+
+    feet: tuple[str, ...]
+    """Vertical velocity of the machine above each mount."""
+    strokes: tuple[str, ...]
+    ground: tuple[str, ...]
+    """Vertical velocity of the ground below each mount."""
+    along: tuple[str, ...]
+    across: tuple[str, ...]
+    """Sideways velocity of the machine above each mount, along x and y."""
+    pressures: tuple[str, ...]
+
+    @classmethod
+    def of(cls, mounts: Sequence[str]) -> "MountChannels":
+        """Of the mounts of a plant."""
+        names = ["foot_velocity {} z", "stroke {}", "ground_velocity {} z", "foot_velocity {} x", "foot_velocity {} y"]
+        return cls(*(tuple(name.format(mount) for mount in mounts) for name in [*names, "load_pressure {}"]))
 
 
 def quantity_of(variable: str) -> str:

@@ -1,11 +1,12 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ehamj.control.settings import ControlSettings
 from ehamj.plant.mounts import MOUNTS
-from ehamj.plant.plant import Plant
 from ehamj.settings import Settings
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero, schroeder_phases
 
@@ -82,32 +83,22 @@ class ChirpCommand(SignalSettings):
 CommandSignal = Annotated[SineCommand | MultisineCommand | StepCommand | ChirpCommand, Field(discriminator="kind")]
 
 
-class Passive(Settings):
+class Passive(ControlSettings):
     """No command: the valves stay centred."""
 
     kind: Literal["passive"] = "passive"
 
-    def controller(self, plant: Plant, sensors: object) -> None:
-        """There is none."""
 
-    def commands(self) -> tuple[Signal, ...]:
-        """One signal per mount [V]."""
-        return (Zero(),) * len(MOUNTS)
-
-
-class OpenLoop(Settings):
+class OpenLoop(ControlSettings):
     """Given command signals; several for one mount add up."""
 
     kind: Literal["open-loop"]
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
 
-    def controller(self, plant: Plant, sensors: object) -> None:
-        """There is none."""
-
-    def commands(self) -> tuple[Signal, ...]:
+    def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
         """One signal per mount [V]."""
         found = []
-        for mount in MOUNTS:
+        for mount in mounts:
             own = tuple(setting.signal() for setting in self.signals if mount in setting.mounts)
             found.append(Total(own) if own else Zero())
         return tuple(found)

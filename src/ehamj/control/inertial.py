@@ -23,11 +23,9 @@ from ehamj.control.blocks import TWO_PI, Block, added, beside, pair
 from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import instrument_poles, restoring
 from ehamj.control.lowend import yielding
-from ehamj.control.settings import NotNegative, Positive, per_mount
+from ehamj.control.settings import NotNegative, Positive
 from ehamj.errors import InputError
 from ehamj.settings import Settings
-
-FEET, STROKES, GROUND = per_mount("foot_velocity", "z"), per_mount("stroke"), per_mount("ground_velocity", "z")
 
 LEAK = 0.01
 """Corner at which the loops' integrals end [Hz]: static loads remain, and nothing winds up for ever."""

@@ -17,6 +17,7 @@ from scipy import signal
 from ehamj.control.blocks import Block
 from ehamj.control.instruments import Instrument
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -41,6 +42,16 @@ class Inverse(NamedTuple):
         speed = 1.0 + a.membrane_stiffness / a.hydraulic_stiffness + damping
         creep = a.flow_pressure * a.membrane_stiffness / a.piston_area**2
         return cls(a.piston_area / (a.flow_gain * a.valve_gain) * speed, creep / speed)
+
+
+def volts(plant: Plant) -> Array:
+    """Command of each valve per piston velocity there [V s/m], (mount, mount)."""
+    return np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
+
+
+def creep(plant: Plant) -> float:
+    """Mean c of the isolators [rad/s]."""
+    return float(np.mean([Inverse.of(actuator).creep for actuator in plant.actuators]))
 
 
 def valve_poles(actuator: Actuator) -> ComplexArray:
@@ -90,8 +101,8 @@ def held(actuator: Actuator, recovery: float, period: float) -> Block:
 
     The isolator answers with (s + c)⁻¹; to answer with (s + 1/recovery)⁻¹ it needs (c − 1/recovery)/(s + 1/recovery).
     """
-    creep, slow = Inverse.of(actuator).creep, 1.0 / recovery
-    return Block.filter([], [-slow], creep - slow).held(period)
+    slow = 1.0 / recovery
+    return Block.filter([], [-slow], Inverse.of(actuator).creep - slow).held(period)
 
 
 def restoring(slow: ComplexArray, corner: float) -> tuple[ComplexArray, ComplexArray]:

@@ -1,18 +1,26 @@
-"""What every digital law has in common."""
+"""What a control is: what a scenario, a sum of laws and a design may ask of it."""
 
-from typing import Annotated
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.blocks import Block
-from ehamj.control.commands import Passive
 from ehamj.control.law import UNSTABLE, Controller
-from ehamj.control.windup import limited_radius
+from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
-from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.settings import Settings
-from ehamj.signals import Signal
+from ehamj.signals import Signal, Zero
+
+if TYPE_CHECKING:
+    from ehamj.control import LinearController
+    from ehamj.control.inertial import MotionLoop
+    from ehamj.control.sensors import Sensors
+
+Array = NDArray[np.float64]
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -23,22 +31,50 @@ ISOLATE_FROM = (
 )
 
 
-class DigitalSettings(Settings):
-    """What every digital controller has; it alone commands the valves."""
+class ControlSettings(Settings):
+    """A table [control]: a digital law, or signals for the valves, or nothing."""
+
+    kind: str
+
+    @classmethod
+    def name(cls) -> str:
+        """The ``kind`` that stands in a scenario."""
+        return str(get_args(cls.model_fields["kind"].annotation)[0])
+
+    @classmethod
+    def standard(cls) -> Self | None:
+        """The control with all its defaults; none where something must be given."""
+        return None if any(field.is_required() for field in cls.model_fields.values()) else cls.model_validate({})
+
+    def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
+        """Open-loop command of each mount [V]; beside a digital law there is none."""
+        return tuple(Zero() for _ in mounts)
+
+    def controller(self, plant: Plant, sensors: "Sensors") -> "LinearController | None":
+        """The digital law for a plant that is measured by ``sensors``, if there is one."""
+        return None
+
+
+class DigitalSettings(ControlSettings):
+    """What every architecture has; it alone commands the valves.
+
+    An architecture builds its `controller`. The other methods say what a sum of laws, a design or a study may do with
+    it; their defaults: it has no loops to tune, and nothing that depends on the machine or that others must know.
+    """
 
     rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
     delay: NotNegative | None = Field(None, description="computation delay [s]; without: one sample")
     bits: Annotated[int, Field(ge=2, le=52)] = Field(16, description="resolution of the command converter [bit]")
     switch_on: NotNegative = Field(0.0, description="time at which the controller takes over [s]")
     fade: NotNegative = Field(0.0, description="time over which its commands fade in [s]")
-
-    def commands(self) -> tuple[Signal, ...]:
-        """No open-loop command beside the controller's."""
-        return Passive().commands()
-
     recovery: Positive = Field(
         0.15, description="time over which motion that the valves could not follow is made good [s]"
     )
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What laws that run together have in common, by name: clock, converter and recovery."""
+        return {name: getattr(self, name) for name in SHARED}
 
     @property
     def period(self) -> float:
@@ -50,36 +86,74 @@ class DigitalSettings(Settings):
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
 
-    def digital(self, block: Block, inputs: tuple[str, ...], plant: Plant) -> Controller:
-        """The law that a sampled ``block`` from ``inputs`` to the four commands [V] becomes.
+    def controller(self, plant: Plant, sensors: "Sensors") -> Controller:
+        """The law for a plant that is measured by ``sensors``."""
+        raise NotImplementedError
 
-        The block may have four inputs more, for what the valves did not get of the commands [V]; it must not answer
-        them at once.
+    def beside(self, others: "Sequence[DigitalSettings]", plant: Plant, sensors: "Sensors") -> Controller:
+        """The law as it runs while ``others`` do."""
+        return self.controller(plant, sensors)
+
+    @property
+    def members(self) -> "tuple[DigitalSettings, ...]":
+        """The laws that add up, each as it runs: this one alone."""
+        return (self,)
+
+    def with_member(self, number: int, member: "DigitalSettings") -> "DigitalSettings":
+        """The whole with another law in place of one of its `members`."""
+        return member
+
+    def loops(self) -> "Mapping[str, MotionLoop]":
+        """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name."""
+        return {}
+
+    def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
+        """The settings for a machine: names and frequencies of its modes [Hz], height of its centre of gravity [m]."""
+        return self
+
+    def isolating_from(self, hertz: float) -> Self:
+        """The settings that leave what is slower to the floor; unchanged where an architecture cannot."""
+        able = "isolate_from" in type(self).model_fields
+        return self.model_copy(update={"isolate_from": hertz}) if able else self
+
+    def asked(self, motion: str, s: complex, creep: float) -> complex:
+        """Piston velocity that a broadband loop asks for per displacement of a motion, at s = jω [rad/s]; 0: none."""
+        return 0.0
+
+    def digital(
+        self, block: Block, inputs: tuple[str, ...], plant: Plant, *, anti_windup: AntiWindup | Array
+    ) -> Controller:
+        """The law that a sampled ``block`` from ``inputs`` to the commands [V] becomes.
+
+        Args:
+            block: the law; its inputs are those measured, and with `AntiWindup.INPUTS` one more per valve.
+            inputs: channels that it measures.
+            plant: whose valves it commands.
+            anti_windup: how its states learn what the valves did not get, or the matrix (states, valves).
+
+        Raises:
+            InputError: if the law is unstable by itself, or while its commands are limited.
+            ValueError: if the block's inputs are not these.
         """
-        measured = len(inputs)
-        windup = block.B[:, measured:] if block.B.shape[1] > measured else None
-        if windup is not None and limited_radius(block.A, block.C, windup) > UNSTABLE:
+        law, gain = parted(block, len(inputs), anti_windup, self.period, self.recovery)
+        if gain is not None and limited_radius(law.A, law.C, gain) > UNSTABLE:
             raise InputError(
                 f"control.recovery = {self.recovery:g} s: too slow for loops that cross so low, which would swing up "
                 "while commands are limited; shorten it, or raise the crossing, or lower the integral"
             )
         return Controller(
-            block.A,
-            block.B[:, :measured],
-            block.C,
-            block.D[:, :measured],
+            *law,
             inputs,
             self.period,
             self.delay,
-            min(actuator.voltage_limit for actuator in plant.actuators),
-            self.bits,
+            voltage_limit=min(actuator.voltage_limit for actuator in plant.actuators),
+            bits=self.bits,
             switch_on=self.switch_on,
             fade=self.fade,
             from_rest=True,
-            anti_windup=windup,
+            anti_windup=gain,
         )
 
 
-def per_mount(what: str, label: str = "") -> tuple[str, ...]:
-    """The channels of a quantity at all mounts: ``ground_velocity front-left z`` and so on."""
-    return tuple(f"{what} {mount} {label}".rstrip() for mount in MOUNTS)
+SHARED = tuple(name for name in DigitalSettings.model_fields if name != "kind")
+"""Settings that laws which run together share."""

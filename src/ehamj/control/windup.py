@@ -4,13 +4,47 @@ While a command is limited, x⁺ = A x + B u + L (applied − C x − D u) is an
 command (Åström and Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 9.4): its poles are those of A − L C.
 """
 
+from enum import Enum
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
+from ehamj.control.blocks import Block
 from ehamj.errors import InputError
 
 Array = NDArray[np.float64]
+
+
+class AntiWindup(Enum):
+    """How an architecture's states learn what the valves did not get; it says so, or gives the matrix L."""
+
+    NONE = "they do not"
+    INPUTS = "by inputs of its block, one per valve after those measured: applied − wanted [V]"
+    DUAL_LQ = "by `anti_windup_gain`, over the time of recovery"
+
+
+def parted(
+    block: Block, measured: int, choice: AntiWindup | Array, period: float, recovery: float
+) -> tuple[Block, Array | None]:
+    """A law's block of the ``measured`` inputs alone, and its L (states, valves), none without anti-windup.
+
+    Raises:
+        ValueError: if the block's inputs are not those that the choice needs, or it answers what was lost at once.
+        InputError: as `anti_windup_gain`.
+    """
+    A, B, C, D = block
+    wanted = measured + (C.shape[0] if choice is AntiWindup.INPUTS else 0)
+    if B.shape[1] != wanted:
+        raise ValueError(f"a law that measures {measured} channels with {choice} has {B.shape[1]} inputs, not {wanted}")
+    if np.any(D[:, measured:]):
+        raise ValueError("a law answers at once what the valves did not get")
+    law = Block(A, B[:, :measured], C, D[:, :measured])
+    if choice is AntiWindup.INPUTS:
+        return law, B[:, measured:]
+    if choice is AntiWindup.DUAL_LQ:
+        return law, anti_windup_gain(A, C, period, recovery)
+    return law, None if choice is AntiWindup.NONE else np.asarray(choice, float)
 
 
 def limited_radius(A: Array, C: Array, gain: Array) -> float:

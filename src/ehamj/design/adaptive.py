@@ -13,23 +13,23 @@ law below it stays as it is: with ``beside``, H is the response with that law cl
 """
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control import Controller, PythonController
-from ehamj.control.architectures.modal import plane
-from ehamj.control.blocks import TWO_PI
-from ehamj.control.inertial import FEET
-from ehamj.control.inverse import Inverse
+from ehamj.control.blocks import TWO_PI, Block
+from ehamj.control.channels import MountChannels
+from ehamj.control.inverse import volts
 from ehamj.control.settings import DigitalSettings, Positive
 from ehamj.control.statespace import response
+from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import sampled_plant
-from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -39,6 +39,7 @@ ComplexArray = NDArray[np.complex128]
 class LineSettings(DigitalSettings):
     """Which lines are cancelled, and how fast."""
 
+    kind: Literal["lines"] = "lines"
     lines: tuple[Positive, ...] = Field(description="frequencies of the lines [Hz]", min_length=1)
     time: Positive = Field(0.3, description="time in which a line comes down by e [s]")
     leak: Annotated[float, Field(gt=0)] = Field(
@@ -69,26 +70,21 @@ def line_cancellation(
     """
     plant, sensors = scenario.plant, scenario.sensors
     linear = model or linear_model(scenario)
-    volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
-    fit = np.linalg.pinv(plane(plant))
-    limit = min(actuator.voltage_limit for actuator in plant.actuators)
-    if beside is None:
-        nothing = np.zeros((N_MOUNTS, len(FEET)))
-        law = Controller(
-            np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, FEET, settings.period, settings.delay, limit,
-            settings.bits, switch_on=settings.switch_on, fade=settings.fade, from_rest=True,
-        )  # fmt: skip
-    else:
-        law = _reading_feet(beside)
+    feet = MountChannels.of(plant.mounts).feet
+    law = _reading(_nothing(settings, scenario) if beside is None else beside, feet)
     high = [line for line in settings.lines if line >= 0.5 / law.period]
     if high:
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
     answers = sampled_plant(linear, law, z, sensors, scenario.seed)
-    feet = [law.inputs.index(name) for name in FEET]
-    closed = answers @ np.linalg.inv(np.eye(N_MOUNTS) - response(z, law.A, law.B, law.C, law.D) @ answers)
-    inverses = np.asarray(np.linalg.inv(fit @ closed[:, feet] @ volts), complex)
-    function = _LineLaw(law, settings, np.asarray(fit, float), np.asarray(volts, float), inverses)
+    closed = answers @ np.linalg.inv(np.eye(len(plant.mounts)) - response(z, law.A, law.B, law.C, law.D) @ answers)
+    at, spread, fit = (
+        [law.inputs.index(name) for name in feet],
+        volts(plant) @ plane(plant.positions),
+        plane_fit(plant.positions),
+    )
+    inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
+    function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
     return PythonController(
         function, law.inputs, law.period, law.delay, law.voltage_limit, law.bits, law.switch_on, law.fade, law.from_rest
     )
@@ -98,15 +94,14 @@ class _LineLaw:
     """The function that is called at each sample; it holds weights and the states of the law beside."""
 
     def __init__(
-        self, law: Controller, settings: LineSettings, fit: Array, volts: Array, inverses: ComplexArray
+        self, law: Controller, settings: LineSettings, feet: list[int], spread: Array, inverses: ComplexArray
     ) -> None:
-        self._law, self._volts = law, volts
+        self._law, self._feet, self._spread = law, feet, spread
         self._omega = TWO_PI * np.array(settings.lines)
         steps = 2.0 * law.period / settings.time
-        self._steps = steps * inverses @ fit  # (lines, 3, feet): what the weights take of the feet's velocities
+        self._steps = steps * inverses  # (lines, 3, feet): what the weights take of the feet's velocities
         self._keep = 1.0 - law.period / settings.leak
-        self._feet = [law.inputs.index(name) for name in FEET]
-        self._windup = np.zeros((law.states, N_MOUNTS)) if law.anti_windup is None else law.anti_windup
+        self._windup = np.zeros(law.C.T.shape) if law.anti_windup is None else law.anti_windup
         self.reset()
 
     def reset(self) -> None:
@@ -117,7 +112,7 @@ class _LineLaw:
     def __call__(self, time: float, measured: Array, limited: Array) -> Array:
         law, turn = self._law, np.exp(1j * self._omega * time)
         self._state += self._windup @ limited
-        wanted = law.C @ self._state + law.D @ measured + self._volts @ (turn @ self._weights).real
+        wanted = law.C @ self._state + law.D @ measured + self._spread @ (turn @ self._weights).real
         self._state = law.A @ self._state + law.B @ measured
         self._weights *= self._keep
         # What the valves do not get has no answer: nothing is to be learnt from it.
@@ -126,10 +121,14 @@ class _LineLaw:
         return np.asarray(wanted)
 
 
-def _reading_feet(law: Controller) -> Controller:
+def _nothing(settings: LineSettings, scenario: Scenario) -> Controller:
+    """A law that commands nothing, with the clock of the settings."""
+    empty = Block.gain(np.zeros((len(scenario.plant.mounts), 0)))
+    return settings.digital(empty, (), scenario.plant, anti_windup=AntiWindup.NONE)
+
+
+def _reading(law: Controller, feet: tuple[str, ...]) -> Controller:
     """The law with all feet among its inputs, whether it uses them or not."""
-    more = tuple(name for name in FEET if name not in law.inputs)
-    wide: dict[str, Any] = {
-        name: np.hstack([getattr(law, name), np.zeros((getattr(law, name).shape[0], len(more)))]) for name in "BD"
-    }
+    more = tuple(name for name in feet if name not in law.inputs)
+    wide: dict[str, Any] = {name: np.pad(getattr(law, name), ((0, 0), (0, len(more)))) for name in "BD"}
     return replace(law, inputs=law.inputs + more, **wide)

@@ -1,15 +1,12 @@
 """From a scenario to a designed controller and its files."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from ehamj.control.architectures.combined import SHARED, CombinedSettings
-from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import ModalSettings
-from ehamj.control.architectures.servo import StrokeServoSettings
-from ehamj.control.architectures.skyhook import SkyhookSettings
+from ehamj.control.architectures.file import Law
+from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import budget
 from ehamj.design.outcome import outcome
@@ -17,24 +14,17 @@ from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
-from ehamj.linear.margins import feeds_back
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
-from ehamj.scenario.model import Law, Scenario
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
 from ehamj.studies.page import write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
 
-ARCHITECTURES: Final = {
-    "combined": CombinedSettings,
-    "modal": ModalSettings,
-    "skyhook": SkyhookSettings,
-    "stroke-servo": StrokeServoSettings,
-    "feedforward": FeedforwardSettings,
-}
-"""What can be tuned: the settings of each begin from their defaults."""
+DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
+"""Architectures that can be designed: the settings of each begin from their defaults."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +49,7 @@ def design_controller(
     Args:
         source: scenario file or shipped name.
         overrides: as `load_scenario`.
-        architecture: one of `ARCHITECTURES` or `SYNTHESES`; without, the scenario's own control where that can be
+        architecture: one of `DESIGNABLE` or `SYNTHESES`; without, the scenario's own control where that can be
             designed, else combined. Rate, delay and resolution are the scenario's controller's.
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
@@ -77,35 +67,33 @@ def design_controller(
             raise InputError(f"--{name} {value:g}: must be from {low:g} to {high:g}")
     wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
     scenario = load_scenario(source, overrides)
-    if architecture is not None and architecture not in (*ARCHITECTURES, *SYNTHESES):
-        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join((*ARCHITECTURES, *SYNTHESES))}")
+    if architecture is not None and architecture not in (*DESIGNABLE, *SYNTHESES):
+        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join((*DESIGNABLE, *SYNTHESES))}")
     given = scenario.control
-    own = given.kind
-    kind = architecture or (own if own in ARCHITECTURES else "combined")
-    clock = _clock(scenario)
-    if kind != own:
-        control = ARCHITECTURES.get(kind, CombinedSettings)(**clock)
-        scenario = scenario.model_copy(update={"control": control, "compare": ("passive",)})
+    kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
+    if kind != given.kind:
+        shared = given.shared if isinstance(given, DigitalSettings) else {}
+        begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
+        scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
     machines = Machines.of(scenario)
     if kind in SYNTHESES:
         design = synthesised(scenario, machines, beginning(kind, given), wanted)
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
-    elif feeds_back(scenario.controller()):
-        design = tune(scenario, machines, wanted)
-        scenario = scenario.model_copy(update={"control": design.settings})
     else:
-        feedforward = scenario.control
-        assert isinstance(feedforward, DigitalSettings)
-        law = feedforward.controller(scenario.plant, scenario.sensors)
-        design = judged(feedforward, law, scenario, machines, wanted)
+        design = _designed(scenario, machines, wanted)
+        scenario = scenario.model_copy(update={"control": design.settings})
     limits = budget(scenario, machines.models["as designed"], design.law)
     return Designed(scenario, design, outcome(scenario, kind, machines, design, limits))
 
 
-def _clock(scenario: Scenario) -> dict[str, Any]:
-    """Rate, delay, resolution and switch-on of the scenario's own controller, which a design keeps."""
+def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
+    """The scenario's own architecture with its loops tuned; one that has none is judged as it is."""
     control = scenario.control
-    return {name: getattr(control, name) for name in SHARED} if isinstance(control, DigitalSettings) else {}
+    assert isinstance(control, DigitalSettings)
+    if any(member.loops() for member in control.members):
+        return tune(scenario, machines, wanted)
+    law = control.controller(scenario.plant, scenario.sensors)
+    return replace(judged(control, law, scenario, machines, wanted), tuned=False)
 
 
 def write_design(folder: Path, found: Designed) -> None:

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control import Controller
-from ehamj.control.architectures.modal import MOTIONS
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.inverse import Inverse
 from ehamj.design.motions import (
@@ -38,6 +37,7 @@ from ehamj.design.motions import (
 )
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]

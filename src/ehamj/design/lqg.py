@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ehamj.control import Controller
-from ehamj.control.architectures.modal import MOTIONS
 from ehamj.control.blocks import Block
 from ehamj.design.motions import (
     MotionWeights,
@@ -33,6 +32,7 @@ from ehamj.design.motions import (
 )
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]

@@ -11,35 +11,33 @@ loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.linalg import block_diag
 
 from ehamj.control import Controller, statespace
-from ehamj.control.architectures.combined import SHARED
 from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import ACROSS, ALONG, MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane
+from ehamj.control.architectures.modal import ModalSettings, SwayDamping
+from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import TWO_PI, Block, beside
-from ehamj.control.inertial import FEET, GROUND, LEAK, STROKES, Blend, MotionLoop
-from ehamj.control.inverse import Inverse
+from ehamj.control.channels import MountChannels
+from ehamj.control.inertial import LEAK, Blend, MotionLoop
+from ehamj.control.inverse import volts
 from ehamj.control.law import stack
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings, NotNegative, Positive
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
-from ehamj.plant.mounts import N_MOUNTS
-from ehamj.plant.plant import Plant
+from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 
-CHANNELS = (*FEET, *STROKES, *ALONG, *ACROSS)
-"""Instruments of a motion that answer a command."""
 NO_LOOP, NO_SWAY = MotionLoop(crossing=0.0), SwayDamping(gain=0.0, centre=70.0)
 THIRD = 2.0 ** (1 / 6) - 2.0 ** (-1 / 6)
 """Width of a third-octave over its centre."""
@@ -80,7 +78,7 @@ class SynthesisSettings(DigitalSettings):
 
     def noise_over_floor(self, weights: MotionWeights, scenario: Scenario) -> float:
         """r: the inertial instruments' noise over the floor's motion in the third-octave at the bandwidth [-]."""
-        sensor = scenario.sensors.of(FEET[0])
+        sensor = scenario.sensors.inertial
         if sensor is None:
             return 0.0
         return float(sensor.noise_density(weights.bandwidth) * np.sqrt(THIRD * weights.bandwidth) / self.floor)
@@ -104,9 +102,8 @@ class SynthesisSettings(DigitalSettings):
 
     def modal(self) -> ModalSettings:
         """The modal law without loops: the warp balance, which runs inside the loops of the motions."""
-        shared = {name: getattr(self, name) for name in (*SHARED, "blend", "warp")}
         still = {"heave": NO_LOOP, "roll": NO_LOOP, "pitch": NO_LOOP, "sway_x": NO_SWAY, "sway_y": NO_SWAY}
-        return ModalSettings().model_copy(update={**shared, **still})
+        return ModalSettings().model_copy(update={**self.shared, "blend": self.blend, "warp": self.warp, **still})
 
     def assembled(self, scenario: Scenario, loops: Mapping[str, Block]) -> Controller:
         """The whole law.
@@ -120,8 +117,7 @@ class SynthesisSettings(DigitalSettings):
         sampled = {motion: loop.sampled(self.period) for motion, loop in loops.items()}
         laws = [self.modal().with_loops(plant, sensors, sampled)]
         if self.feedforward is not None:
-            shared = {name: getattr(self, name) for name in SHARED}
-            laws.append(self.feedforward.model_copy(update=shared).controller(plant, sensors))
+            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
         return stack(laws)
 
 
@@ -140,17 +136,19 @@ def motion_plants(
         order: states that are kept.
     """
     plant, sensors = scenario.plant, scenario.sensors
-    machine = _with_inner(model, settings.modal().controller(plant, sensors), sensors)
-    blend = settings.blend.block(sensors.of(FEET[0]), sensors.of(GROUND[0])).sampled(settings.period)
-    fit, mean = np.linalg.pinv(plane(plant)), np.full(N_MOUNTS, 1.0 / N_MOUNTS)
-    along, across = np.kron([1.0, 0.0], mean), np.kron([0.0, 1.0], mean)
+    at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+    machine = _with_inner(model, settings.modal().controller(plant, sensors), sensors, scenario.seed)
+    blend = settings.blend.block(sensors.of(at.feet[0]), sensors.of(at.ground[0])).sampled(settings.period)
+    spread, fit, mean = volts(plant) @ plane(plant.positions), plane_fit(plant.positions), np.full(mounts, 1.0 / mounts)
+    sideways = {"roll": np.kron([0.0, 1.0], mean), "pitch": np.kron([1.0, 0.0], mean)}
     found = {}
-    for k, (motion, sideways) in enumerate(zip(MOTIONS, (None, across, along), strict=True)):
-        vertical = np.vstack([np.kron(np.eye(2), fit[k]), np.zeros((1, 2 * N_MOUNTS))])  # the ground stands still
-        rows = [vertical] if sideways is None else [vertical, sideways]
-        readings = np.asarray(block_diag(*rows)) if len(rows) > 1 else np.pad(vertical, ((0, 0), (0, 2 * N_MOUNTS)))
-        after = blend if sideways is None else beside([blend, Block.gain([[1.0]])])
-        whole = continuous(machine.between(_volts(plant)[:, [k]], readings).then(after), settings.period)
+    for k, motion in enumerate(MOTIONS):
+        readings = np.vstack([np.kron(np.eye(2), fit[k]), np.zeros((1, 2 * mounts))])  # the ground stands still
+        readings, after = np.pad(readings, ((0, 0), (0, 2 * mounts))), blend
+        if motion in sideways:
+            readings = np.vstack([readings, np.pad(sideways[motion], (2 * mounts, 0))])
+            after = beside([blend, Block.gain([[1.0]])])
+        whole = continuous(machine.between(spread[:, [k]], readings).then(after), settings.period)
         found[motion] = whole, reduced(whole, order)
     return found
 
@@ -209,21 +207,17 @@ def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128
     return statespace.response(s, *block)
 
 
-def _volts(plant: Plant) -> Array:
-    """Command [V] of each valve per piston velocity in heave [m/s], roll and pitch [rad/s], (4, 3)."""
-    return np.diag([Inverse.of(actuator).volts for actuator in plant.actuators]) @ plane(plant)
+def _with_inner(model: LinearModel, inner: Controller, sensors: Sensors, seed: int) -> Block:
+    """The sampled machine from commands to its feet and strokes, the inner law closed around it.
 
-
-def _with_inner(model: LinearModel, inner: Controller, sensors: Sensors) -> Block:
-    """The sampled machine from commands to `CHANNELS`, the inner law closed around it."""
-    names = (*CHANNELS, *inner.inputs)
-    nothing = np.zeros((N_MOUNTS, len(names)))
-    probe = Controller(
-        np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, names, inner.period, inner.delay, inner.voltage_limit
-    )
-    open_loop = sampled_machine(model, probe, sensors)
-    seen, read = open_loop.C[: len(CHANNELS)], open_loop.C[len(CHANNELS) :]
+    Outputs are what answers a command: vertical velocity of the feet, strokes, and the feet's velocity along x and y.
+    """
+    at, mounts = MountChannels.of(model.plant.mounts), len(model.plant.mounts)
+    names = (*at.feet, *at.strokes, *at.along, *at.across, *inner.inputs)
+    outputs = len(names) - len(inner.inputs)
+    probe = replace(inner, inputs=names, B=np.zeros((inner.states, len(names))), D=np.zeros((mounts, len(names))))
+    open_loop = sampled_machine(model, probe, sensors, seed)
+    seen, read = open_loop.C[:outputs], open_loop.C[outputs:]
     A = np.block([[open_loop.A + open_loop.B @ inner.D @ read, open_loop.B @ inner.C], [inner.B @ read, inner.A]])
-    B = np.vstack([open_loop.B, np.zeros((inner.states, N_MOUNTS))])
-    C = np.hstack([seen, np.zeros((len(CHANNELS), inner.states))])
-    return Block(A, B, C, np.zeros((len(CHANNELS), N_MOUNTS)))
+    B, C = np.pad(open_loop.B, ((0, inner.states), (0, 0))), np.pad(seen, ((0, 0), (0, inner.states)))
+    return Block(A, B, C, np.zeros((outputs, mounts)))

@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 
 from ehamj.control import LinearController
-from ehamj.control.architectures.modal import plane, warp
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.linear.margins import PATTERNS, feeds_back, grid, loop_gain
+from ehamj.plant.levers import plane, warp
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled
@@ -91,6 +91,8 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             f"{worst[least[0]][0]:.1f} dB ({least[0]}), phase {worst[least[1]][1]:.0f}° ({least[1]}), disk "
             f"{worst[least[2]][2]:.2f} ({least[2]})."
         )
+        if not design.tuned:
+            found.append(f"{scenario.control.kind} has no loops to tune: its gains are as they were given.")
         unstable = [name for name, one in design.reports.items() if not one.stable]
         if unstable:
             found.append(f"Unstable: {', '.join(unstable)}.")
@@ -156,9 +158,11 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
     gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
-    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
+    basis = np.column_stack([plane(scenario.plant.positions), warp(scenario.plant.positions)])
     for row, model in enumerate(machines.models.values()):
-        opened = np.linalg.inv(np.eye(4) + loop_gain(model, law, f, scenario.sensors, scenario.seed))
+        opened = np.linalg.inv(
+            np.eye(len(scenario.plant.mounts)) + loop_gain(model, law, f, scenario.sensors, scenario.seed)
+        )
         moved = np.linalg.inv(basis) @ opened @ basis
         for column in range(len(patterns)):
             one = moved[:, column, column]

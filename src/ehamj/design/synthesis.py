@@ -4,24 +4,25 @@ from collections.abc import Callable
 from typing import Final
 
 from ehamj.control import Controller
-from ehamj.control.architectures.combined import SHARED, CombinedSettings
 from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import MOTIONS
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.design.hinfinity import HInfinitySettings, hinfinity
 from ehamj.design.lqg import LqgSettings, lqg
 from ehamj.design.motions import MotionWeights
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, holds
 from ehamj.errors import InputError
-from ehamj.linear.machine import LinearModel
 from ehamj.linear.margins import LoopReport, report
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Synthesised = HInfinitySettings | LqgSettings
 
-SYNTHESES: Final[dict[str, type[Synthesised]]] = {"h-infinity": HInfinitySettings, "lqg": LqgSettings}
-"""Settings by the name of the synthesis."""
+SYNTHESES: Final[dict[str, tuple[type[Synthesised], Callable[..., Controller]]]] = {
+    "h-infinity": (HInfinitySettings, hinfinity),
+    "lqg": (LqgSettings, lqg),
+}
+"""Settings and solver by the name of the synthesis."""
 
 LOWER: Final = 0.85
 TRIES: Final = 12
@@ -45,7 +46,7 @@ def synthesised(
     failure = InputError("design: no law was found")
     for _ in range(TRIES):
         try:
-            law = solved(scenario, settings, machines.models["as designed"])
+            law = SYNTHESES[settings.kind][1](scenario, settings, machines.models["as designed"])
         except InputError as error:
             failure, reports = error, {}
         else:
@@ -64,22 +65,13 @@ def synthesised(
     raise failure
 
 
-def solved(scenario: Scenario, settings: Synthesised, model: LinearModel) -> Controller:
-    """The law of these weights."""
-    solve: Callable[..., Controller] = hinfinity if isinstance(settings, HInfinitySettings) else lqg
-    return solve(scenario, settings, model)
-
-
-def beginning(kind: str, control: object) -> Synthesised:
+def beginning(kind: str, control: ControlSettings) -> Synthesised:
     """Settings of a synthesis that take clock, converter and feedforward from a scenario's control."""
-    given: dict[str, object] = {}
-    if isinstance(control, DigitalSettings):
-        given = {name: getattr(control, name) for name in SHARED}
-    parts = control.parts if isinstance(control, CombinedSettings) else (control,)
-    forward = [part for part in parts if isinstance(part, FeedforwardSettings)]
-    if forward:
-        given["feedforward"] = forward[0]
-    return SYNTHESES[kind].model_validate(given)
+    if not isinstance(control, DigitalSettings):
+        return SYNTHESES[kind][0]()
+    forward = [part for part in control.members if isinstance(part, FeedforwardSettings)]
+    given = {"feedforward": forward[0]} if forward else {}
+    return SYNTHESES[kind][0].model_validate({**control.shared, **given})
 
 
 def _lowered(settings: Synthesised, reports: dict[str, LoopReport], wanted: Requirements) -> Synthesised:

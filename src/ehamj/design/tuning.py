@@ -18,22 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.control import LinearController, statespace
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.modal import MOTIONS, ModalSettings, SwayDamping, WarpBalance, plane, warp
-from ehamj.control.architectures.servo import StrokeServoSettings
-from ehamj.control.architectures.skyhook import SkyhookSettings
 from ehamj.control.inertial import MotionLoop
+from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.linear.margins import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
 from ehamj.linear.modes import modes
-from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.levers import MOTIONS, plane, warp
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-Tunable = ModalSettings | SkyhookSettings | StrokeServoSettings
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
 
@@ -44,18 +40,16 @@ STEPS: Final = 3.0 * STEP ** -np.arange(116.0)
 SLOWED: Final = (1.0, 0.85, 0.7, 0.55, 0.4)
 """Factors on a loop's integral and lead that are tried."""
 
-REFERENCE: Final = {"sway_x": 70.66, "sway_y": 70.03}
-"""Sway-rocking frequencies of the default machine [Hz], which the damping of sway was found for."""
-
 
 @dataclass(frozen=True)
 class Design:
-    """A law: its settings, and what it has in hand on each machine."""
+    """A law: its settings, and what it has in hand on each machine; ``tuned``: its gains were chosen."""
 
     settings: DigitalSettings
     law: LinearController
     reports: Mapping[str, LoopReport]
     requirements: Requirements
+    tuned: bool = True
 
     @property
     def meets(self) -> bool:
@@ -74,7 +68,7 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     """Choose the crossings of a scenario's feedback.
 
     Args:
-        scenario: whose control is tuned (modal, skyhook, stroke-servo, or combined with one of them).
+        scenario: whose control is tuned: an architecture with loops, or combined with one of them.
         machines: the machine and its variations.
         requirements: margins.
 
@@ -83,21 +77,18 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     """
     wanted = requirements or Requirements()
     control = scenario.control
-    parts = control.parts if isinstance(control, CombinedSettings) else (control,)
-    tunable = [part for part in parts if isinstance(part, Tunable)]
-    if len(tunable) != 1:
+    members = control.members if isinstance(control, DigitalSettings) else ()
+    tunable = [number for number, member in enumerate(members) if member.loops()]
+    if not isinstance(control, DigitalSettings) or len(tunable) != 1:
+        able = [name for name, one in STANDARD.items() if isinstance(one, DigitalSettings) and one.loops()]
         raise InputError(
-            f"control.kind = {control.kind!r}: there must be one loop to tune, modal, skyhook or stroke-servo, "
-            "alone or as one part of combined"
+            f"control.kind = {control.kind!r}: has {len(tunable) or 'no'} laws with loops to tune; there must be one "
+            f"loop to tune, {', '.join(able[:-1])} or {able[-1]}, alone or as one part of combined"
         )
-    shaped = fitted(tunable[0], machines) if isinstance(tunable[0], ModalSettings) else tunable[0]
-    tuned = _raised(shaped, scenario, machines, wanted)
-    settings: Tunable | CombinedSettings = tuned
-    if isinstance(control, CombinedSettings):
-        others = tuple(tuned if part is tunable[0] else part for part in control.parts)
-        settings = CombinedSettings.model_validate({**_plain(control), "parts": [_plain(part) for part in others]})
-    law = settings.controller(scenario.plant, scenario.sensors)
-    return judged(settings, law, scenario, machines, wanted)
+    model = machines.models["as designed"]
+    shaped = members[tunable[0]].fitted([(one.name, one.frequency) for one in modes(model)], model.plant.machine.cg[2])
+    settings = control.with_member(tunable[0], _raised(shaped, scenario, machines, wanted))
+    return judged(settings, settings.controller(scenario.plant, scenario.sensors), scenario, machines, wanted)
 
 
 def judged(
@@ -110,54 +101,23 @@ def judged(
     return Design(settings, law, reports, requirements)
 
 
-def _plain(settings: object) -> dict[str, object]:
-    return settings.model_dump(exclude_none=True)  # type: ignore[attr-defined]
+def _only(settings: DigitalSettings, name: str | None) -> DigitalSettings:
+    """The settings with one of their loops; None: with everything but the loops."""
+    off = {
+        other: loop.model_copy(update={"crossing": 0.0}) for other, loop in settings.loops().items() if other != name
+    }
+    return settings.model_copy(update=off)
 
 
-def fitted(settings: ModalSettings, machines: Machines) -> ModalSettings:
-    """Modal settings whose damping of sway, where there is any, stands at the machine's own sway-rocking modes."""
-    model = machines.models["as designed"]
-    found = modes(model)
-    standard, height = ModalSettings(), model.plant.machine.cg[2]
-    changed: dict[str, object] = {}
-    for name, mode in (("sway_x", "sway-rocking about y"), ("sway_y", "sway-rocking about x")):
-        own: SwayDamping = getattr(standard, name)
-        matching = [one.frequency for one in found if one.name.endswith(mode)]
-        if not matching or not getattr(settings, name).gain:
-            continue
-        by = matching[0] / REFERENCE[name]
-        gain = own.gain * 0.75 / max(height, 0.2) / by  # h ω g/2 is the damping added
-        changed[name] = own.model_copy(update={"centre": own.centre * by, "gain": gain})
-    return settings.model_copy(update=changed)
-
-
-def _loops(settings: Tunable) -> dict[str, MotionLoop]:
-    names = MOTIONS if isinstance(settings, ModalSettings) else ("loop",)
-    return {name: loop for name in names if (loop := getattr(settings, name)).crossing}
-
-
-def _only(settings: Tunable, name: str | None) -> Tunable:
-    """The settings with one loop alone; None: with everything but the loops."""
-    changed: dict[str, object] = {}
-    for other, loop in _loops(settings).items():
-        changed[other] = loop.model_copy(update={"crossing": loop.crossing if other == name else 0.0})
-    if name is not None:
-        off = WarpBalance(crossing=0.0)
-        if isinstance(settings, ModalSettings):
-            still = {"gain": 0.0}
-            changed |= {"warp": off, "sway_x": settings.sway_x.model_copy(update=still)}
-            changed |= {"sway_y": settings.sway_y.model_copy(update=still)}
-    return settings.model_copy(update=changed)
-
-
-def _raised(settings: Tunable, scenario: Scenario, machines: Machines, wanted: Requirements) -> Tunable:
+def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, wanted: Requirements) -> DigitalSettings:
     trials = _trials(settings, scenario, machines)
-    basis = np.column_stack([plane(scenario.plant), warp(scenario.plant)])
-    loops = _loops(settings)
+    positions = scenario.plant.positions
+    basis = np.column_stack([plane(positions), warp(positions)])
+    loops = dict(settings.loops())
     crossings = {name: loop.crossing for name, loop in loops.items()}
     for turn in range(2):
         for name in loops:
-            places = [MOTIONS.index(name)] if name in MOTIONS else list(range(N_MOUNTS))
+            places = [MOTIONS.index(name)] if name in MOTIONS else list(range(len(positions)))
             shapes = SLOWED if turn == 0 else (1.0,)
             found = _highest(trials, name, loops[name], crossings, shapes, basis, wanted, places, settings.period)
             if found is None:
@@ -181,20 +141,19 @@ def _raised(settings: Tunable, scenario: Scenario, machines: Machines, wanted: R
     return settings.model_copy(update=tuned)
 
 
-def _trials(settings: Tunable, scenario: Scenario, machines: Machines) -> list[Trial]:
+def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -> list[Trial]:
     """The loop gains of which every trial is made, on each machine."""
     plant, sensors, seed = scenario.plant, scenario.sensors, scenario.seed
     everything = settings.controller(plant, sensors)
     rest = _only(settings, None).controller(plant, sensors)
-    loops = _loops(settings)
+    loops = settings.loops()
     alone = {name: _only(settings, name).controller(plant, sensors) for name in loops}
     trials = []
     for model in machines.models.values():
         f = grid(everything, model)
         own = loop_gain(model, rest, f, sensors, seed)
-        each = {name: loop_gain(model, law, f, sensors, seed) for name, law in alone.items()}
-        if not isinstance(settings, ModalSettings):  # the loop alone still holds what the rest is
-            each = {name: gain - own for name, gain in each.items()}
+        # A loop alone still holds what the rest is.
+        each = {name: loop_gain(model, law, f, sensors, seed) - own for name, law in alone.items()}
         trials.append((f, own, {name: gain / loops[name].crossing for name, gain in each.items()}))
     return trials
 
@@ -234,8 +193,8 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
 
 def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:
     _, rest, each = trial
-    loop = rest + sum(crossings[name] * gain for name, gain in each.items())
-    return np.asarray(np.linalg.inv(np.eye(N_MOUNTS) + loop), complex)
+    loop = np.asarray(rest + sum(crossings[name] * gain for name, gain in each.items()))
+    return np.asarray(np.linalg.inv(np.eye(loop.shape[1]) + loop), complex)
 
 
 def _leaves(trial: Trial, crossings: dict[str, float], basis: Array, wanted: Requirements, places: list[int]) -> bool:

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control import LinearController
-from ehamj.control.architectures.modal import MOTIONS, plane, warp
 from ehamj.control.law import OUTPUTS
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_loop
+from ehamj.plant.levers import MOTIONS, plane, warp
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 
 Array = NDArray[np.float64]
@@ -164,7 +164,7 @@ def report(
     f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
     commands, plant = _halves(model, law, f, sensors, seed)
     sensitivity = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ plant), complex)
-    basis = np.column_stack([plane(model.plant), warp(model.plant)])
+    basis = np.column_stack([plane(model.plant.positions), warp(model.plant.positions)])
     moved = np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
     at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", plant, sensitivity, commands, optimize=True)
     radius = float(np.abs(np.linalg.eigvals(sampled_loop(model, law, sensors, seed).A)).max())

@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+MOTIONS = ("heave", "roll", "pitch")
+"""Motions of the plane of the mounts, in the order of the columns of `plane`."""
+
 
 def lever(point: ArrayLike) -> Array:
     """Displacement x, y, z [m] of a point per x, y, z [m] and rx, ry, rz [rad] of the origin: p + θ × r, (3, 6).

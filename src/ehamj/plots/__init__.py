@@ -17,18 +17,20 @@ from ehamj.plots.style import (
     GREY,
     INK,
     LIMIT_COLOR,
-    MOUNT_STYLES,
     ORANGE,
     PURPLE,
     SKY,
     STYLE,
     VERMILLION,
+    colors_of,
+    mount_styles,
     shown,
 )
 
 __all__ = [
-    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "MOUNT_STYLES", "ORANGE", "PURPLE",
+    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE",
     "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Mark", "Response", "Trace",
-    "attenuation", "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side", "response",
+    "attenuation", "colors_of", "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side",
+    "mount_styles", "response",
     "response_matrix", "shown", "svg", "thinned",
 ]  # fmt: skip

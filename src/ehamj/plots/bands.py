@@ -33,6 +33,12 @@ class Levels:
     color: str
     dash: str = "-"
 
+    @classmethod
+    def of_bands(cls, label: str, table: Mapping[str, float | None], color: str, factor: float = 1.0) -> "Levels":
+        """From a level per band's name, times a factor."""
+        values = [math.nan if value is None else factor * value for value in table.values()]
+        return cls(label, np.array([float(band) for band in table]), np.array(values), color)
+
 
 def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
     """Attenuation [dB] over third-octave bands; up is quieter than the floor."""

@@ -1,7 +1,8 @@
 """What all figures share: colours, type, margins and the place of title, legend and axes."""
 
+import itertools
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
@@ -29,8 +30,7 @@ INK: Final = "#1F2933"
 FAINT: Final = "#C9CFD6"
 LIMIT_COLOR: Final = "#B00020"
 MARKERS: Final = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", SKY: "v", ORANGE: "P"}
-MOUNT_STYLES: Final = ((PURPLE, 2.9), (ORANGE, 2.1), (GREEN, 1.3), ("#1A1A1A", 0.6))
-"""Colour and line width of each mount: later ones are thinner, so that lines which coincide all show."""
+MOUNT_COLORS: Final = (PURPLE, ORANGE, GREEN, "#1A1A1A", BLUE, VERMILLION, SKY)
 
 STYLE: Final[Any] = {
     "font.family": "sans-serif",
@@ -117,6 +117,18 @@ def arrange(
         axes.set_position((LEFT / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
         axes.yaxis.set_label_coords(-44.0 / width, 0.5)
         top -= panel + gap
+
+
+def mount_styles(mounts: int) -> list[tuple[str, float]]:
+    """Colour and line width of each mount: later ones are thinner, so that lines which coincide all show."""
+    widths = np.linspace(2.9, 0.6, max(mounts, 2))
+    return list(zip(itertools.cycle(MOUNT_COLORS), (round(float(width), 2) for width in widths[:mounts]), strict=False))
+
+
+def colors_of(labels: Iterable[str], passive: str | None) -> dict[str, str]:
+    """Colour of each of several machines: the passive one always has the same, the others follow in order."""
+    others = itertools.cycle((BLUE, GREEN, PURPLE, SKY, ORANGE))
+    return {label: VERMILLION if label == passive else next(others) for label in labels}
 
 
 def legend_columns(names: Sequence[str], room: float) -> int:

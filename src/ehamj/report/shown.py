@@ -1,12 +1,15 @@
-"""The results that a report shows, and what is asked of them more than once."""
+"""The results that a report shows, and what its sections ask of them more than once."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ehamj import plots
+from ehamj.evaluation import Evaluation, evaluate
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
@@ -15,21 +18,76 @@ Results = Mapping[str, Result]
 """Results by label; the first is the one reported, the others are variants beside it."""
 
 
-def colors_of(results: Results) -> dict[str, str]:
-    """Colour of each result: the first passive one always has the same, the others follow in order."""
-    passive = next((label for label, result in results.items() if result.scenario.control.kind == "passive"), None)
-    others = iter((plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.ORANGE) * len(results))
-    return {label: plots.VERMILLION if label == passive else next(others) for label in results}
+@dataclass(frozen=True)
+class Shown:
+    """What a section is made from."""
+
+    results: Results
+    evaluations: Mapping[str, Evaluation]
+
+    @classmethod
+    def of(cls, results: Results) -> "Shown":
+        """Results and their evaluation.
+
+        Raises:
+            ValueError: if there is no result.
+        """
+        if not results:
+            raise ValueError("results: a report needs at least one")
+        return cls(results, evaluate(results))
+
+    @property
+    def label(self) -> str:
+        """Of the result that is reported."""
+        return next(iter(self.results))
+
+    @property
+    def first(self) -> Result:
+        """The result that is reported."""
+        return self.results[self.label]
+
+    @property
+    def scenario(self) -> Scenario:
+        """That of the first result."""
+        return self.first.scenario
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one result only."""
+        return len(self.results) == 1
+
+    @cached_property
+    def colors(self) -> dict[str, str]:
+        """Colour of each result: the first passive one always has the same, the others follow in order."""
+        found = {label: result.scenario.control.kind for label, result in self.results.items()}
+        return plots.colors_of(found, next((label for label, kind in found.items() if kind == "passive"), None))
+
+    def with_floors(self, places: Callable[[Result], Mapping[str, Any]]) -> Iterator[tuple[str, str, Any]]:
+        """Name, colour and content of each floor, those that are alike once, and of each machine.
+
+        ``places`` gives what a result has for ``floor`` and ``machine``.
+        """
+        floors: list[str] = []
+        for label, result in self.results.items():
+            found = places(result)
+            floor = found.get("floor", {})
+            if repr(floor) not in floors:  # two NaN are alike
+                floors.append(repr(floor))
+                yield "floor" if len(floors) == 1 else f"floor of {label}", plots.FLOOR_COLOR, floor
+            yield label, self.colors[label], found.get("machine", {})
 
 
 def ground_parts(scenario: Scenario) -> tuple[Any, ...]:
+    """The grounds that a scenario's ground is the sum of."""
     return getattr(scenario.ground, "parts", None) or (scenario.ground,)
 
 
 def floor_moves(result: Result) -> bool:
+    """Whether the ground moves anywhere."""
     peak = result.summary.get("peak", {}).get("ground_velocity", {})
     return any(value for axes in peak.values() for value in axes.values())
 
 
 def known(tables: Iterable[Mapping[str, float | None]]) -> list[float]:
+    """All values of several tables that are one."""
     return [value for table in tables for value in table.values() if value is not None]

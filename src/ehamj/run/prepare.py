@@ -67,7 +67,7 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     if controller is None:
         controller = scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
-        commands = Passive().commands()
+        commands = Passive().commands(scenario.plant.mounts)
     try:
         timestep = choose_timestep(scenario, controller)
         loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)

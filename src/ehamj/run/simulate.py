@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from ehamj.control import as_controller
+from ehamj.control.architectures.file import Law
 from ehamj.errors import InputError
 from ehamj.judge.summary import summarise
 from ehamj.mujoco import hydraulics
@@ -15,7 +16,7 @@ from ehamj.run.drive import Progress, drive
 from ehamj.run.failures import Incomplete, failure
 from ehamj.run.observe import observe
 from ehamj.run.prepare import prepare
-from ehamj.scenario.model import Law, Scenario
+from ehamj.scenario.model import Scenario
 
 
 def simulate(scenario: Scenario, progress: Progress | None = None, controller: Any = None) -> Result:

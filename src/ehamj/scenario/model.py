@@ -2,21 +2,15 @@
 
 from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import tomli_w
 from pydantic import Field, model_validator
 
-from ehamj.control import LinearController, load_controller
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import ModalSettings
-from ehamj.control.architectures.resonant import ResonantSettings
-from ehamj.control.architectures.servo import StrokeServoSettings
-from ehamj.control.architectures.skyhook import SkyhookSettings
-from ehamj.control.commands import OpenLoop, Passive
+from ehamj.control import LinearController
+from ehamj.control.commands import Passive
+from ehamj.control.kinds import STANDARD, Control, VariantName
 from ehamj.control.sensors import Sensors
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
@@ -32,45 +26,8 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
-from ehamj.settings import FileName, Settings, Vector3
+from ehamj.settings import Settings, Vector3
 from ehamj.signals import Signal
-
-
-class Law(Settings):
-    """A control law from a file that `ehamj.Controller.save` or `ehamj design` wrote."""
-
-    kind: Literal["law"]
-    file: FileName = Field(description="JSON file of the law, relative to the scenario", min_length=1)
-
-    def controller(self, plant: Plant, sensors: Sensors) -> LinearController:
-        """Read the law, or the bank of laws."""
-        return load_controller(Path(self.file))
-
-    def commands(self) -> tuple[Signal, ...]:
-        """No open-loop command beside the controller's."""
-        return Passive().commands()
-
-
-Control = Annotated[
-    Passive
-    | OpenLoop
-    | FeedforwardSettings
-    | StrokeServoSettings
-    | SkyhookSettings
-    | ModalSettings
-    | ResonantSettings
-    | CombinedSettings
-    | Law,
-    Field(discriminator="kind"),
-]
-
-VARIANTS: dict[str, Control] = {
-    "passive": Passive(),
-    "feedforward": FeedforwardSettings(),
-    "modal": ModalSettings(),
-    "combined": CombinedSettings(),
-}
-"""Controls that a scenario may be compared with, with their defaults."""
 
 
 class Isolator(Actuator):
@@ -128,9 +85,7 @@ class Scenario(Settings):
     plates: Literal["sliding", "tied"] = Field(
         "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
     )
-    compare: tuple[Literal["passive", "feedforward", "modal", "combined"], ...] = Field(
-        (), description="variants to run beside it, into folders of their names"
-    )
+    compare: tuple[VariantName, ...] = Field((), description="variants to run beside it, into folders of their names")
     machine: Machine = Machine()
     mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="the four mounts")
     actuators: dict[str, Isolator] = Field(
@@ -222,7 +177,7 @@ class Scenario(Settings):
 
     def commands(self) -> tuple[Signal, ...]:
         """The open-loop command of each mount [V]."""
-        return self.control.commands()
+        return self.control.commands(self.plant.mounts)
 
     def load(self) -> Load:
         """The forces on the machine itself."""
@@ -237,8 +192,8 @@ class Scenario(Settings):
         return self.control.controller(self.plant, self.sensors)
 
     def variant(self, name: str) -> "Scenario":
-        """The same scenario under another control, one of `VARIANTS`."""
-        return self.model_copy(update={"control": VARIANTS[name], "compare": (), "name": f"{self.name}, {name}"})
+        """The same scenario under another control, one of `ehamj.control.kinds.STANDARD`."""
+        return self.model_copy(update={"control": STANDARD[name], "compare": (), "name": f"{self.name}, {name}"})
 
     def to_toml(self) -> str:
         """The complete scenario as TOML; it runs again to the same result."""

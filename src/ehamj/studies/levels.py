@@ -12,10 +12,8 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from ehamj.control.architectures.combined import CombinedSettings
-from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.modal import ModalSettings
-from ehamj.control.commands import Passive
+from ehamj.control.kinds import CombinedSettings
+from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots.charts import Line, lines_chart
@@ -85,24 +83,15 @@ def levels(scenario: Scenario, settings: LevelSettings, progress: Progress) -> O
     )
 
 
-def _laws(scenario: Scenario, isolate_from: float) -> dict[str, Any]:
+def _laws(scenario: Scenario, isolate_from: float) -> dict[str, ControlSettings]:
     """Controls by name."""
-    control, later = scenario.control, {"isolate_from": isolate_from}
-    if isinstance(control, Passive) or scenario.controller() is None:
-        control = CombinedSettings()
+    control = CombinedSettings() if scenario.controller() is None else scenario.control
+    later = control.isolating_from(isolate_from) if isinstance(control, DigitalSettings) else control
     found = {"everywhere": control}
-    if isinstance(control, CombinedSettings):
-        parts = tuple(
-            part.model_copy(update=later) if isinstance(part, FeedforwardSettings | ModalSettings) else part
-            for part in control.parts
-        )
-        found[f"from {isolate_from:g} Hz"] = control.model_copy(update={"parts": parts})
-    elif isinstance(control, FeedforwardSettings | ModalSettings):
-        found[f"from {isolate_from:g} Hz"] = control.model_copy(update=later)
-    return found
+    return found if later == control else found | {f"from {isolate_from:g} Hz": later}
 
 
-def _case(scenario: Scenario, settings: LevelSettings, control: Any, level: str) -> Scenario:
+def _case(scenario: Scenario, settings: LevelSettings, control: ControlSettings, level: str) -> Scenario:
     values = {
         "ground": {"kind": "broadband", "level": level, "wave": {"speed": 200.0}},
         "control": control.model_dump(exclude_none=True),

@@ -1,20 +1,15 @@
-"""What a case of verification is, and what came out of it."""
+"""What a case of verification is, what came out of it, and how cases are registered and run."""
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.registry import Registry
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
-from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """What a case gave. ``seconds`` includes independent solutions that later cases use again."""
 
     name: str
@@ -69,7 +64,7 @@ class Outcome:
         return asdict(self)
 
 
-def run_case(case: Case, subject: Subject | None = None) -> Outcome:
+def run_case(case: Case, subject: Subject | None = None) -> CaseOutcome:
     """Measure a case; a simulation that fails is a case that fails."""
     began = clock.perf_counter()
     try:
@@ -78,26 +73,42 @@ def run_case(case: Case, subject: Subject | None = None) -> Outcome:
         error, detail = float("inf"), f"{type(failure).__name__}: {failure}"
     passed = bool(error <= case.tolerance)  # not so for a NaN
     seconds = clock.perf_counter() - began
-    return Outcome(
+    return CaseOutcome(
         case.name, case.compares, case.source, error, case.tolerance, case.unit, case.why, passed, detail, seconds
     )
 
 
-def scenario_of(isolator: dict[str, Any] | None = None, **table: Any) -> Scenario:
-    """A scenario whose four mounts have one kind of actuator; without gravity and with tied plates where not stated."""
-    return parse_scenario({"gravity": 0.0, "plates": "tied", "actuators": {"isolator": isolator or {}}, **table})
+CASES: Registry[Case] = Registry("verification case")
+"""All cases in the order in which they are reported; `ehamj.verify.cases` lists their files."""
 
 
-def open_loop(*signals: dict[str, Any]) -> dict[str, Any]:
-    """A table [control] with open-loop commands."""
-    return {"kind": "open-loop", "signals": list(signals)}
+def case(
+    name: str, compares: str, source: str, unit: str, tolerance: float, why: str
+) -> Callable[[Callable[[Subject], Finding]], Callable[[Subject], Finding]]:
+    """Decorator that registers what it decorates as the measure of a case; the arguments are those of `Case`."""
+
+    def register(measure: Callable[[Subject], Finding]) -> Callable[[Subject], Finding]:
+        CASES.add(name, Case(name, compares, source, unit, tolerance, why, measure))
+        return measure
+
+    return register
 
 
-def chamber_pressures(result: Result) -> Array:
-    """Pressures (time, mount, chamber) [Pa]."""
-    return result.dataset["chamber_pressure"].values
+def verify(
+    progress: Callable[[CaseOutcome], None] | None = None,
+    cases: Iterable[Case] | None = None,
+    subject: Subject | None = None,
+) -> list[CaseOutcome]:
+    """Run cases.
 
-
-def fitted_order(steps: Array, errors: Array) -> float:
-    """Slope of the error over the step, both logarithmic."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+    Args:
+        progress: called with each outcome as it comes.
+        cases: which; all by default.
+        subject: what is verified; ehamj itself by default.
+    """
+    outcomes = []
+    for one in CASES.values() if cases is None else cases:
+        outcomes.append(run_case(one, subject))
+        if progress is not None:
+            progress(outcomes[-1])
+    return outcomes

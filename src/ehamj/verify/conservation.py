@@ -3,26 +3,20 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
-from ehamj.verify.case import Case, Finding, Subject, fitted_order, open_loop, scenario_of
-
-Array = NDArray[np.float64]
+from ehamj.verify.case import Finding, Subject, case
+from ehamj.verify.setup import fitted_order, open_loop, scenario_of, sines
 
 HERTZ = (7.0, 11.0, 13.0, 17.0)
+_ROUGH = "10 s of saturated valves on 20 bar, three blows of 0.3 m/s from below, with cavitation, at the automatic step"
 
 
 def _balanced(amplitude: float, step: float | str, **table: object) -> Scenario:
-    signals = [
-        {"kind": "sine", "mounts": [mount], "amplitude": amplitude, "frequency": f}
-        for mount, f in zip(MOUNTS, HERTZ, strict=True)
-    ]
     return scenario_of(
         {"vapour_pressure": 5e3}, gravity=9.80665, timestep=step, output={"bookkeeping": True},
-        control=open_loop(*signals), **table,
+        control=open_loop(*sines(amplitude, HERTZ)), **table,
     )  # fmt: skip
 
 
@@ -64,18 +58,42 @@ def imbalance(result: Result) -> tuple[float, float]:
     return float(oil.max()), float(energy / result.dataset["supplied_energy"].values[-1])
 
 
+@case(
+    "oil is conserved",
+    _ROUGH,
+    "conservation: change of mass in each chamber = ∫ρQ dt",
+    "of the oil that moved",
+    1e-6,
+    "what a long run may lose before a user would see it",
+)
 def oil(subject: Subject) -> Finding:
     """Oil over a long rough run."""
     error, _, detail = rough(subject)
     return Finding(error, detail)
 
 
+@case(
+    "energy is conserved",
+    _ROUGH,
+    "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
+    "of the energy supplied",
+    1e-4,
+    "what a long run may lose before a user would see it",
+)
 def energy(subject: Subject) -> Finding:
     """Energy over a long rough run."""
     _, error, detail = rough(subject)
     return Finding(error, detail)
 
 
+@case(
+    "order of conservation",
+    "oil and energy, smooth run, steps from 1/3000 to 1/8000 s",
+    "RK4 is of order 4",
+    "below order 4",
+    0.5,
+    "half an order below the integrator's fourth",
+)
 def smooth_order(subject: Subject) -> Finding:
     """Order with which both balances close on a smooth run."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0])
@@ -84,6 +102,14 @@ def smooth_order(subject: Subject) -> Finding:
     return Finding(max(0.0, 4.0 - min(orders)), f"oil {orders[0]:.2f}, energy {orders[1]:.2f}")
 
 
+@case(
+    "conservation through kinks",
+    "oil and energy, 1 s with saturation and cavitation, steps from 1/3000 to 1/12000 s",
+    "a shorter step must help",
+    "largest ratio of errors, shorter over longer step",
+    1.0,
+    "monotone decrease; the order is stated, since kinks inside steps leave no fixed one",
+)
 def rough_descent(subject: Subject) -> Finding:
     """Through kinks: the largest factor from one step to a shorter one."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0, 12000.0])
@@ -91,45 +117,3 @@ def rough_descent(subject: Subject) -> Finding:
     orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
     worst = float((errors[1:] / errors[:-1]).max())
     return Finding(worst, f"fitted order: oil {orders[0]:.2f}, energy {orders[1]:.2f}")
-
-
-_ROUGH = "10 s of saturated valves on 20 bar, three blows of 0.3 m/s from below, with cavitation, at the automatic step"
-
-CASES = (
-    Case(
-        "oil is conserved",
-        _ROUGH,
-        "conservation: change of mass in each chamber = ∫ρQ dt",
-        "of the oil that moved",
-        1e-6,
-        "what a long run may lose before a user would see it",
-        oil,
-    ),
-    Case(
-        "energy is conserved",
-        _ROUGH,
-        "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
-        "of the energy supplied",
-        1e-4,
-        "what a long run may lose before a user would see it",
-        energy,
-    ),
-    Case(
-        "order of conservation",
-        "oil and energy, smooth run, steps from 1/3000 to 1/8000 s",
-        "RK4 is of order 4",
-        "below order 4",
-        0.5,
-        "half an order below the integrator's fourth",
-        smooth_order,
-    ),
-    Case(
-        "conservation through kinks",
-        "oil and energy, 1 s with saturation and cavitation, steps from 1/3000 to 1/12000 s",
-        "a shorter step must help",
-        "largest ratio of errors, shorter over longer step",
-        1.0,
-        "monotone decrease; the order is stated, since kinks inside steps leave no fixed one",
-        rough_descent,
-    ),
-)

@@ -7,10 +7,10 @@ from typing import Any
 from markupsafe import Markup
 
 from ehamj.pages import Page, Section, Table, badge, render
-from ehamj.verify.case import Outcome
+from ehamj.verify.case import CaseOutcome
 
 
-def to_dict(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def to_dict(outcomes: Sequence[CaseOutcome]) -> dict[str, Any]:
     """All outcomes as plain data; an error that is no finite number becomes null."""
     cases = []
     for outcome in outcomes:
@@ -21,14 +21,14 @@ def to_dict(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     return {"passed": all(outcome.passed for outcome in outcomes), "cases": cases}
 
 
-def write_table(outcomes: Sequence[Outcome], path: Path) -> Path:
+def write_table(outcomes: Sequence[CaseOutcome], path: Path) -> Path:
     """Write the page to a file, or as ``verification.html`` into a folder; returns where it is."""
     path = path / "verification.html" if path.is_dir() else path
     path.write_text(render(page(outcomes)), encoding="utf-8")
     return path
 
 
-def page(outcomes: Sequence[Outcome]) -> Page:
+def page(outcomes: Sequence[CaseOutcome]) -> Page:
     """The outcomes as a page."""
     failed = sum(not outcome.passed for outcome in outcomes)
     verdict = f"{failed} of {len(outcomes)} cases fail" if failed else f"all {len(outcomes)} cases pass"
@@ -37,7 +37,7 @@ def page(outcomes: Sequence[Outcome]) -> Page:
     return Page("ehamj: verification", f"Verification: {verdict}", "", [Section("cases", tables=[table])])
 
 
-def _row(outcome: Outcome) -> list[str]:
+def _row(outcome: CaseOutcome) -> list[str]:
     mark = badge("✓", "agrees") if outcome.passed else badge("✗", "fails")
     two_lines = Markup("{}<br><small>{}</small>")
     return [

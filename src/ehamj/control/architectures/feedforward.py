@@ -20,18 +20,18 @@ from pydantic import Field
 from scipy import signal
 
 from ehamj.control.blocks import TWO_PI, Block, beside, joined
+from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, held, instrument_poles, lag, restoring, valve_poles
 from ehamj.control.law import Controller
 from ehamj.control.lowend import isolating
-from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
+from ehamj.control.sensors import Sensors
+from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive
+from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-INPUTS = per_mount("ground_velocity", "z")
 
 
 class FeedforwardSettings(DigitalSettings):
@@ -55,12 +55,13 @@ class FeedforwardSettings(DigitalSettings):
         """Delay at low frequency of instrument, computation, hold and roll-off together [s]."""
         return self.hold + lag(self._rolloff()[1]) + lag(instrument_poles(sensor)[1])
 
-    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+    def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant, whose ground velocities are measured by ``sensors``."""
-        sensor = sensors.of(INPUTS[0])
+        inputs = MountChannels.of(plant.mounts).ground
+        sensor = sensors.of(inputs[0])
         mounts = beside([self.block(actuator, sensor) for actuator in plant.actuators]).sampled(self.period)
         back = beside([held(actuator, self.recovery, self.period) for actuator in plant.actuators])
-        return self.digital(joined([mounts, back]), INPUTS, plant)
+        return self.digital(joined([mounts, back]), inputs, plant, anti_windup=AntiWindup.INPUTS)
 
     def block(self, actuator: Actuator, sensor: Instrument | None = None) -> Block:
         """Command [V] over measured ground velocity [m/s] of one mount."""

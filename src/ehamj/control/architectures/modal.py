@@ -10,40 +10,34 @@ with the feet turned by θ the mass feels m ẍ + c ẋ + k x = −m h θ̈, so 
 h ω g/2 to the damping ratio.
 """
 
-from collections.abc import Mapping
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
+from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import TWO_PI, Block, added, beside, joined, pair
-from ehamj.control.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.control.inverse import Inverse, instrument_poles, lag, lost
+from ehamj.control.channels import MountChannels
+from ehamj.control.inertial import Blend, MotionLoop
+from ehamj.control.inverse import creep, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
-from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive, per_mount
-from ehamj.plant.mounts import N_MOUNTS
+from ehamj.control.sensors import Sensors
+from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive
+from ehamj.control.statespace import response
+from ehamj.control.windup import AntiWindup
+from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 
-ALONG, ACROSS = per_mount("foot_velocity", "x"), per_mount("foot_velocity", "y")
-PRESSURES = per_mount("load_pressure")
-MOTIONS = ("heave", "roll", "pitch")
-
-
-def plane(plant: Plant) -> Array:
-    """Height of each mount per heave [m], roll and pitch [rad]: columns 1, y, −x, shape (4, 3)."""
-    return np.array([[1.0, y, -x] for x, y in plant.positions])
-
-
-def warp(plant: Plant) -> Array:
-    """Pattern of forces at the four mounts that moves nothing, (4,), of length two: + − − + on a rectangle."""
-    pattern = np.linalg.svd(plane(plant).T)[2][-1]
-    return np.asarray(2.0 * pattern * np.sign(pattern[0]))
+REFERENCE = {"sway_x": 70.66, "sway_y": 70.03}
+"""Sway-rocking frequencies of the default machine [Hz], which the damping of sway was found for."""
+REFERENCE_HEIGHT = 0.75
+"""Height of its centre of gravity [m]."""
 
 
 class SwayDamping(Settings):
@@ -57,17 +51,6 @@ class SwayDamping(Settings):
         """Angular velocity [rad/s] over sideways velocity [m/s]."""
         gain = self.gain * 2.0 * self.width * TWO_PI * self.centre
         return Block.filter([0.0, 0.0], pair(self.centre, self.width), -gain)
-
-
-class WarpBalance(Settings):
-    """The balance of load pressures in the warp pattern (+ − − + on a rectangle)."""
-
-    crossing: NotNegative = Field(20.0, description="frequency below which the pressures are balanced [Hz]; 0: off")
-
-    def block(self, plant: Plant) -> Block:
-        """Command [V] over the warp's load pressure [Pa]: oil and valve together are an integrator, eq. 6."""
-        rates = [4.0 * a.bulk_modulus / a.chamber_volume * a.flow_gain * a.valve_gain for a in plant.actuators]
-        return Block.gain([[-TWO_PI * self.crossing / float(np.mean(rates))]])
 
 
 class ModalSettings(DigitalSettings):
@@ -94,58 +77,79 @@ class ModalSettings(DigitalSettings):
     sway_x: SwayDamping = SwayDamping(gain=3.12e-4, centre=62.6, width=0.473)
     sway_y: SwayDamping = SwayDamping(gain=4.02e-4, centre=65.9, width=0.32)
 
-    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+    def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
-        creep = float(np.mean([Inverse.of(actuator).creep for actuator in plant.actuators]))
-        loops: dict[str, MotionLoop] = {motion: getattr(self, motion) for motion in MOTIONS}
-        sampled = {name: loop.block(creep).sampled(self.period) for name, loop in loops.items() if loop.crossing}
+        slow = creep(plant)
+        sampled = {motion: loop.block(slow).sampled(self.period) for motion, loop in self.loops().items()}
         return self.with_loops(plant, sensors, sampled)
+
+    def loops(self) -> dict[str, MotionLoop]:
+        """Those of the motions."""
+        return {motion: loop for motion in MOTIONS if (loop := getattr(self, motion)).crossing}
+
+    def asked(self, motion: str, s: complex, creep: float) -> complex:
+        """What the motion's loop asks for."""
+        loop = self.loops().get(motion)
+        return 0.0 if loop is None else complex(response(np.array([s]), *loop.block(creep))[0, 0, 0])
+
+    def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
+        """Damping of sway, where there is any, stands at the machine's own sway-rocking modes."""
+        changed: dict[str, SwayDamping] = {}
+        for name, mode in (("sway_x", "sway-rocking about y"), ("sway_y", "sway-rocking about x")):
+            own: SwayDamping = type(self).model_fields[name].default
+            found = next((frequency for label, frequency in modes if label.endswith(mode)), None)
+            if found is not None and getattr(self, name).gain:
+                by = found / REFERENCE[name]
+                gain = own.gain * REFERENCE_HEIGHT / max(height, 0.2) / by  # h ω g/2 is the damping added
+                changed[name] = own.model_copy(update={"centre": own.centre * by, "gain": gain})
+        return self.model_copy(update=changed)
 
     def with_loops(self, plant: Plant, sensors: Sensors, loops: Mapping[str, Block]) -> Controller:
         """The law with other loops: for some motions, sampled blocks from blended displacement [m, rad] to piston
         velocity [m/s, rad/s]; those of roll and pitch may have the feet's mean sideways velocity [m/s] as a second
         input.
         """
+        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+        # A positive pitch moves what stands above the mounts along x, a positive roll against y.
+        sideways = {"pitch": (at.along, self.sway_x, 1.0), "roll": (at.across, self.sway_y, -1.0)}
         wide = [motion for motion, loop in loops.items() if loop.B.shape[1] > 1]
-        names = self._inputs(
-            bool(loops), bool(self.sway_x.gain or "pitch" in wide), bool(self.sway_y.gain or "roll" in wide)
-        )
-        volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
-        columns, fit = plane(plant), np.linalg.pinv(plane(plant))
-        foot = sensors.of(FEET[0])
-        blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
-        late = self.hold + lag(instrument_poles(foot)[1])
-        owed = lost(plant.actuators[0], late, self.recovery, self.period).times(-1.0)
+        names = (*at.feet, *at.strokes, *at.ground) if loops else ()
+        for motion, (group, sway, _) in sideways.items():
+            names += group if sway.gain or motion in wide else ()
+        names += at.pressures if self.warp.crossing else ()
+        spread = volts(plant) @ plane(plant.positions)
+        mean = np.full(mounts, 1.0 / mounts)
         blocks = []
+        seen = self._seen(plant, sensors) if loops else None
         for k, motion in enumerate(MOTIONS):
-            if motion in loops:
-                measured = np.vstack([_picked(names, group, fit[k]) for group in (FEET, STROKES, GROUND)])
-                seen = joined([blend.sampled(self.period), owed])
-                rows = block_diag(measured, fit[k])
+            if motion in loops and seen is not None:
+                fit = plane_fit(plant.positions)[k]
+                rows = block_diag(np.vstack([_picked(names, group, fit) for group in at[:3]]), fit)
+                own = seen
                 if motion in wide:
                     # Sideways velocity lies among the measured, before what the valves did not get.
-                    mean = _picked(names, ALONG if motion == "pitch" else ACROSS, np.full(N_MOUNTS, 1.0 / N_MOUNTS))
-                    seen = beside([seen, Block.gain([[1.0]])])
-                    rows = np.vstack([rows, np.pad(mean, ((0, 0), (0, N_MOUNTS)))])
-                blocks.append(seen.then(loops[motion]).between(rows, volts @ columns[:, [k]]))
-        # A positive pitch moves what stands above the mounts along x, a positive roll against y.
-        for sway, group, k, sign in ((self.sway_x, ALONG, 2, 1.0), (self.sway_y, ACROSS, 1, -1.0)):
+                    own = beside([seen, Block.gain([[1.0]])])
+                    rows = np.vstack([rows, np.pad(_picked(names, sideways[motion][0], mean), ((0, 0), (0, mounts)))])
+                blocks.append(own.then(loops[motion]).between(rows, spread[:, [k]]))
+        for motion, (group, sway, sign) in sideways.items():
             if sway.gain:
-                mean = _picked(names, group, np.full(N_MOUNTS, 1.0 / N_MOUNTS))
-                one = sway.block().sampled(self.period)
-                blocks.append(one.between(mean, sign * volts @ columns[:, [k]]).padded(0, N_MOUNTS))
+                tilts = sign * spread[:, [MOTIONS.index(motion)]]
+                blocks.append(
+                    sway.block().sampled(self.period).between(_picked(names, group, mean), tilts).padded(0, mounts)
+                )
         if self.warp.crossing:
-            pattern = warp(plant)
-            measured = _picked(names, PRESSURES, pattern / N_MOUNTS)
-            blocks.append(self.warp.block(plant).between(measured, pattern[:, None]).padded(0, N_MOUNTS))
-        if not blocks:
-            blocks = [Block.gain(np.zeros((N_MOUNTS, N_MOUNTS)))]
-        return self.digital(added(blocks), names, plant)
+            blocks.append(self.warp.block(plant).padded(len(names) - mounts, mounts))
+        law = added(blocks) if blocks else Block.gain(np.zeros((mounts, mounts)))
+        return self.digital(law, names, plant, anti_windup=AntiWindup.INPUTS)
 
-    def _inputs(self, moves: bool, along: bool, across: bool) -> tuple[str, ...]:
-        names = (*FEET, *STROKES, *GROUND) if moves else ()
-        names += (*(ALONG if along else ()), *(ACROSS if across else ()))
-        return names + (PRESSURES if self.warp.crossing else ())
+    def _seen(self, plant: Plant, sensors: Sensors) -> Block:
+        """Sampled: displacement of a motion from inertial velocity, stroke, ground velocity, and what valves lost."""
+        at = MountChannels.of(plant.mounts)
+        foot = sensors.of(at.feet[0])
+        blend = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from)
+        late = self.hold + lag(instrument_poles(foot)[1])
+        owed = lost(plant.actuators[0], late, self.recovery, self.period).times(-1.0)
+        return joined([blend.sampled(self.period), owed])
 
 
 def _picked(names: tuple[str, ...], group: tuple[str, ...], weights: Array) -> Array:

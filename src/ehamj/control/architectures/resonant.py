@@ -8,22 +8,23 @@ whose loop gain at its line is g, and whose phase φ takes back the lag of instr
 Beside a broadband loop (`ehamj.control.architectures.modal`) φ also takes back the turn of that loop's sensitivity.
 """
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control.architectures.modal import MOTIONS, ModalSettings, plane
 from ehamj.control.blocks import TWO_PI, Block, added, beside
-from ehamj.control.inertial import FEET
+from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
-from ehamj.control.inverse import Inverse, instrument_poles, valve_poles
+from ehamj.control.inverse import Inverse, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings, Positive
-from ehamj.control.statespace import response
+from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -37,33 +38,36 @@ class ResonantSettings(DigitalSettings):
     gain: Positive = Field(3.0, description="loop gain at each line [-]; 3 attenuates by 12 dB")
     bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
 
-    def controller(self, plant: Plant, sensors: Sensors = IDEAL, beside_of: ModalSettings | None = None) -> Controller:
-        """The law for a plant measured by ``sensors``; ``beside_of`` is the broadband loop that runs with it."""
-        volts = np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
-        columns, fit = plane(plant), np.linalg.pinv(plane(plant))
-        actuator, sensor = plant.actuators[0], sensors.of(FEET[0])
+    def controller(self, plant: Plant, sensors: Sensors) -> Controller:
+        """The law for a plant measured by ``sensors``."""
+        return self.beside((), plant, sensors)
+
+    def beside(self, others: Sequence[DigitalSettings], plant: Plant, sensors: Sensors) -> Controller:
+        """The law with the phases that it needs beside others."""
+        inputs = MountChannels.of(plant.mounts).feet
+        actuator, sensor = plant.actuators[0], sensors.of(inputs[0])
         loops = []
         for motion in MOTIONS:
-            answers = [self._answer(line, motion, actuator, sensor, beside_of) for line in self.lines]
+            answers = [self._answer(line, motion, actuator, sensor, others) for line in self.lines]
             loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
-        law = beside(loops).between(fit, volts @ columns).sampled(self.period)
-        return self.digital(law, FEET, plant)
+        law = beside(loops).between(plane_fit(plant.positions), volts(plant) @ plane(plant.positions))
+        return self.digital(law.sampled(self.period), inputs, plant, anti_windup=AntiWindup.NONE)
 
     def _answer(
-        self, line: float, motion: str, actuator: Actuator, sensor: Instrument | None, modal: ModalSettings | None
+        self, line: float, motion: str, actuator: Actuator, sensor: Instrument | None, others: Sequence[DigitalSettings]
     ) -> complex:
-        """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with the broadband loop closed."""
+        """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with broadband loops closed."""
         s = 2j * np.pi * line
-        inverse = Inverse.of(actuator)
+        creep = Inverse.of(actuator).creep
         poles = valve_poles(actuator)
         lag = np.exp(-s * self.hold) * np.prod(poles) / np.prod(s - poles)
         slow, fast = instrument_poles(sensor)
         lag *= np.prod(fast) / np.prod(fast - s) if fast.size else 1.0
-        plain = lag * s / (s + inverse.creep)
-        if modal is None or not getattr(modal, motion).crossing:
+        plain = lag * s / (s + creep)
+        asked = sum(other.asked(motion, s, creep) for other in others)
+        if not asked:
             return complex(plain * (s**slow.size / np.prod(s - slow) if slow.size else 1.0))
-        law = response(np.array([s]), *getattr(modal, motion).block(inverse.creep))[0, 0, 0]  # of displacement, −
-        return complex(plain / (1.0 - law / s * plain))
+        return complex(plain / (1.0 - asked / s * plain))
 
     def _resonator(self, line: float, answer: complex) -> Block:
         """Piston velocity [m/s] over velocity [m/s]."""

@@ -15,15 +15,16 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from ehamj.control.architectures.modal import PRESSURES, WarpBalance, warp
+from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import TWO_PI, Block, added, beside, joined
-from ehamj.control.inertial import GROUND, STROKES, Blend, MotionLoop
-from ehamj.control.inverse import Inverse, instrument_poles, lag, lost
+from ehamj.control.channels import MountChannels
+from ehamj.control.inertial import Blend, MotionLoop
+from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
-from ehamj.plant.mounts import N_MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.settings import Settings
 
@@ -56,25 +57,24 @@ class StrokeServoSettings(DigitalSettings):
     pressure: PressureFeedback = PressureFeedback()
     balance: WarpBalance = WarpBalance()
 
-    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+    def loops(self) -> dict[str, MotionLoop]:
+        """That of every mount."""
+        return {"loop": self.loop} if self.loop.crossing else {}
+
+    def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
-        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
-        volts = np.diag([inverse.volts for inverse in inverses])
-        shared = np.eye(N_MOUNTS)
-        if self.balance.crossing:  # what the servos would do in the warp pattern is left to the balance
-            shared = shared - np.outer(warp(plant), warp(plant)) / N_MOUNTS
-        late = self.hold + lag(instrument_poles(sensors.of(STROKES[0]))[1])
-        parts, names = [Block.gain(np.eye(N_MOUNTS))], STROKES
+        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+        late = self.hold + lag(instrument_poles(sensors.of(at.strokes[0]))[1])
+        parts, names = [Block.gain(np.eye(mounts))], at.strokes
         if self.reference == "ground":
-            moved = self.blend.ground(sensors.of(GROUND[0])).sampled(self.period)
-            parts.append(beside([moved] * N_MOUNTS))
-            names += GROUND
+            moved = self.blend.ground(sensors.of(at.ground[0])).sampled(self.period)
+            parts.append(beside([moved] * mounts))
+            names += at.ground
         parts.append(beside([lost(one, late, self.recovery, self.period).times(-1.0) for one in plant.actuators]))
-        loops = beside([self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses])
-        total = joined(parts).then(loops.between(shared, volts))
-        damping = beside([self.pressure.block(actuator) for actuator in plant.actuators])
-        pattern = warp(plant)[:, None]
-        balance = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
-        pressures = added([damping.sampled(self.period), balance])
-        law = added([total.inserted(len(names), N_MOUNTS), pressures.padded(len(names), N_MOUNTS)])
-        return self.digital(law, names + PRESSURES, plant)
+        loops = beside([self.loop.block(Inverse.of(one).creep).sampled(self.period) for one in plant.actuators])
+        # What the servos would do in the warp pattern is left to the balance.
+        total = joined(parts).then(loops.between(self.balance.spared(plant), volts(plant)))
+        damping = beside([self.pressure.block(actuator) for actuator in plant.actuators]).sampled(self.period)
+        pressures = added([damping, self.balance.block(plant)])
+        law = added([total.inserted(len(names), mounts), pressures.padded(len(names), mounts)])
+        return self.digital(law, names + at.pressures, plant, anti_windup=AntiWindup.INPUTS)

@@ -10,14 +10,15 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from ehamj.control.architectures.modal import PRESSURES, WarpBalance, warp
-from ehamj.control.blocks import Block, added, beside, joined
-from ehamj.control.inertial import FEET, GROUND, STROKES, Blend, MotionLoop
-from ehamj.control.inverse import Inverse, instrument_poles, lag, lost
+from ehamj.control.balance import WarpBalance
+from ehamj.control.blocks import added, beside, joined
+from ehamj.control.channels import MountChannels
+from ehamj.control.inertial import Blend, MotionLoop
+from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative
-from ehamj.plant.mounts import N_MOUNTS
+from ehamj.control.windup import AntiWindup
 from ehamj.plant.plant import Plant
 
 
@@ -32,25 +33,25 @@ class SkyhookSettings(DigitalSettings):
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
     balance: WarpBalance = WarpBalance()
 
-    def controller(self, plant: Plant, sensors: Sensors = IDEAL) -> Controller:
+    def loops(self) -> dict[str, MotionLoop]:
+        """That of every mount."""
+        return {"loop": self.loop} if self.loop.crossing else {}
+
+    def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
-        inverses = [Inverse.of(actuator) for actuator in plant.actuators]
-        volts = np.diag([inverse.volts for inverse in inverses])
-        foot = sensors.of(FEET[0])
-        blend = self.blend.block(foot, sensors.of(GROUND[0]), self.isolate_from)
+        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+        foot = sensors.of(at.feet[0])
         late = self.hold + lag(instrument_poles(foot)[1])
-        measured = blend.sampled(self.period)
-        owed = [lost(actuator, late, self.recovery, self.period).times(-1.0) for actuator in plant.actuators]
-        loops = [self.loop.block(inverse.creep).sampled(self.period) for inverse in inverses]
-        mounts = beside([joined([measured, one]).then(loop) for one, loop in zip(owed, loops, strict=True)])
+        measured = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from).sampled(self.period)
+        each = []
+        for actuator in plant.actuators:
+            owed = lost(actuator, late, self.recovery, self.period).times(-1.0)
+            loop = self.loop.block(Inverse.of(actuator).creep).sampled(self.period)
+            each.append(joined([measured, owed]).then(loop))
         # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
-        order = np.eye(4 * N_MOUNTS).reshape(4, N_MOUNTS, 4 * N_MOUNTS).transpose(1, 0, 2)
-        pattern = warp(plant)[:, None]
-        shared = np.eye(N_MOUNTS)
-        if self.balance.crossing:
-            shared = shared - pattern @ pattern.T / N_MOUNTS
-        law = mounts.between(order.reshape(4 * N_MOUNTS, 4 * N_MOUNTS), volts @ shared)
-        names = FEET + STROKES + GROUND
-        balance: Block = self.balance.block(plant).between(pattern.T / N_MOUNTS, pattern)
-        total = added([law.inserted(len(names), N_MOUNTS), balance.padded(len(names), N_MOUNTS)])
-        return self.digital(total, names + PRESSURES, plant)
+        order = np.eye(4 * mounts).reshape(4, mounts, 4 * mounts).transpose(1, 0, 2).reshape(4 * mounts, 4 * mounts)
+        law = beside(each).between(order, volts(plant) @ self.balance.spared(plant))
+        names = at.feet + at.strokes + at.ground
+        balance = self.balance.block(plant).padded(len(names), mounts)
+        total = added([law.inserted(len(names), mounts), balance])
+        return self.digital(total, names + at.pressures, plant, anti_windup=AntiWindup.INPUTS)

@@ -1,37 +1,44 @@
 """Tables of what was given: parameters with their sources, mounts, floor and control."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Final
 
 from markupsafe import Markup, escape
 from pydantic import BaseModel
 
-from ehamj.pages import Table, badge
+from ehamj.pages import Section, Table, badge
 from ehamj.pages.words import BAR, exact, plain
-from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.points import default_points
-from ehamj.report.shown import Results
+from ehamj.report.sections.headline import told
+from ehamj.report.shown import Shown
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Parameters
 
+SOURCES: Final = {
+    "paper": "the source paper's table or text",
+    "identified": "fitted to something that the paper states",
+    "assumed": "chosen, because nobody measured it",
+    "given": "set by the user",
+}
+"""What each source of a parameter means."""
 
-def inputs(results: Results) -> Iterator[Table]:
+
+def inputs(shown: Shown) -> Section:
     """Parameters, mounts, ground and control; once where results share them."""
-    yield from _shared(results, lambda scenario: [_quantities("Machine", scenario.machine)])
-    yield from _shared(results, lambda scenario: [_mounts(scenario)])
-    yield from _shared(results, _actuators)
-    yield from _shared(results, lambda scenario: [_quantities("Supply", scenario.supply)])
-    yield from _shared(results, _run)
-    yield from _shared(results, lambda scenario: [_settings("Ground", scenario.ground)])
-    yield from _shared(results, lambda scenario: [_settings("Control", scenario.control)])
-    yield from _shared(results, _observed)
+    sources = [Markup("{} {}").format(badge(name), text) for name, text in SOURCES.items()]
+    note = Markup("Sources: {}.").format(Markup("; ").join(sources))
+    tables = [table for tables_of in TABLES for table in _shared(shown, tables_of)]
+    processing, title = told(shown, processing=True), "How the record was processed"
+    return Section(
+        "inputs", "Parameters and settings", tables=tables, notes=[note], items=processing, items_title=title
+    )
 
 
-def _shared(results: Results, tables_of: Any) -> Iterator[Table]:
+def _shared(shown: Shown, tables_of: Callable[[Scenario], list[Table]]) -> Iterator[Table]:
     found: dict[str, tuple[list[str], list[Table]]] = {}
-    for label, result in results.items():
+    for label, result in shown.results.items():
         tables = tables_of(result.scenario)
         found.setdefault(repr(tables), ([], tables))[0].append(label)
     for labels, tables in found.values():
@@ -79,13 +86,13 @@ def _symbol(symbol: str) -> str:
     return Markup(re.sub(r"_([^\W_]+)", r"<sub>\1</sub>", str(escape(symbol))))
 
 
-def _mounts(scenario: Scenario) -> Table:
-    actuators: dict[str, str] = {mount.name: mount.actuator for mount in scenario.mount}
+def _mounts(scenario: Scenario) -> list[Table]:
+    plant = scenario.plant
     rows = [
-        [name, exact(x), exact(y), actuators[name]]
-        for name, (x, y) in zip(MOUNTS, scenario.plant.positions, strict=True)
+        [name, exact(x), exact(y), mount.actuator]
+        for name, (x, y), mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
     ]
-    return Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")
+    return [Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")]
 
 
 def _observed(scenario: Scenario) -> list[Table]:
@@ -123,3 +130,16 @@ def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterato
                 yield from _flat(part, f"{key}.{k}.")
         else:
             yield _named(key, about.description or ""), plain(value)
+
+
+TABLES: Final[tuple[Callable[[Scenario], list[Table]], ...]] = (
+    lambda scenario: [_quantities("Machine", scenario.machine)],
+    _mounts,
+    _actuators,
+    lambda scenario: [_quantities("Supply", scenario.supply)],
+    _run,
+    lambda scenario: [_settings("Ground", scenario.ground)],
+    lambda scenario: [_settings("Control", scenario.control)],
+    _observed,
+)
+"""Tables of a scenario, in the page's order; each stands once where results share it."""

@@ -1,33 +1,23 @@
-"""Transmissibilities as figures and tables: on a page of their own, and as a section of a run's report."""
+"""The page of a comparison: transmissibilities, linear and measured."""
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from ehamj import plots
-from ehamj.errors import InputError
-from ehamj.linear.machine import linear_model
-from ehamj.linear.response import ZERO, Transfer, machine_channels, rigid_floor, unit
+from ehamj.linear.response import ZERO, Transfer, unit
 from ehamj.pages import Page, Picture, Section, Table, write_page
 from ehamj.pages.words import AXIS_NAMES, decibel, exact, number
 from ehamj.plots import Response
-from ehamj.report.shown import Results
-from ehamj.result import Result
-from ehamj.rig.comparison import COHERENT, Comparison, Variant, own_output, runs_unknown_law
-from ehamj.rig.measured import Measurement, by_welch
+from ehamj.rig.comparison import COHERENT, Comparison, own_output
+from ehamj.rig.measured import Measurement
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"
-FREQUENCIES: Final = np.geomspace(1.0, 315.0, 300)
-"""At which a report's linear responses are computed [Hz]."""
 UNKNOWN: Final = "left out where the confidence circle reaches zero"
-USABLE: Final = 0.4
-"""Share of the recording rate up to which a run's own transmissibility is shown."""
 
 
 def write_transmissibility(folder: Path, found: Comparison) -> None:
@@ -57,90 +47,24 @@ def comparison_page(found: Comparison) -> Page:
     return Page(f"{name}: transmissibility", f"{name}: floor to machine", found.scenario.description, sections)
 
 
-def transmissibility(results: Results, colors: Mapping[str, str]) -> Iterator[Picture]:
-    """Floor to machine of stored runs: linear, and measured from each run by Welch's method.
-
-    The vertical, and what else the floor of a run excites. A run that is too short shows the linear response alone.
-    """
-    responses = {label: own for label, result in results.items() if (own := _own(result)) is not None}
-    if not responses:
-        return
-    passive = any(result.scenario.control.kind == "passive" for result in results.values())
-    for dof in AXIS_NAMES:
-        shown = (
-            [] if passive else [_linear("valves held, linear", next(iter(responses.values())).held, dof, plots.GREY)]
-        )
-        shown += [
-            _linear(f"{label}, linear", own.linear, dof, colors[label])
-            for label, own in responses.items()
-            if own.linear is not None
-        ]
-        measured = [
-            _measured(f"{label}, measured", own.measured[dof], colors[label])
-            for label, own in responses.items()
-            if dof in own.measured
-        ]
-        if measured or dof == "z":
-            output = own_output(machine_channels(), dof)
-            figure = plots.response(f"Transmissibility, {AXIS_NAMES[dof]}", [*shown, *measured], unit(output, dof))
-            methods = dict.fromkeys(own.measured[dof].method for own in responses.values() if dof in own.measured)
-            caption = (
-                f"Measured: {'; '.join(methods)}; {UNKNOWN}." if methods else "Not measured: the run is too short."
-            )
-            yield Picture(f"transmissibility-{dof}", figure, caption)
+def linear(label: str, found: Transfer, output: str, source: str, color: str) -> Response:
+    """An element of a linear response."""
+    values = found.response[:, found.outputs.index(output), found.inputs.index(source)]
+    return Response(f"{label}, linear", found.frequency, values, color)
 
 
-@dataclass(frozen=True)
-class _Own:
-    """What a run's floor does to its machine."""
-
-    held: Transfer
-    linear: Transfer | None
-    """None under a law of which only its commands are known."""
-    measured: dict[str, Measurement]
-
-
-def _own(result: Result) -> _Own | None:
-    """Linear responses with valves held and as controlled, and measured by degree of freedom; None: not linearised."""
-    try:
-        model = linear_model(result.scenario)
-        held: Transfer = rigid_floor(model, FREQUENCIES)
-        law, scenario = result.controller, result.scenario
-        linear: Transfer | None = (
-            held if law is None else rigid_floor(model, FREQUENCIES, law, sensors=scenario.sensors, seed=scenario.seed)
-        )
-        if runs_unknown_law(result):
-            linear = None
-    except InputError:
-        return None
-    measured = {}
-    with suppress(InputError):  # too short for a spectrum: there is nothing to measure
-        outputs = machine_channels()
-        for one in by_welch(result, [([own_output(outputs, dof)], [dof]) for dof in AXIS_NAMES]):
-            usable = result.summary.get("analysis", {}).get("usable_to_hz") or math.inf
-            last = min(float(FREQUENCIES[-1]), usable, USABLE * result.scenario.record_rate)
-            within = one.within(float(FREQUENCIES[0]), last)
-            if np.isfinite(within.estimate.response).any():
-                measured[one.inputs[0]] = within
-    return _Own(held, linear, measured)
-
-
-def _linear(label: str, found: Transfer, dof: str, color: str) -> Response:
-    values = found.response[:, found.outputs.index(own_output(found.outputs, dof)), found.inputs.index(dof)]
-    return Response(label, found.frequency, values, color)
-
-
-def _measured(label: str, found: Measurement, color: str) -> Response:
-    e = found.estimate
+def measured(label: str, found: Measurement, output: str, source: str, color: str) -> Response:
+    """An element of a measured response, with coherences and the radius of its confidence."""
+    e, i, j = found.estimate, found.outputs.index(output), found.inputs.index(source)
     return Response(
-        label, e.frequency, e.response[:, 0, 0], color, e.radius[:, 0, 0], e.multiple[:, 0], e.ordinary[:, 0, 0]
+        f"{label}, measured",
+        e.frequency,
+        e.response[:, i, j],
+        color,
+        e.radius[:, i, j],
+        e.multiple[:, i],
+        e.ordinary[:, i, j],
     )
-
-
-def _colors(variants: Sequence[Variant]) -> dict[str, str]:
-    """Colour of each variant; passive always has the same."""
-    others = iter((plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.ORANGE) * len(variants))
-    return {one.name: plots.VERMILLION if one.name == "passive" else next(others) for one in variants}
 
 
 def elements(found: Comparison) -> Iterator[Picture]:
@@ -154,24 +78,13 @@ def elements(found: Comparison) -> Iterator[Picture]:
 
 def curves(found: Comparison, output: str, source: str) -> Iterator[Response]:
     """One element of the matrix: linear and measured, of each variant."""
-    color = _colors(found.variants)
+    color = plots.colors_of([variant.name for variant in found.variants], "passive")
     for variant in found.variants:
-        one = variant.linear
-        values = one.response[:, one.outputs.index(output), one.inputs.index(source)]
-        yield Response(f"{variant.name}, linear", one.frequency, values, color[variant.name])
+        yield linear(variant.name, variant.linear, output, source, color[variant.name])
     for variant in found.variants:
-        for measured in variant.measured:
-            if output in measured.outputs and source in measured.inputs:
-                e, i, j = measured.estimate, measured.outputs.index(output), measured.inputs.index(source)
-                yield Response(
-                    f"{variant.name}, measured",
-                    e.frequency,
-                    e.response[:, i, j],
-                    color[variant.name],
-                    e.radius[:, i, j],
-                    e.multiple[:, i],
-                    e.ordinary[:, i, j],
-                )
+        for one in variant.measured:
+            if output in one.outputs and source in one.inputs:
+                yield measured(variant.name, one, output, source, color[variant.name])
 
 
 def matrix(found: Comparison) -> Iterator[Picture]:
@@ -200,9 +113,7 @@ def matrix(found: Comparison) -> Iterator[Picture]:
 def scaled(curve: Response, factor: float) -> Response:
     """The curve times a factor."""
     radius = None if curve.radius is None else factor * curve.radius
-    return Response(
-        curve.label, curve.frequency, factor * curve.response, curve.color, radius, curve.multiple, curve.ordinary
-    )
+    return replace(curve, response=factor * curve.response, radius=radius)
 
 
 def attenuation_tables(found: Comparison) -> Iterator[Table]:

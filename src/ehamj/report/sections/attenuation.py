@@ -1,0 +1,60 @@
+"""Attenuation over third-octave bands, and at every place."""
+
+from collections.abc import Iterator
+
+from ehamj import plots
+from ehamj.pages import Picture, Section, Table
+from ehamj.pages.words import AXIS_NAMES, DASH, decibel
+from ehamj.plots import Levels
+from ehamj.report.sections.criteria import place_in_words
+from ehamj.report.sections.headline import HEADLINE_BANDS
+from ehamj.report.shown import Shown, floor_moves, known
+
+
+def attenuation(shown: Shown) -> Section:
+    """How much quieter than its floor each machine is."""
+    return Section("attenuation", "Attenuation", list(_figures(shown)), [at_places(shown)], _notes(shown))
+
+
+def _figures(shown: Shown) -> Iterator[Picture]:
+    for axis, words in AXIS_NAMES.items():
+        tables = {label: result.summary.get("attenuation_db", {}).get(axis) for label, result in shown.results.items()}
+        curves = [
+            Levels.of_bands(label, table, shown.colors[label])
+            for label, table in tables.items()
+            if table and known([table])
+        ]
+        if curves:
+            yield Picture(f"attenuation-{axis}", plots.attenuation(f"Attenuation, {words}", curves))
+
+
+def at_places(shown: Shown) -> Table:
+    """Vertical attenuation at feet, CG and points in a few bands; without rows where nothing is known."""
+    rows: list[list[str]] = []
+    for label, result in shown.results.items():
+        tables = {"machine": result.summary.get("attenuation_db", {}), **result.summary.get("attenuation_at_db", {})}
+        own = [
+            [place_in_words(place), *(decibel(table.get("z", {}).get(band)) for band in HEADLINE_BANDS)]
+            for place, table in tables.items()
+        ]
+        if any(cell != DASH for row in own for cell in row[1:]):
+            rows += [*([] if shown.alone else [[label]]), *own]
+    note = "Centre of gravity and points: of the mean of the floor; worst foot: of the ground below it."
+    head = ["", *(f"{band} Hz" for band in HEADLINE_BANDS)]
+    return Table("Vertical attenuation at every place [dB]", head, rows, note)
+
+
+def _notes(shown: Shown) -> list[str]:
+    """How to read the figures, and why some are missing."""
+    if not floor_moves(shown.first):
+        return ["The ground is at rest: attenuation is not defined."]
+    found = [
+        "Up is quieter. Along x, y and z: the mean of the floor at the mounts over the machine's centre of gravity; "
+        "roll and pitch: of the plane fitted to the floor, over those of the machine. Gaps are undecided bands."
+    ]
+    tables = [result.summary.get("attenuation_db", {}) for result in shown.results.values()]
+    silent = [name for axis, name in AXIS_NAMES.items() if not known(table.get(axis, {}) for table in tables)]
+    if silent:
+        why = "since the floor moves too little or the run is short"
+        found.append(f"Undecided in every band, {why}: {'; '.join(silent)}.")
+    return found

@@ -1,0 +1,165 @@
+"""What norms say: levels against the curves of each, and the classes met at every place."""
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from ehamj import plots
+from ehamj.criteria.curves import CANDIDATES, Norm
+from ehamj.criteria.iso2631 import FACTORS
+from ehamj.pages import Picture, Section, Table
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel
+from ehamj.plots import Levels
+from ehamj.report.shown import Shown, known
+from ehamj.result import Result
+
+EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
+MULTIPLES: Final = {name: f"×\u202f{factor:g}" for name, factor in FACTORS.items()}
+CLASS_LABELS: Final = {"iso-2631-2": MULTIPLES}
+CAPTIONS: Final = {
+    "nist-a": "Up to 20 Hz the limit is one of displacement, 0.025 µm: levels there are displacements, drawn as the "
+    "velocity that they have at the band's centre.",
+    "iso-2631-2": "Accelerations, drawn as the velocity that they have at the band's centre. Multiples of the base "
+    f"curve: {', '.join(f'{multiple} {name}' for name, multiple in MULTIPLES.items())}.",
+}
+VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
+WORSE: Final = "The worse of x and y in each band."
+
+
+def criteria(shown: Shown) -> Section:
+    """Levels of floor and machines beside the norms that judge the first result."""
+    norms = shown.scenario.criteria.chosen() if shown.first.summary.get("criteria") else {}
+    figures = [picture for name, norm in norms.items() for picture in _figures(shown, name, norm)]
+    return Section("criterion", "Criteria", figures, [_at_places(shown, norms)], _notes(shown))
+
+
+def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
+    """Floor and machines against the curves of a norm; VC curves along each axis."""
+    usable = {result.summary.get("analysis", {}).get("usable_to_hz") for result in shown.results.values()}
+    known_to = min((value for value in usable if value is not None), default=None)
+    views = {axis: AXIS_NAMES[axis] for axis in CRITERION_AXES} if name == "vc" else VIEWS
+    for view, words in views.items():
+        curves = [
+            Levels.of_bands(label, table, color)
+            for label, color, table in shown.with_floors(partial(_seen, norm, view))
+            if max(known([table]), default=0.0) > plots.QUIETEST  # what hardly moves is left out
+        ]
+        if not curves:
+            continue
+        quantity = "RMS velocity per band [µm/s]" if name == "vc" else EQUIVALENT
+        title = "Velocity and vibration classes" if name == "vc" else norm.title
+        limits = _limits(norm, view[0], CLASS_LABELS.get(name, {}))
+        figure = plots.criterion(f"{title}, {words}", curves, limits, known_to, quantity)
+        caption = " ".join(text for text in (WORSE if len(view) > 1 else "", CAPTIONS.get(name, "")) if text)
+        yield Picture(f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", figure, caption)
+
+
+def _notes(shown: Shown) -> list[str]:
+    """How to read the figures, and why some are missing."""
+    found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
+    velocities = [result.summary.get("third_octave_velocity", {}) for result in shown.results.values()]
+    quiet = []
+    for axis in CRITERION_AXES:
+        levels = known(table.get(who, {}).get(axis, {}) for table in velocities for who in ("floor", "machine"))
+        if not any(level * MICRO > plots.QUIETEST for level in levels):
+            quiet.append(AXIS_NAMES[axis])
+    if quiet:
+        found.append(f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}.")
+    return found
+
+
+def _limits(norm: Norm, axis: str, labels: Mapping[str, str]) -> dict[str, tuple[Any, Any]]:
+    """Bands and limits of each class, as velocity [µm/s]."""
+    found = {}
+    for name in norm.classes:
+        limits = [(band, limit) for band in CANDIDATES if (limit := norm.limit(name, axis, band)) is not None]
+        frequency = np.array([band.nominal for band, _ in limits])
+        found[labels.get(name, name)] = (
+            frequency,
+            MICRO * np.array([limit.as_velocity(band) for band, limit in limits]),
+        )
+    return found
+
+
+def _seen(norm: Norm, view: str, result: Result) -> dict[str, dict[str, float | None]]:
+    """Levels of floor and machine per band of what the norm limits there, as velocity [µm/s].
+
+    Velocity where it limits nothing; of several axes the largest; None where nothing is known.
+    """
+    summary, of_band = result.summary, {band.name: band for band in CANDIDATES}
+    found: dict[str, dict[str, float | None]] = {}
+    for place in ("floor", "machine"):
+        found[place] = {}
+        for name in summary.get("third_octave_velocity", {}).get(place, {}).get(view[0], {}):
+            band = of_band.get(name)
+            limit = None if band is None else norm.limit(norm.classes[-1], view[0], band)
+            quantity = "velocity" if limit is None else limit.quantity
+            tables = summary.get(f"third_octave_{quantity}", {}).get(place, {})
+            level = max(known([{axis: tables.get(axis, {}).get(name) for axis in view}]), default=None)
+            share = 1.0 if limit is None or band is None else limit.as_velocity(band) / limit.value
+            found[place][name] = None if level is None else MICRO * level * share
+    return found
+
+
+def _at_places(shown: Shown, norms: Mapping[str, Norm]) -> Table:
+    """By each norm, what is met at floor, feet, CG and points, vertically and horizontally."""
+    rows: list[list[str]] = []
+    for name, norm in norms.items():
+        rows.append([norm.title])
+        floors: list[Any] = []
+        for label, result in shown.results.items():
+            for place, judged in result.summary.get("criteria", {}).get(name, {}).get("places", {}).items():
+                if place == "floor" and judged in floors:
+                    continue
+                floors += [judged] if place == "floor" else []
+                who = place if place == "floor" and len(floors) == 1 else f"{label}, {place_in_words(place)}"
+                rows.append([who, *(_met(judged, axes, norm) for axes in (("z",), ("x", "y")))])
+    head = ["", "vertical", "horizontal"]
+    return Table("Criteria at every place", head, rows, _note(shown, norms), kind="words")
+
+
+def place_in_words(place: str) -> str:
+    """What a person calls a place of the summary."""
+    return {"feet": "worst foot", "machine": "centre of gravity"}.get(place, place)
+
+
+def _met(place: Mapping[str, Any], axes: tuple[str, ...], norm: Norm) -> str:
+    """The class that the worst of some axes meets, with margin or excess, axis and band."""
+    judged = {axis: place[axis] for axis in axes if place.get(axis, {}).get("deciding_band_hz") is not None}
+    if not judged:
+        return "not judged"
+
+    def rank(axis: str) -> tuple[int, float]:
+        verdict = judged[axis]
+        if verdict["class"] is None:
+            return -1, -verdict["excess_db"]
+        return norm.classes.index(verdict["class"]), math.inf if verdict["margin_db"] is None else verdict["margin_db"]
+
+    axis = min(judged, key=rank)
+    verdict, along = judged[axis], f"{axis} at " if len(axes) > 1 else ""
+    where = f"{along}{verdict['deciding_band_hz']} Hz"
+    if verdict["class"] is None:
+        return f"{decibel(verdict['excess_db'])} dB over {norm.classes[0]} ({where})"
+    if verdict["margin_db"] is None or verdict["margin_db"] > 100.0:
+        return f"{verdict['class']} (at rest)"
+    return f"{verdict['class']} ({decibel(verdict['margin_db'])} dB, {where})"
+
+
+def _note(shown: Shown, norms: Mapping[str, Norm]) -> str:
+    """How to read the table, and what is undecided by which norm."""
+    words = "The floor at its worst mount. In brackets the margin, and the axis and band that decide."
+    missing = []
+    for name, norm in norms.items():
+        bands = dict.fromkeys(
+            band
+            for result in shown.results.values()
+            if (places := result.summary.get("criteria", {}).get(name, {}).get("places"))
+            for axis in CRITERION_AXES
+            for band in places["machine"][axis]["undecided_bands_hz"]
+        )
+        if bands:
+            missing.append(f"{norm.title}: {', '.join(bands)} Hz")
+    return words + (f" Undecided: {'; '.join(missing)}." if missing else "")

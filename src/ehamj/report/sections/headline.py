@@ -1,0 +1,69 @@
+"""What stands on top of the page: attenuation at a few bands, classes met, warnings."""
+
+import re
+from collections.abc import Mapping
+from typing import Any, Final
+
+from ehamj.criteria.curves import Norm
+from ehamj.pages import Section, Table
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
+from ehamj.report.shown import Shown, floor_moves, known
+
+HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
+
+PROCESSING: Final = re.compile(
+    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
+    r"|mounts move with Luco-Wong"
+)
+"""Warnings that only say how a record was processed."""
+
+
+def headline(shown: Shown) -> Section:
+    """Vertical attenuation at a few bands."""
+    tables = {label: result.summary.get("attenuation_db", {}).get("z", {}) for label, result in shown.results.items()}
+    rows = [[label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)] for label, table in tables.items()]
+    note = f"{DASH}: undecided." if any(DASH in row for row in rows) else ""
+    if not known(tables.values()):
+        rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
+    if not floor_moves(shown.first):
+        rows, note = [], "The ground is at rest: there is nothing to attenuate."
+    title = "Vertical attenuation [dB] in the third-octave bands at"
+    table = Table(title, ["", *(f"{band} Hz" for band in HEADLINE_BANDS)], rows, note)
+    return Section("headline", tables=[table], notes=() if rows else [note], kind="headline")
+
+
+def classes(shown: Shown) -> Section:
+    """Vibration class per axis of the floor and of each machine, with margin and band."""
+    columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.get("criterion", {}))}
+    norm = next(iter(shown.scenario.criteria.chosen().values()))
+    rows = [[AXIS_NAMES[axis], *(_class(place.get(axis, {}), norm) for place in columns.values())]
+            for axis in CRITERION_AXES]  # fmt: skip
+    note = "Margin: below the limit of the class met, in the band that decides, where it is least."
+    return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
+
+
+def _class(verdict: Mapping[str, Any], norm: Norm) -> str:
+    band, margin = verdict.get("deciding_band_hz"), verdict.get("margin_db")
+    if band is None:
+        return "not judged"
+    if verdict.get("class") is None:
+        return f"worse than {norm.classes[0]} ({band} Hz)"
+    if margin is None or margin > 100.0:
+        return f"{verdict['class']} (at rest)"
+    return f"{verdict['class']} ({decibel(margin)} dB, {band} Hz)"
+
+
+def warnings(shown: Shown) -> Section | None:
+    """What a reader has to know."""
+    found = told(shown, processing=False)
+    return Section("warnings", items=found, items_title="Warnings", kind="warnings") if found else None
+
+
+def told(shown: Shown, processing: bool) -> list[str]:
+    """Warnings in plain words, each with the results that it holds for; ``processing``: those about a record's."""
+    found: dict[str, list[str]] = {}
+    for label, result in shown.results.items():
+        for text in result.summary.get("warnings", []):
+            if bool(PROCESSING.match(text)) == processing:
+                found.setdefault(text, []).append(label)
+    return [text if len(who) == len(shown.results) else f"{', '.join(who)}: {text}" for text, who in found.items()]

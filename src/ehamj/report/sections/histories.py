@@ -1,0 +1,140 @@
+"""Figures over time: velocities, strokes, commands, spools, flows and pressures against their limits."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+import xarray as xr
+
+from ehamj import plots
+from ehamj.pages import Picture, Section
+from ehamj.pages.words import BAR, LITRE_PER_MINUTE, MICRO
+from ehamj.plots import Limit, Trace
+from ehamj.report.sections.limits import limits_of
+from ehamj.report.shown import Array, Shown
+from ehamj.result import Result
+
+Window = tuple[float, float] | None
+
+ZOOM: Final = 1.0
+"""Length of the part of a run that is drawn in full [s]."""
+
+
+def histories(shown: Shown) -> Section:
+    """What belongs to single mounts is that of the first result."""
+    figures, notes = list(_figures(shown)), list(_notes(shown))
+    return Section("histories", "Time histories", figures, notes=[" ".join(notes)])
+
+
+def _notes(shown: Shown) -> Iterator[str]:
+    if shown.first.dataset.time.size < 2:
+        yield "Nothing was recorded."
+        return
+    if not shown.alone:
+        yield f"What belongs to single mounts is that of {shown.label}."
+    if window := characteristic_part(shown.first):
+        yield f"The lower part of each figure shows {window[0]:.4g} to {window[1]:.4g} s."
+    if not np.any(shown.first.dataset.valve_command.values):
+        yield "There is no command: the valves stay centred."
+
+
+def _figures(shown: Shown) -> Iterator[Picture]:
+    data = shown.first.dataset
+    if data.time.size < 2:
+        return
+    window, time = characteristic_part(shown.first), data.time.values
+    yield _velocity_history(shown, window)
+    for name, title, quantity, values, bound, caption in _quantities(shown.first):
+        if np.any(values):
+            whole = [Trace("all mounts", time, values, shown.colors[shown.label])]
+            detail = _per_mount(data, values)
+            yield Picture(f"history-{name}", plots.history(title, quantity, whole, detail, [bound], window), caption)
+    yield _pressure_history(shown.first, window)
+
+
+def _quantities(result: Result) -> Iterator[tuple[str, str, str, Array, Limit, str]]:
+    """Name, title, axis, values (time, mount), limit and caption of what each mount has."""
+    data, limits = result.dataset, limits_of(result)
+    stroke = MICRO * (data.stroke.values - data.stroke.values[:1])
+    above, below = (sign * limits.stroke - data.stroke.values[0] for sign in (1.0, -1.0))
+    travel = Limit(
+        f"end of stroke, {1e3 * limits.stroke.min():.3g} mm",
+        (MICRO * float(above.min()), MICRO * float(below.max())),
+    )
+    yield "stroke", "Strokes of the plates, from equilibrium", "stroke [µm]", stroke, travel, "Plate over ground."
+    commands = data.valve_command.values
+    yield "command", "Valve commands", "command [V]", commands, _both("range", limits.voltage, "V"), ""
+    yield "spool", "Spools", "spool [mA]", data.spool.values, _both("fully open", limits.spool, "mA"), ""
+    yield (
+        "flow",
+        "Oil into chamber 1, which lifts",
+        "flow [l/min]",
+        LITRE_PER_MINUTE * data.chamber_flow.values[:, :, 0],
+        _both("rated flow, fully open", LITRE_PER_MINUTE * limits.flow, "l/min"),
+        "Positive into the chamber. Rated: at half the supply pressure per edge.",
+    )
+
+
+def characteristic_part(result: Result) -> Window:
+    """From when to when a run is drawn in full [s]; None for a run that is hardly longer.
+
+    Around the vertical peak of the floor, or of the machine if the floor rests; the end of a run that failed.
+    """
+    time = result.dataset.time.values
+    if time[-1] - time[0] < 1.5 * ZOOM:
+        return None
+    ground = result.dataset.ground_velocity.values[:, :, 2].mean(axis=1)
+    signal = np.abs(ground if np.any(ground) else result.dataset.cg_velocity.values[:, 2])
+    peak = float(time[int(np.argmax(np.nan_to_num(signal)))]) if result.complete else float(time[-1])
+    begin = min(max(peak - 0.4 * ZOOM, float(time[0])), float(time[-1]) - ZOOM)
+    return begin, begin + ZOOM
+
+
+def _velocity_history(shown: Shown, window: Window) -> Picture:
+    first = shown.first.dataset
+    floor = MICRO * first.ground_velocity.values[:, :, 2].mean(axis=1)
+    traces = [Trace("floor", first.time.values, floor, plots.FLOOR_COLOR, width=2.4)]
+    machines = [
+        Trace(label, result.dataset.time.values, MICRO * result.dataset.cg_velocity.values[:, 2], shown.colors[label])
+        for label, result in shown.results.items()
+    ]
+    traces += sorted(machines, key=lambda trace: -float(np.nan_to_num(trace.values).std()))  # the quietest on top
+    figure = plots.history("Vertical velocity of floor and machine", "velocity [µm/s]", traces, traces, (), window)
+    return Picture("history-velocity", figure, "Floor: mean of the mounts; machine: its centre of gravity.")
+
+
+def _pressure_history(first: Result, window: Window) -> Picture:
+    time, pressure = first.dataset.time.values, BAR * first.dataset.chamber_pressure.values
+    supply = first.scenario.supply
+    whole = [
+        Trace(f"chamber {k + 1}, all mounts", time, pressure[:, :, k], color)
+        for k, color in enumerate((plots.SKY, plots.ORANGE))
+    ]
+    detail = [*_per_mount(first.dataset, pressure[:, :, 0]), *_per_mount(first.dataset, pressure[:, :, 1], "--")]
+    manifold = BAR * first.dataset.supply_pressure.values
+    if np.ptp(manifold) > 0:
+        whole.append(Trace("manifold", time, manifold, plots.FLOOR_COLOR))
+    limits = [
+        Limit(
+            f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar",
+            (BAR * supply.pressure, BAR * supply.tank_pressure),
+        ),
+    ]
+    figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, detail, limits, window)
+    caption = "Chamber 1, which lifts, solid; chamber 2 dashed."
+    return Picture("history-pressure", figure, caption)
+
+
+def _per_mount(data: xr.Dataset, values: Array, dash: str = "-") -> list[Trace]:
+    """A trace per mount, (n, mount); lines get thinner, so that those which coincide all show."""
+    looks = zip(data.mount.values, plots.mount_styles(data.sizes["mount"]), strict=True)
+    return [
+        Trace(str(name), data.time.values, values[:, k], color, width if dash == "-" else 1.0, dash)
+        for k, (name, (color, width)) in enumerate(looks)
+    ]
+
+
+def _both(label: str, values: Array, unit: str) -> Limit:
+    """A limit on both sides; that of the weakest mount."""
+    least = float(min(values))
+    return Limit(f"{label}, ±{least:.3g} {unit}", (least, -least))

@@ -1,0 +1,99 @@
+"""Tables of measured numbers: bands, peaks, and computation."""
+
+import re
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import Any, Final
+
+import xarray as xr
+
+from ehamj.pages import Section, Table
+from ehamj.pages.words import DASH, ENGINEERING, MICRO, NEGLIGIBLE, TURNS, decibel, measured, scaled
+from ehamj.report.sections.limits import of_each
+from ehamj.report.shown import Shown
+
+OF_THE_LAW: Final = ("measured", "controller_state")
+"""Variables that repeat what the controller saw and how it counts; they stand in the result, not in the table."""
+
+TIMING: Final = (
+    ("simulated [s]", "simulated_s", 1.0),
+    ("step [µs]", "timestep_s", 1e6),
+    ("steps", "steps", 1.0),
+    ("stepping [s]", "stepping_s", 1.0),
+    ("in all [s]", "wall_s", 1.0),
+    ("simulated over stepping", "ratio", 1.0),
+)
+
+
+def numbers(shown: Shown) -> Section:
+    """What the figures show, as numbers."""
+    tables = [_bands(shown), _levels(shown), of_each("Computation", "timing", TIMING, shown)]
+    return Section("tables", "Numbers", tables=tables)
+
+
+def _bands(shown: Shown) -> Table:
+    """Vertical levels and attenuation per band."""
+    first = shown.first.summary
+    head = ["band [Hz]", "floor [µm/s]"]
+    for label in shown.results:
+        head += [f"{label} [µm/s]", f"{label} [dB]"]
+    rows = []
+    for band, level in first.get("third_octave_velocity", {}).get("floor", {}).get("z", {}).items():
+        row = [band, measured(scaled(level, MICRO))]
+        for result in shown.results.values():
+            machine = result.summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {})
+            attenuation = result.summary.get("attenuation_db", {}).get("z", {})
+            row += [measured(scaled(machine.get(band), MICRO)), decibel(attenuation.get(band))]
+        if set(row[1:]) != {DASH}:
+            rows.append(row)
+    note = (
+        "Levels: RMS velocity, of the floor at its worst mount, of the machine at its centre of gravity. Attenuation "
+        "is counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
+    )
+    return Table("Vertical, per third-octave band", head, rows, note)
+
+
+def _levels(shown: Shown) -> Table:
+    """Peak and RMS of every channel that moves."""
+    rows: list[list[str]] = []
+    data = shown.first.dataset
+    for name in data.data_vars:
+        if name in OF_THE_LAW:
+            continue
+        channel = str(name).replace("_", " ").replace("cg", "CG").replace("ground", "floor")
+        for part in _parts(data[name]):
+            factor, unit = _unit(str(data[name].attrs.get("units", "")), part)
+            values = [
+                scaled(_worst(result.summary.get(kind, {}).get(name), part.split()), factor)
+                for result in shown.results.values()
+                for kind in ("peak", "rms")
+            ]
+            if any(value is not None and abs(value) > NEGLIGIBLE for value in values):
+                rows.append([f"{channel} {part}".strip() + f" [{unit}]", *map(measured, values)])
+    head = ["about the equilibrium", *(f"{label}, {kind}" for label in shown.results for kind in ("peak", "RMS"))]
+    note = "What each mount has: the largest of all. Channels that do not move are left out."
+    return Table("Peak and RMS", head, rows, note, kind="numbers wide")
+
+
+def _parts(data: xr.DataArray) -> list[str]:
+    """Names of a channel's parts without the mounts: its axes, points and axes, …; '' where it has none."""
+    inner = [data[dimension].values for dimension in data.dims if dimension not in ("time", "mount")]
+    return [" ".join(map(str, labels)) for labels in product(*inner)]
+
+
+def _worst(table: Any, part: Sequence[str]) -> float | None:
+    """A part's value; where there is one per mount, the largest."""
+    if not isinstance(table, Mapping):
+        return table if isinstance(table, float | int) else None
+    if part and part[0] in table:
+        return _worst(table[part[0]], part[1:])
+    values = [_worst(inner, part) for inner in table.values()]
+    return max((value for value in values if value is not None), default=None)
+
+
+def _unit(units: str, part: str) -> tuple[float, str]:
+    """Factor and unit in which a channel's part is shown; units may tell turns apart: 'm (rx, ry, rz: rad)'."""
+    turned = re.fullmatch(r"(\S+) \(rx, ry, rz: (\S+)\)", units)
+    if turned:
+        units = turned.group(2 if part in TURNS else 1)
+    return ENGINEERING.get(units, (1.0, units))

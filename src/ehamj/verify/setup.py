@@ -1,0 +1,61 @@
+"""What cases share: machines of equal isolators, every option of theirs, and what is read from a result."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.result import Result
+from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+
+SMOOTH_OPTIONS: dict[str, Any] = {
+    "overlap": [0.2, 0.2, -0.1, 0.1],
+    "null_offset": 0.1,
+    "threshold": 0.05,
+    "flow_curve": [[0.0, 0.0], [0.1, 0.05], [0.5, 0.4], [1.0, 1.0]],
+    "rated_flow": 3.9e-5,
+    "air_fraction": 0.01,
+    "wall_modulus": 8e9,
+    "area_ratio": 0.9,
+    "volume_share": 0.45,
+    "vapour_pressure": 5e3,
+}
+"""Every hydraulic option but hysteresis and end stops."""
+
+ALL_OPTIONS = SMOOTH_OPTIONS | {"hysteresis": 0.1, "end_stops": True, "spool_stroke": 6.0}
+"""All of them, with a stroke so short that the stops are hit."""
+
+SHARED_SUPPLY = {"dynamic": True, "tank_pressure": 2e5}
+
+
+def scenario_of(isolator: dict[str, Any] | None = None, **table: Any) -> Scenario:
+    """A scenario whose mounts have one kind of actuator; without gravity and with tied plates where not stated."""
+    return parse_scenario({"gravity": 0.0, "plates": "tied", "actuators": {"isolator": isolator or {}}, **table})
+
+
+def open_loop(*signals: dict[str, Any]) -> dict[str, Any]:
+    """A table [control] with open-loop commands."""
+    return {"kind": "open-loop", "signals": list(signals)}
+
+
+def sines(amplitude: float, hertz: Sequence[float] | Array) -> list[dict[str, Any]]:
+    """Open-loop commands of one frequency [Hz] per mount, [V]."""
+    mounts = scenario_of().plant.mounts
+    return [
+        {"kind": "sine", "mounts": [mount], "amplitude": amplitude, "frequency": float(f)}
+        for mount, f in zip(mounts, hertz, strict=True)
+    ]
+
+
+def chamber_pressures(result: Result) -> Array:
+    """Pressures (time, mount, chamber) [Pa]."""
+    return result.dataset["chamber_pressure"].values
+
+
+def fitted_order(steps: Array, errors: Array) -> float:
+    """Slope of the error over the step, both logarithmic."""
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
