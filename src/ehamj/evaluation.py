@@ -15,13 +15,14 @@ import xarray as xr
 from ehamj.control import LinearController
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import feeds_back
 from ehamj.linear.modes import Mode, modes
 from ehamj.linear.response import Transfer, machine_channels, rigid_floor
 from ehamj.result import Result
 from ehamj.rig.comparison import own_output, runs_unknown_law
-from ehamj.rig.measured import Measurement, by_welch
+from ehamj.rig.measurement import Measurement
+from ehamj.rig.welch import by_welch
 from ehamj.scenario.model import Scenario
 
 DIRECTIONS: Final = ("z", "x", "y", "rx", "ry")
@@ -68,7 +69,7 @@ class Machine:
     def model(self) -> LinearModel | None:
         """Linear about its equilibrium."""
         with suppress(InputError):  # under a load that is held there is none
-            return linear_model(self.scenario)
+            return linear_model(self.scenario.plant)
         return None
 
     @Once
@@ -114,20 +115,18 @@ class Evaluation:
     @Once
     def modes(self) -> Sequence[Mode] | None:
         """Modes of the closed loop; None where the law measures nothing of the machine."""
-        model, scenario = self.machine.model, self.result.scenario
+        model = self.machine.model
         if model is None or not feeds_back(self.law):
             return None
-        return modes(model, self.law, sensors=scenario.sensors, seed=scenario.seed)
+        return modes(model, Loop.of(self.result.scenario, self.law))
 
     @Once
     def transfer(self) -> Transfer | None:
         """Rigid floor to machine at `FREQUENCIES` as controlled; None where machine or law are not known."""
-        model, scenario = self.machine.model, self.result.scenario
+        model, loop = self.machine.model, Loop.of(self.result.scenario, self.law)
         if model is None or runs_unknown_law(self.result):
             return None
-        if self.law is None:
-            return self.machine.transfer
-        return rigid_floor(model, FREQUENCIES, self.law, sensors=scenario.sensors, seed=scenario.seed)
+        return self.machine.transfer if loop is None else rigid_floor(model, FREQUENCIES, loop)
 
     @Once
     def measured(self) -> Mapping[str, Measurement]:

@@ -1,119 +1,343 @@
-"""The one table of names: mounts, axes, states, parameter columns and shared memory.
+"""The one table of memory: records of isolators, of their states, of a step's inputs and results, of load and supply.
 
-Everything that must agree between the model, the compiled callbacks, the stepping loop and the result reads its order
-from here and from nowhere else.
+Everything that must agree between the model, the compiled callbacks, the stepping loop and the result is a field of a
+record here, and is found by its name. All fields are float64. The number of mounts is the model's own: it is in its
+first row, and every table has one record per mount.
+
+- ``mjModel.actuator_user``: an `ISOLATOR` per mount, then rows of actuators that only carry states; a shared supply's
+  is a `SUPPLY`.
+- ``mjData.act``: an `ISOLATOR_STATE` per mount, then the states of valve options (only of isolators that have them),
+  the supply's, the ledger's (`OIL` per mount, then `LEDGER`).
+- ``mjData.userdata``: a `STEP`, a `CUBIC` per degree of freedom for the force [N] and moment [N m] at the machine's CG,
+  then a `MOUNT` per mount.
 """
 
-from typing import Final
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, NamedTuple
 
-from ehamj.plant.axes import DOFS
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
-STATES: Final = ("spool", "spool_rate", "pressure_1", "pressure_2")
-"""Activation states of one hydraulic actuator [mA, mA/s, Pa, Pa]."""
+from ehamj.compiled import kernel
+from ehamj.isolator.actuator import COMPONENTS, STATEFUL
+from ehamj.isolator.component import STAGES, Option
+from ehamj.isolator.equations import Isolator, State
+from ehamj.isolator.supply import Feed, SupplyState, SupplyValues
+from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.plant import Plant
 
-CURVE_POINTS: Final = 11
-"""Points of a valve's flow curve, at equal shares of its stroke from 0 to 1."""
+Array = NDArray[np.float64]
 
-PARAMETERS: Final = (
-    "kind",  # what a row describes: VALVE, SUPPLY or LEDGER
-    "piston_area",  # A_p of chamber 1 [m²]
-    "piston_area_2",  # of chamber 2
-    "volume_1",  # chamber volume at stroke 0 [m³]
-    "volume_2",
-    "moving_volume",  # 1: volumes follow the stroke, 0: constant
-    "bulk_modulus",  # β [Pa]
-    "vapour_pressure",  # [Pa]
-    "air_fraction",  # α at atmospheric pressure [-]
-    "polytropic_exponent",  # n [-]
-    "wall_compliance",  # 1/β_w [1/Pa]
-    "flow_gain",  # K_Q [m³/s/mA]
-    "edge_leakage",  # g₀ [m³/s/Pa]
-    "cross_leakage",  # c [m³/s/Pa]
-    "laminar_ratio",  # ε [-]
-    "rated_pressure",  # Δp₀ [Pa]
-    "shared_supply",  # 1: the supply has states of its own, 0: supply_pressure holds
-    "supply_pressure",  # P_s [Pa]
-    "tank_pressure",  # P_t [Pa]
-    "valve_gain",  # K_v [mA/V]
-    "valve_frequency",  # ω_v [rad/s]
-    "valve_damping",  # ζ [-]
-    "spool_drive_limit",  # a_max [mA/s²]
-    "spool_stroke",  # x_max [mA]
-    "end_stops",  # 1: the spool stops there
-    "threshold",  # [mA]
-    "hysteresis",  # [mA]
-    "null_offset",  # [mA]
-    "lapped",  # 1: the edges have overlaps
-    "overlap_supply_1",  # [mA]
-    "overlap_1_tank",
-    "overlap_supply_2",
-    "overlap_2_tank",
-    "curved",  # 1: the opening follows the flow curve
-    *(f"flow_curve_{k}" for k in range(CURVE_POINTS)),  # share of full opening [-]
-    "voltage_limit",  # [V]
-    "membrane_stiffness",  # K_L [N/m]
-    "membrane_damping",  # C [N s/m]
-    "lateral_stiffness",  # [N/m]
-    "lateral_damping",  # [N s/m]
+DOUBLE: Final = 8
+"""Bytes of a number."""
+
+
+def record(*fields: str | tuple[str, np.dtype[Any]]) -> np.dtype[Any]:
+    """A record of floats and of other records, without gaps."""
+    return np.dtype([(field, np.float64) if isinstance(field, str) else field for field in fields])
+
+
+PLACES: Final = {option: f"{option.__name__.lower()}_at" for option in STATEFUL}
+"""Field that says where the states of an isolator's option begin among the activations; 0: it has none."""
+
+HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at")
+"""What the first row says of the whole model: how many mounts, actuators and activations it has; the row of the shared
+supply, and where its states and the ledger's begin among the activations (0: there is none)."""
+
+ISOLATOR: Final = record(
+    *HEAD,
+    *Feed._fields,
+    *(name for component in COMPONENTS for name in component.Values._fields),
+    *PLACES.values(),
     "mount_x",  # [m]
     "mount_y",
     "weight",  # constant force on the stroke coordinate, up positive [N]
 )
-"""Columns of the model's actuator_user, one row per actuator. SI, spool in mA."""
+"""An isolator as the compiled code knows it: values of its components, of its place, and of what it is fed with."""
 
-VALVE: Final = 0.0
-SUPPLY: Final = 1.0
-LEDGER: Final = 2.0
-"""Kinds of rows of actuator_user."""
+ISOLATOR_STATE: Final = record(*State._fields)
+SUPPLY: Final = record(*SupplyValues._fields)
+SUPPLY_STATE: Final = record(*SupplyState._fields)
 
-SUPPLY_PARAMETERS: Final = (
-    "kind",
-    "set_pressure",  # [Pa]
-    "pump_conductance",  # [m³/s/Pa]
-    "pump_flow",  # limit [m³/s]
-    "gas_volume",  # V₀ [m³]
-    "precharge",  # p₀ [Pa]
-    "polytropic_exponent",  # n [-]
-    "line_resistance",  # R [Pa s/m³]
-    "line_inertance",  # L [Pa s²/m³]
-    "manifold_volume",  # [m³]
-    "bulk_modulus",  # [Pa]
-)
-"""Columns of the supply's row."""
+OIL: Final = record("oil_in_1", "oil_in_2")
+"""Of each mount: ∫ρQ/ρ₀ dt into each chamber [m³]."""
 
-SUPPLY_STATES: Final = ("station_pressure", "line_flow", "supply_pressure")
-"""Activation states of the supply [Pa, m³/s, Pa]."""
-
-LEDGER_STATES: Final = (
-    *(f"oil_in {mount} {chamber}" for mount in MOUNTS for chamber in (1, 2)),  # ∫ρQ/ρ₀ dt [m³]
+LEDGER: Final = record(
     "energy_in",  # ∫Σ(enthalpy that flows into chambers) dt [J]
     "piston_work",  # ∫Σp V̇ dt [J]
     "supplied_energy",  # ∫P_s Q_s dt [J]
     "throttled_energy",  # ∫Σ q Δp dt over all edges and leaks [J]
 )
-"""Activation states of the ledger: what crossed the chambers' borders since the start."""
+"""What crossed the chambers' borders since the start."""
 
-COLUMN: Final = {name: column for column, name in enumerate(PARAMETERS)}
+CUBIC: Final = record("value", "slope", "end_value", "end_slope")
+"""An input over a step: value and slope·step at its start and at its end."""
 
-N_STATES: Final = len(STATES)
-N_INPUTS: Final = 16
-"""Inputs that every step carries as cubics: ground x, y, z of each mount (mount-major) [m], then four commands [V]."""
+STEP: Final = record(
+    "start",  # time at which the step's cubics begin [s]
+    "rate",  # 1/step [1/s]; 0: no inputs, the ground rests and only ctrl commands
+    "loaded",  # 1: forces act on the machine itself
+)
+"""What all mounts share in a step."""
 
-# mjData.userdata: what a step hands to the callbacks, and what the callbacks hand back.
-STEP_START: Final = 0  # time at which the step's cubics begin [s]
-STEP_RATE: Final = 1  # 1/step [1/s]
-CUBICS: Final = 2  # per input: value and slope·step at the start, value and slope·step at the end
-STAGE_GROUND: Final = CUBICS + 4 * N_INPUTS  # ground z of each mount at the current stage [m]
-STAGE_GROUND_RATE: Final = STAGE_GROUND + N_MOUNTS  # [m/s]
-STAGE_COMMAND: Final = STAGE_GROUND_RATE + N_MOUNTS  # open-loop command of each valve [V]
-STAGE_FLOW: Final = STAGE_COMMAND + N_MOUNTS  # flow into chamber 1 and 2 of each mount [m³/s]
-STAGE_DRAWN: Final = STAGE_FLOW + 2 * N_MOUNTS  # flow that each mount draws from the supply [m³/s]
-STAGE_FORCE: Final = STAGE_DRAWN + N_MOUNTS  # force of each actuator on its plate, ground's share included [N]
-METERING: Final = STAGE_FORCE + N_MOUNTS  # where the metering edges of each valve stood at the last step [mA]
-LOADED: Final = METERING + N_MOUNTS  # 1: forces act on the machine itself
-LOAD: Final = LOADED + 1  # per degree of freedom: force at the CG as a cubic, as above [N, N m]
-N_USERDATA: Final = LOAD + 4 * len(DOFS)
+MOUNT: Final = record(
+    *((f"ground_{axis}", CUBIC) for axis in AXES),  # [m]
+    ("open_loop", CUBIC),  # command beside the controller's [V]
+    "ground",  # height at the current stage [m]
+    "ground_rate",  # [m/s]
+    "command",  # open-loop command at the current stage [V]
+    "into_1",  # flow into the chambers at the current stage [m³/s]
+    "into_2",
+    "drawn",  # from the supply [m³/s]
+    "force",  # of the isolator on its plate, the ground's share included [N]
+    "metering",  # where the metering edges stood at the last step [mA]
+)
+"""What a step hands to a mount, and what the callbacks hand back."""
+
+LOADS_SIZE: Final = len(DOFS) * CUBIC.itemsize
+
+INPUTS: Final = (*AXES, "command")
+"""Inputs of a mount, along that axis of `inputs`: displacement of the ground [m], open-loop command [V]."""
+
+COMMAND: Final = INPUTS.index("command")
+ORDERS: Final = 3
+"""Of each input: its value, slope·step and second derivative."""
 
 MACHINE_BODY: Final = 1
 """Number of the machine's body in the model."""
+
+
+def inputs(steps: int, mounts: int) -> Array:
+    """Room for the inputs of some steps at one end, at rest: (step, mount, input, order); see `INPUTS`, `ORDERS`."""
+    return np.zeros((steps, mounts, len(INPUTS), ORDERS))
+
+
+def size(dtype: np.dtype[Any]) -> int:
+    """Numbers in a record."""
+    return dtype.itemsize // DOUBLE
+
+
+def userdata_size(mounts: int) -> int:
+    """Numbers in the userdata of a model."""
+    return (STEP.itemsize + LOADS_SIZE + mounts * MOUNT.itemsize) // DOUBLE
+
+
+# What Python code reads and writes, by name. All are views.
+
+
+def mounts_of(model: mujoco.MjModel) -> int:
+    """Number of mounts."""
+    return int(model.actuator_user[0, 0])
+
+
+def isolators(model: mujoco.MjModel) -> Any:
+    """Records of the isolators, (mount,)."""
+    return model.actuator_user[: mounts_of(model)].view(ISOLATOR)[:, 0]
+
+
+def supply(model: mujoco.MjModel) -> Any:
+    """Record of the shared supply; None where the pressure is constant."""
+    row = int(isolators(model)["supply_row"][0])
+    return model.actuator_user[row, : size(SUPPLY)].view(SUPPLY)[0] if row else None
+
+
+class Activations(NamedTuple):
+    """States among the activations, as views whose leading axes are those of ``act``."""
+
+    isolators: Any
+    """`ISOLATOR_STATE` (…, mount)."""
+    options: Array
+    """States of valve options (…, state)."""
+    supply: Any
+    """`SUPPLY_STATE` (…, 1), or (…, 0) where there is none."""
+    oil: Any
+    """`OIL` (…, mount), or (…, 0) where nothing is balanced."""
+    ledger: Any
+    """`LEDGER` (…, 1), or (…, 0)."""
+
+
+def activations(model: mujoco.MjModel, act: Array) -> Activations:
+    """The states in ``act`` (…, na), which must be contiguous along its last axis."""
+    row, n = isolators(model)[0], mounts_of(model)
+    own = n * size(ISOLATOR_STATE)
+    supply_size = size(SUPPLY_STATE) if row["supply_at"] else 0
+    book = n * size(OIL) if row["ledger_at"] else 0
+    ends = (model.na - book - (size(LEDGER) if book else 0) - supply_size, supply_size, book)
+    at = np.cumsum([0, *ends])
+    return Activations(
+        act[..., :own].view(ISOLATOR_STATE),
+        act[..., own : at[1]],
+        act[..., at[1] : at[2]].view(SUPPLY_STATE),
+        act[..., at[2] : at[3]].view(OIL),
+        act[..., at[3] :].view(LEDGER),
+    )
+
+
+def states_of(model: mujoco.MjModel) -> tuple[str, ...]:
+    """Names of the activations, in order: of a mount's states with its name after a blank."""
+    rows = isolators(model)
+    names = [model.actuator(mount).name for mount in range(rows.size)]
+    found = [f"{state} {name}" for name in names for state in ISOLATOR_STATE.names or ()]
+    for _, state, mount in _option_states(rows):
+        found.append(f"{state} {names[mount]}")
+    found += (SUPPLY_STATE.names or ()) if rows[0]["supply_at"] else ()
+    if rows[0]["ledger_at"]:
+        found += [f"{field} {name}" for name in names for field in OIL.names or ()] + list(LEDGER.names or ())
+    return tuple(found)
+
+
+def option_scales(model: mujoco.MjModel) -> Array:
+    """A small motion of each state of the valves' options, as a step for differences (state,)."""
+    rows = isolators(model)
+    return np.array([option.scales[option.State._fields.index(state)] for option, state, _ in _option_states(rows)])
+
+
+def _option_states(rows: Any) -> Iterator[tuple[type[Option], str, int]]:
+    for option, field in PLACES.items():
+        for mount in np.flatnonzero(rows[field]):
+            for state in option.State._fields:
+                yield option, state, int(mount)
+
+
+def step(data: mujoco.MjData) -> Any:
+    """The step's record in the userdata."""
+    return data.userdata[: size(STEP)].view(STEP)[0]
+
+
+def exchange(data: mujoco.MjData, mounts: int) -> Any:
+    """Records of the mounts in the userdata, (mount,)."""
+    return data.userdata[-mounts * size(MOUNT) :].view(MOUNT)
+
+
+# What the model's builder fills in.
+
+
+class Row(NamedTuple):
+    """An actuator of the model: name, number of states, and its record."""
+
+    name: str
+    states: int
+    values: list[float]
+
+
+def rows(plant: Plant) -> list[Row]:
+    """The model's actuators: the isolators, then those that carry the states of options, supply and ledger."""
+    n = len(plant.mounts)
+    table = np.zeros(n, ISOLATOR)
+    for mount, (actuator, (x, y)) in enumerate(zip(plant.actuators, plant.positions, strict=True)):
+        values = {
+            **Feed(plant.supply.pressure, plant.supply.tank_pressure, plant.supply.rating_pressure)._asdict(),
+            **actuator.record(),
+            "mount_x": x,
+            "mount_y": y,
+            # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.
+            "weight": -actuator.plate_mass * plant.gravity if plant.plates == "tied" else 0.0,
+        }
+        for name, value in values.items():
+            table[name][mount] = value
+    others: list[Row] = []
+    at = n * size(ISOLATOR_STATE)
+    for option, field in PLACES.items():
+        mine = [mount for mount, actuator in enumerate(plant.actuators) if option.on(actuator)]
+        own = len(option.State._fields)
+        table[field][mine] = at + own * np.arange(len(mine))
+        if mine:
+            others.append(Row(option.__name__.lower(), own * len(mine), []))
+        at += own * len(mine)
+    if plant.supply.dynamic:
+        table["supply_row"], table["supply_at"] = n + len(others), at
+        others.append(Row("supply", size(SUPPLY_STATE), list(SupplyValues.of(plant.supply))))
+        at += size(SUPPLY_STATE)
+    if plant.bookkeeping:
+        table["ledger_at"] = at
+        others.append(Row("ledger", n * size(OIL) + size(LEDGER), []))
+        at += others[-1].states
+    table["mounts"], table["actuators"], table["activations"] = n, n + len(others), at
+    width = size(ISOLATOR)
+    isolators = [
+        Row(name, size(ISOLATOR_STATE), list(values))
+        for name, values in zip(plant.mounts, table.view(np.float64).reshape(n, width), strict=True)
+    ]
+    return isolators + [other._replace(values=other.values + [0.0] * (width - len(other.values))) for other in others]
+
+
+# How compiled code takes a record apart.
+
+
+def _written(name: str, arguments: str, body: Sequence[str], **scope: Any) -> Any:
+    """A kernel from source, for what Numba has no loop over: the fields of a record."""
+    exec(f"def {name}({arguments}):\n    " + "\n    ".join(body), scope)
+    return kernel(scope[name])
+
+
+def unpacker(values: Any) -> Any:
+    """The kernel that makes a named tuple of a record with fields of its names."""
+    return _written("unpack", "row", [f"return values({_fields(values)})"], values=values)
+
+
+def _fields(values: Any) -> str:
+    return ", ".join(f"row.{name}" for name in values._fields)
+
+
+def _unpack_isolator() -> Any:
+    scope = {f"values_{k}": component.Values for k, component in enumerate(COMPONENTS)}
+    parts = [f"values_{k}({_fields(component.Values)})" for k, component in enumerate(COMPONENTS)]
+    places = "".join(f"row.{field}, " for field in PLACES.values())
+    return _written("unpack", "row", [f"return whole({', '.join(parts)}, ({places}))"], whole=Isolator, **scope)
+
+
+def _unpack_options() -> Any:
+    scope = {f"state_{k}": option.State for k, option in enumerate(PLACES)}
+    parts = ""
+    for k, (option, field) in enumerate(PLACES.items()):
+        own = ", ".join(f"act[int(row.{field}) + {j}]" for j in range(len(option.State._fields)))
+        parts += f"state_{k}({own}), "
+    return _written("unpack", "act, row", [f"return ({parts})"], **scope)
+
+
+def _pack_options() -> Any:
+    """Rates come in the order of the stages at which their options take part."""
+    stages = list(STAGES)
+    body, number = ["pass"], 0
+    for option in sorted(PLACES, key=lambda option: min(stages.index(stage) for stage in option.path)):
+        for j in range(len(option.State._fields)):
+            place = f"row.{PLACES[option]}"
+            body.append(f"if {place} > 0.0: act_dot[int({place}) + {j}] = rates[{number}]")
+            number += 1
+    return _written("pack", "rates, act_dot, row", body)
+
+
+isolator_of = _unpack_isolator()
+"""`ehamj.isolator.equations.Isolator` of a record."""
+options_of = _unpack_options()
+"""States of the options of an isolator from the activations and its record: a tuple of each option's own."""
+put_options = _pack_options()
+"""Write the rates of those states."""
+state_of, feed_of = unpacker(State), unpacker(Feed)
+supply_of, supply_state_of = unpacker(SupplyValues), unpacker(SupplyState)
+
+
+class Cubic(NamedTuple):
+    """See `CUBIC`."""
+
+    value: float
+    slope: float
+    end_value: float
+    end_slope: float
+
+
+cubic_of = unpacker(Cubic)
+put_cubic = _written(
+    "put", "cubic, start, end",
+    ["cubic.value = start[0]", "cubic.slope = start[1]", "cubic.end_value = end[0]", "cubic.end_slope = end[1]"],
+)  # fmt: skip
+
+
+@kernel
+def hermite(cubic: Cubic, s: float) -> tuple[float, float]:
+    """Value and slope·step of a cubic at the fraction ``s`` of the step."""
+    rise = cubic.end_value - cubic.value
+    c = 3.0 * rise - 2.0 * cubic.slope - cubic.end_slope
+    d = cubic.slope + cubic.end_slope - 2.0 * rise
+    return cubic.value + s * (cubic.slope + s * (c + s * d)), cubic.slope + s * (2.0 * c + 3.0 * s * d)

@@ -207,6 +207,14 @@ class Product:
         return Sample(a * b, a1 * b + a * b1, a2 * b + 2.0 * a1 * b1 + a * b2)
 
 
+def rise(s: Array) -> Sample:
+    """The quintic 10 s³ − 15 s⁴ + 6 s⁵ from 0 at s ≤ 0 to 1 at s ≥ 1, smooth to the second derivative; by s."""
+    s = np.clip(s, 0.0, 1.0)
+    return Sample(
+        s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s**2 * (1.0 - s) ** 2, 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
+    )
+
+
 @dataclass(frozen=True)
 class Faded:
     """A signal that fades in over ``duration`` [s] from ``begin`` [s] (a quintic, smooth to the second derivative)."""
@@ -220,10 +228,8 @@ class Faded:
         if time.size and time.min() >= self.begin + self.duration:
             return plain
         value, slope, curvature = plain
-        s = np.clip((time - self.begin) / self.duration, 0.0, 1.0)
-        w = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        w1 = 30.0 * s**2 * (1.0 - s) ** 2 / self.duration
-        w2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.duration**2
+        w, w1, w2 = rise((time - self.begin) / self.duration)
+        w1, w2 = w1 / self.duration, w2 / self.duration**2
         return Sample(w * value, w1 * value + w * slope, w2 * value + 2.0 * w1 * slope + w * curvature)
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from ehamj.control import Controller, ControllerBank, PythonController, load_controller
 from ehamj.errors import InputError
-from ehamj.memory import COLUMN, CUBICS, N_INPUTS, STEP_RATE, STEP_START
+from ehamj.memory import exchange, isolators
+from ehamj.memory import step as step_of
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
@@ -114,11 +115,12 @@ def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.nda
         due, found, limit = [], [], controller.voltage_limit
         for k in range(steps + 1):
             data.time = k * step
-            data.userdata[STEP_START], data.userdata[STEP_RATE] = data.time, 1 / step
-            cubics = data.userdata[CUBICS : CUBICS + 4 * N_INPUTS].reshape(N_INPUTS, 4)
-            for end, moment in ((0, k), (2, k + 1)):
-                cubics[:12, end] = samples.displacement[moment].ravel()
-                cubics[:12, end + 1] = samples.velocity[moment].ravel() * step
+            step_of(data)["start"], step_of(data)["rate"] = data.time, 1 / step
+            for axis, letter in enumerate("xyz"):
+                cubic = exchange(data, 4)[f"ground_{letter}"]
+                for end, moment in (("", k), ("end_", k + 1)):
+                    cubic[f"{end}value"] = samples.displacement[moment, :, axis]
+                    cubic[f"{end}slope"] = samples.velocity[moment, :, axis] * step
             mujoco.mj_forward(model, data)
             ground, inputs = [part[k] for part in samples], {}
             sampled = [j for j, law in enumerate(laws) if k % round(law.period / step) == 0]
@@ -377,7 +379,7 @@ def test_the_voltage_of_the_valve_limits_what_a_wider_converter_commands() -> No
     law = proportional(-1e12, voltage_limit=40.0, delay=0.0)
     run = simulate(scenario(duration=0.02, ground={"kind": "rest"}, record_rate=1e4), controller=law).dataset
     model = build_model(scenario().plant, 1e-4)
-    assert model.actuator_user[0, COLUMN["voltage_limit"]] == 10.0
+    assert isolators(model)["voltage_limit"][0] == 10.0
     assert np.abs(run["valve_command"].values).max() == 40.0
     # The spool of ζ = 0.65 overshoots its target, ±20 mA at ±10 V, by exp(−πζ/√(1 − ζ²)) = 7 % at most.
     assert np.abs(run["spool"].values).max() <= 20.0 * 1.08

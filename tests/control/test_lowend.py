@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from ehamj.control.blocks import Block
 from ehamj.control.inverse import Inverse
 from ehamj.control.lowend import isolating, yielding
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 from ehamj.ground.broadband import BroadbandGround
 from ehamj.scenario.load import parse_scenario
 

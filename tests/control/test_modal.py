@@ -10,6 +10,7 @@ from ehamj.control import Controller
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.channels import MountChannels
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS, plane, warp
@@ -149,7 +150,7 @@ def test_the_balance_takes_warp_back_with_its_crossing(model: LinearModel) -> No
 
 @pytest.fixture(scope="module")
 def model() -> LinearModel:
-    return linear_model(machine())
+    return linear_model(machine().plant)
 
 
 def test_with_everything_off_the_valves_get_nothing() -> None:
@@ -185,9 +186,9 @@ def test_a_loop_that_would_swing_up_while_it_is_limited_is_refused() -> None:
 
 def test_sway_is_damped_threefold_by_tilting_alone() -> None:
     scenario = load_scenario("vc-c-floor")
-    model, law = linear_model(scenario), scenario.controller()
+    model, law = linear_model(scenario.plant), scenario.controller()
     held = {mode.name: mode.damping_ratio for mode in modes(model)}
-    closed = modes(model, law, sensors=scenario.sensors, seed=scenario.seed)
+    closed = modes(model, Loop.of(scenario, law))
     for plane_ in ("x", "y"):
         name = f"sway-rocking about {plane_}"
         # Beside each sway stands the filter's own mode; yaw, which no vertical actuator reaches, is left out.

@@ -7,9 +7,10 @@ from ehamj.control import Controller
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.architectures.resonant import ResonantSettings
 from ehamj.control.kinds import CombinedSettings
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
-from ehamj.linear.sampled import sampled_loop
+from ehamj.linear.sampled import spectral_radius
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -28,7 +29,7 @@ def scenario() -> Scenario:
 
 @pytest.fixture(scope="module")
 def model(scenario: Scenario) -> LinearModel:
-    return linear_model(scenario)
+    return linear_model(scenario.plant)
 
 
 def laws(scenario: Scenario, gain: float, beside: bool, lines: tuple[float, ...] = LINES) -> list[Controller | None]:
@@ -45,7 +46,7 @@ def left(scenario: Scenario, model: LinearModel, pair: list[Controller | None], 
     """Motion with the resonators over that without."""
     dof, output = MOTIONS[motion]
     without, with_them = (
-        rigid_floor(model, hertz, law, (output,), (dof,), scenario.sensors).response[0, 0, 0] for law in pair
+        rigid_floor(model, hertz, Loop.of(scenario, law), (output,), (dof,)).response[0, 0, 0] for law in pair
     )
     return complex(with_them / without)
 
@@ -73,8 +74,7 @@ def test_it_is_stable_with_another_mass_too(scenario: Scenario, beside: bool, ma
     heavier = parse_scenario({"plates": "tied", "sensors": SENSORS, "machine": {"mass": mass * 4000.0}})
     law = laws(scenario, 10.0, beside)[1]
     assert law is not None
-    poles = np.linalg.eigvals(sampled_loop(linear_model(heavier), law, scenario.sensors).A)
-    assert np.abs(poles).max() < 1.0
+    assert spectral_radius(linear_model(heavier.plant), Loop.of(scenario, law)) < 1.0
 
 
 def test_far_from_its_line_it_does_nothing(scenario: Scenario, model: LinearModel) -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.sensors import IDEAL
+from ehamj.linear.loop import Loop, loop_gain
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import loop_gain
 from ehamj.linear.modes import modes
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
@@ -21,7 +21,7 @@ STROKES = [f"stroke {mount}" for mount in MOUNTS]
 
 @pytest.fixture(scope="module")
 def model() -> LinearModel:
-    return linear_model(parse_scenario({"plates": "tied"}))
+    return linear_model(parse_scenario({"plates": "tied"}).plant)
 
 
 def servo(**given: Any) -> StrokeServoSettings:
@@ -32,7 +32,7 @@ def servo(**given: Any) -> StrokeServoSettings:
 def test_the_loop_of_heave_is_crossing_over_frequency(hertz: float, model: LinearModel) -> None:
     # L = f_c/(j f)·(1 + f_i/(j f))·valve·e^(−sτ), oil and inertia left out: 0.04°/Hz.
     law = servo(loop={"crossing": 40.0, "integral": 2.0, "notch_depth": 1.0}).controller(model.plant, IDEAL)
-    found = loop_gain(model, law, hertz)[0].sum(axis=1).mean()
+    found = loop_gain(model, Loop(law, IDEAL, 0), hertz)[0].sum(axis=1).mean()
     s = 2j * np.pi * hertz
     valve = 1 / (1 + 2 * 0.65 * s / 1571 + (s / 1571) ** 2)
     expected = 40.0 / (1j * hertz) * (1 + 2.0 / (1j * hertz)) * valve * np.exp(-1.5e-4 * s)
@@ -62,7 +62,8 @@ def test_servos_that_disagree_fight_unless_they_are_balanced(sensors: dict[str, 
 
 def damping(model: LinearModel, gain: float, mode: str) -> float:
     law = servo(pressure={"gain": gain}, rate=40_000.0).controller(model.plant, IDEAL)
-    return max(m.damping_ratio for m in modes(model, law) if m.name.endswith(mode) and m.frequency < 600.0)
+    found = modes(model, Loop(law, IDEAL, 0))
+    return max(m.damping_ratio for m in found if m.name.endswith(mode) and m.frequency < 600.0)
 
 
 def test_dynamic_pressure_feedback_damps_what_lies_below_the_valve(model: LinearModel) -> None:
@@ -70,7 +71,7 @@ def test_dynamic_pressure_feedback_damps_what_lies_below_the_valve(model: Linear
 
 
 def test_with_a_fast_valve_it_damps_the_oil_too() -> None:
-    fast = linear_model(parse_scenario({"plates": "tied", "actuators": {"isolator": {"valve_frequency": 2e4}}}))
+    fast = linear_model(parse_scenario({"plates": "tied", "actuators": {"isolator": {"valve_frequency": 2e4}}}).plant)
     for mode in ("heave", "rocking about y"):
         assert damping(fast, 1.0, mode) > 1.5 * damping(fast, 0.0, mode)
 

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from ehamj.criteria import iso2631, nist, vc
 from ehamj.criteria.curves import CANDIDATES, Norm, judge, rounded
 from ehamj.criteria.settings import CriteriaSettings
-from ehamj.estimate.third_octave import band_rms, bands
+from ehamj.estimate.bands import bands
+from ehamj.estimate.periodogram import band_rms
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

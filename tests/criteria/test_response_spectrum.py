@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ehamj.criteria.response_spectrum import frequencies, oscillator, response_spectrum
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ehamj.criteria.vc import CLASSES, judge, limit
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

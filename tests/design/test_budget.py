@@ -7,7 +7,7 @@ import pytest
 
 from ehamj.control import LinearController
 from ehamj.design.budget import BANDS, Budget, budget
-from ehamj.estimate.third_octave import band_rms
+from ehamj.estimate.periodogram import band_rms
 from ehamj.linear.machine import linear_model
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
@@ -26,7 +26,7 @@ def scenario(ground: dict[str, Any], duration: float, control: dict[str, Any] | 
 def both(stated: Scenario) -> tuple[Budget, Result]:
     law = stated.controller()
     assert isinstance(law, LinearController)
-    return budget(stated, linear_model(stated), law), simulate(stated)
+    return budget(stated, linear_model(stated.plant), law), simulate(stated)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_a_stronger_floor_clips_for_a_share_that_a_gaussian_command_would() -> N
     stated = scenario({"kind": "broadband", "level": "VC-A"}, 10.0)
     law = stated.controller()
     assert isinstance(law, LinearController)
-    limits = budget(stated, linear_model(stated), law)
+    limits = budget(stated, linear_model(stated.plant), law)
     assert limits.command_rms == pytest.approx(5.9, rel=0.1)  # `ehamj.control.lowend`
     assert limits.saturated == pytest.approx(2 * norm.sf(10.0 / limits.command_rms), rel=1e-9)
 

@@ -25,9 +25,11 @@ from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import holds
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.margins import report
 from ehamj.linear.modes import modes
-from ehamj.linear.response import rigid_floor, sampled_plant
+from ehamj.linear.response import rigid_floor
+from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.levers import MOTIONS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.run.simulate import simulate
@@ -64,7 +66,7 @@ def laws(machines: Machines) -> dict[str, Controller]:
 
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machines: Machines) -> None:
-    """With warp open: the readings of `sampled_plant`, blended by hand as H·v/s + (1 − H)·stroke."""
+    """With warp open: the readings of `opened_at_samples`, blended by hand as H·v/s + (1 − H)·stroke."""
     settings = LqgSettings(delay=DELAY, warp=WarpBalance(crossing=0.0))
     case, model = scenario(), machines.models["as designed"]
     whole, small = motion_plants(case, model, settings, 12)[motion]
@@ -74,7 +76,7 @@ def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machi
     nothing = np.zeros((4, 12))
     probe = Controller(np.zeros((0, 0)), nothing[:0], nothing[:, :0], nothing, names, PERIOD, DELAY)
     z = np.exp(2j * np.pi * HERTZ * PERIOD)
-    readings = sampled_plant(model, probe, z, case.sensors)
+    readings = opened_at_samples(model, Loop.of(case, probe), z).plant
     heights = {"heave": np.ones(4), "roll": np.array([0.6, -0.6, 0.6, -0.6]), "pitch": np.array([-0.9, -0.9, 0.9, 0.9])}
     lever = heights[motion]
     # Piston velocity per volt of Table I with the oil's compliance: A_p/(K_Q K_v)·(1 + K_L/K_h + K_C C/A_p²).
@@ -204,7 +206,7 @@ KINDS = ("h-infinity", "lqg")
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_leaves_the_margins_on_all_machines(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
     for name, model in machines.models.items():
-        found = report(model, laws[kind], scenario().sensors)
+        found = report(model, Loop.of(scenario(), laws[kind]))
         assert found.stable, name
         assert holds(found.worst, Requirements()), (name, found.worst)
 
@@ -222,7 +224,7 @@ def attenuation(law: Controller, machines: Machines, hertz: Any, motion: str = "
         "roll": ("machine_displacement rx", "rx"),
         "pitch": ("machine_displacement ry", "ry"),
     }[motion]
-    found = rigid_floor(machines.models["as designed"], hertz, law, (output,), (dof,), scenario().sensors)
+    found = rigid_floor(machines.models["as designed"], hertz, Loop.of(scenario(), law), (output,), (dof,))
     return np.asarray(-20 * np.log10(np.abs(found.response[:, 0, 0])))
 
 
@@ -250,7 +252,7 @@ def test_sway_is_damped_threefold(kind: str, laws: dict[str, Controller], machin
         dof = 1 if axis == "about x" else 0
         active = [
             mode.damping_ratio
-            for mode in modes(model, laws[kind], sensors=scenario().sensors)
+            for mode in modes(model, Loop.of(scenario(), laws[kind]))
             if 50.0 < mode.frequency < 100.0 and mode.shares["motion"] > 0.1 and abs(mode.shape[dof]) > 0.5
         ]
         assert min(active) >= 2.99 * own.damping_ratio

@@ -8,6 +8,7 @@ import pytest
 from ehamj.control import Controller
 from ehamj.designs.sensitivity import parameters_of, sensitivities, value_of, with_value
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS
@@ -25,10 +26,12 @@ def feedback() -> Controller:
 
 def differences(scenario: Scenario, key: str, law: Controller | None = None, step: float = 5e-4) -> np.ndarray:
     """d ln f/d ln p and dζ/d ln p of every mode by solving the changed machines, (2, modes)."""
-    ends = []
+    ends, loop = [], Loop.of(scenario, law)
     for sign in (1, -1):
         changed = with_value(scenario, key, value_of(scenario, key) * np.exp(sign * step))
-        ends.append(np.array([(np.log(m.frequency), m.damping_ratio) for m in modes(linear_model(changed), law)]).T)
+        ends.append(
+            np.array([(np.log(m.frequency), m.damping_ratio) for m in modes(linear_model(changed.plant), loop)]).T
+        )
     return np.asarray((ends[0] - ends[1]) / (2 * step))
 
 

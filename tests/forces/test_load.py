@@ -53,7 +53,7 @@ def test_the_machine_answers_as_the_linear_model_says(direction: list[float], pl
     motion = motion - motion.mean(axis=0)
     unit = np.array(direction) / np.linalg.norm(direction)
     wrench = np.concatenate([unit, np.cross(np.array(SPINDLE) - case.machine.cg, unit)])
-    response = linear_model(case).response(LINES, outputs, FORCES) @ wrench
+    response = linear_model(case.plant).response(LINES, outputs, FORCES) @ wrench
     for k, hertz in enumerate(LINES):
         turn = np.exp(-2j * np.pi * hertz * times)
         force = (run["external_force"].values[late, :3] @ unit) @ turn

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from ehamj.criteria.vc import judge
 from ehamj.errors import InputError
-from ehamj.estimate.third_octave import band_rms, bands
+from ehamj.estimate.bands import bands
+from ehamj.estimate.periodogram import band_rms
 from ehamj.ground import Motion
 from ehamj.ground.broadband import LEAST_REPEAT, Swell
 from ehamj.ground.floors import FLOORS, LINES

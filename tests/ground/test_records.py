@@ -20,22 +20,23 @@ from pydantic import ValidationError
 from scipy import signal
 
 from ehamj.ground import GroundSample, Motion, Start
+from ehamj.ground.channel import Channel
 from ehamj.ground.components import Choices
 from ehamj.ground.csv_records import read_csv
-from ehamj.ground.processing import (
-    Channel,
+from ehamj.ground.doubts import clipped_samples
+from ehamj.ground.quantities import UNITS
+from ehamj.ground.records import RecordGround
+from ehamj.ground.seismic import EXAMPLE, read_seismic
+from ehamj.ground.tables import Column, parse_header, parse_unit
+from ehamj.ground.treatment import (
     Treatment,
     band_gain,
-    clipped_samples,
     displacement,
     fade,
     highpass_gain,
     inverse_response,
     weighted_trend,
 )
-from ehamj.ground.records import RecordGround
-from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import UNITS, Column, parse_header, parse_unit
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import anchored
 
@@ -392,7 +393,7 @@ def test_gaps_are_refused_or_filled_and_overlaps_refused(tmp_path: Path) -> None
     ):
         motion(tmp_path, 30.0, "gap.mseed", **si)
     record = read_seismic(
-        tmp_path / "gap.mseed", Choices(quantity="velocity", gaps="interpolate"), remove_response=False
+        tmp_path / "gap.mseed", Choices(quantity="velocity", gaps="interpolate", remove_response=False)
     )
     assert any("1 gap, 0.1 s in total, filled with straight lines" in note for note in record.notes)
     filled = record.channels[0].samples
@@ -415,9 +416,9 @@ def test_truncated_miniseed_is_refused_wherever_it_breaks_off(tmp_path: Path) ->
             continue  # at the border of two records nothing in the file says that more should follow
         path.write_bytes(whole[:size])
         with pytest.raises(ValueError, match=r"ground\.file = 'a\.mseed' cannot be read"):
-            read_seismic(path, Choices(quantity="velocity"), remove_response=False)
+            read_seismic(path, Choices(quantity="velocity", remove_response=False))
     path.write_bytes(whole)
-    assert len(read_seismic(path, Choices(quantity="velocity"), remove_response=False).channels) == 3
+    assert len(read_seismic(path, Choices(quantity="velocity", remove_response=False)).channels) == 3
 
 
 def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
@@ -428,7 +429,7 @@ def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
     content[3 * 512 + 200 : 3 * 512 + 210] = b"\x55" * 10  # amid the samples of the fourth block
     path.write_bytes(content)
     with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read, .* damaged: .*integrity check"):
-        read_seismic(path, Choices(quantity="velocity"), remove_response=False)
+        read_seismic(path, Choices(quantity="velocity", remove_response=False))
 
 
 # --- CSV ----------------------------------------------------------------------------------------------------------

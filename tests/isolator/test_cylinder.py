@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.isolator.cylinder import chamber_flows
+from ehamj.isolator.edges import EdgeValues, chamber_flows
 from ehamj.isolator.fluid import actual_pressure, pressure_rate
+from ehamj.isolator.supply import Feed
 
 settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
 settings.load_profile("untimed")
@@ -16,7 +17,7 @@ K_C, SHARE = 6.6e-11, 0.05
 EDGE, CROSS = SHARE * K_C, (1 - SHARE) * K_C
 SUPPLY, TANK = 70e5, 2e5
 MIDDLE = 0.5 * (SUPPLY + TANK)
-RATED = 0.5 * (SUPPLY - TANK)
+FEED = Feed(SUPPLY, TANK, 0.5 * (SUPPLY - TANK))
 FULL = GAIN * STROKE
 
 spools = st.floats(-40.0, 40.0)
@@ -26,7 +27,7 @@ pressures = st.floats(0.0, 90e5)
 def flows(spool: float, pressure_1: float, pressure_2: float, cross: float = CROSS) -> np.ndarray:
     """Flow into chamber 1, into chamber 2 and from the supply, of a valve that opens no further than its stroke."""
     opening = min(max(spool, -STROKE), STROKE)
-    return np.array(chamber_flows(opening, pressure_1, pressure_2, SUPPLY, TANK, RATED, GAIN, EDGE, cross, EPS))
+    return np.array(chamber_flows(opening, pressure_1, pressure_2, FEED, EdgeValues(GAIN, EDGE, cross, EPS)))
 
 
 def load_flow(spool: float, load: float) -> float:

@@ -211,7 +211,7 @@ UNITS = np.repeat([1e-7, 1e-4], 6).tolist() + [1.0, 1e3, 1e4, 1e4] * 4
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> float:
     """Largest change of the linear model at null, over the largest entry of its row, in `UNITS`."""
-    first, second = (linear_model(scenario_of(isolator)).A * np.array(UNITS) for isolator in (one, other))
+    first, second = (linear_model(scenario_of(isolator).plant).A * np.array(UNITS) for isolator in (one, other))
     return float((np.abs(second - first).max(axis=1) / np.abs(first).max(axis=1)).max())
 
 

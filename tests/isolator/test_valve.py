@@ -7,7 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ehamj.isolator.valve import port_flow, spool_acceleration, spool_target, turbulence
+from ehamj.isolator.edges import EdgeValues, port_flow, turbulence
+from ehamj.isolator.spool import SpoolValues, spool_acceleration, spool_target
+from ehamj.isolator.supply import Feed
 
 settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
 settings.load_profile("untimed")
@@ -15,7 +17,9 @@ settings.load_profile("untimed")
 GAIN, LEAK, EPS = 1.94e-6, 3.3e-12, 1e-3
 SUPPLY, TANK = 70e5, 2e5
 MIDDLE = 0.5 * (SUPPLY + TANK)
-RATED = (SUPPLY - TANK) / 2
+FEED = Feed(SUPPLY, TANK, (SUPPLY - TANK) / 2)
+EDGES = EdgeValues(GAIN, LEAK, 0.0, EPS)
+SPOOL = SpoolValues(2.0, 1571.0, 0.65, 5.42e6, 20.0, 10.0)
 
 pressures = st.floats(-20e5, 90e5)
 openings = st.floats(-20.0, 20.0)
@@ -25,14 +29,14 @@ laminar = st.floats(1e-9, 0.1)
 
 @given(st.floats(-100.0, 100.0))
 def test_the_spool_is_asked_for_the_command_within_its_range(voltage: float) -> None:
-    assert spool_target(voltage, 2.0, 10.0) == 2.0 * min(max(voltage, -10.0), 10.0)
+    assert spool_target(voltage, SPOOL) == 2.0 * min(max(voltage, -10.0), 10.0)
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-1e3, 1e3), st.floats(-1.0, 1.0))
 def test_a_small_spool_motion_obeys_the_second_order_lag(spool: float, rate: float, target: float) -> None:
     # Paper eq. 1: ẍ/ω² + 2ζẋ/ω + x = c.
     omega, zeta = 1571.0, 0.65
-    bend = spool_acceleration(spool, rate, target, omega, zeta, 5.42e6, 0.0)
+    bend = spool_acceleration(target - spool, rate, SPOOL)
     restored = bend / omega**2 + 2 * zeta * rate / omega + spool
     assert restored == pytest.approx(target, abs=1e-12)
 
@@ -41,7 +45,7 @@ def test_a_small_spool_motion_obeys_the_second_order_lag(spool: float, rate: flo
 def test_the_drive_saturates_and_the_damping_does_not(distance: float, rate: float, side: float) -> None:
     # Beyond a_max/ω² = 2.196 mA from its target the spool feels a_max.
     omega, zeta, limit = 1571.0, 0.65, 5.42e6
-    found = spool_acceleration(0.0, rate, side * distance, omega, zeta, limit, 0.0)
+    found = spool_acceleration(side * distance, rate, SPOOL)
     assert found == pytest.approx(side * limit - 2 * zeta * omega * rate, rel=1e-12, abs=1e-5)
 
 
@@ -82,7 +86,7 @@ def test_more_pressure_drop_gives_more_flow(ratio: float, more: float, eps: floa
 
 @given(st.floats(0.01, 20.0), st.sampled_from([-1.0, 1.0]))
 def test_at_the_rated_drop_the_flow_is_the_gain_times_the_opening(opening: float, side: float) -> None:
-    flow, drawn = port_flow(side * opening, MIDDLE, SUPPLY, TANK, RATED, GAIN, 0.0, EPS)
+    flow, drawn = port_flow(side * opening, MIDDLE, FEED, EDGES._replace(edge_leakage=0.0))
     # ε lowers it by ε²/4 = 2.5e-7.
     assert flow == pytest.approx(side * GAIN * opening, rel=3e-7)
     assert drawn == (flow if side > 0 else 0.0)
@@ -91,23 +95,23 @@ def test_at_the_rated_drop_the_flow_is_the_gain_times_the_opening(opening: float
 @given(openings, pressures)
 def test_supply_and_tank_change_roles_with_the_sign_of_the_spool(opening: float, pressure: float) -> None:
     # Turn pressures upside down about the middle, and the spool: the flow turns round.
-    forth, _ = port_flow(opening, pressure, SUPPLY, TANK, RATED, GAIN, LEAK, EPS)
-    back, _ = port_flow(-opening, SUPPLY + TANK - pressure, SUPPLY, TANK, RATED, GAIN, LEAK, EPS)
+    forth, _ = port_flow(opening, pressure, FEED, EDGES)
+    back, _ = port_flow(-opening, SUPPLY + TANK - pressure, FEED, EDGES)
     # 1e-9 of the rated flow: the mirrored pressure is rounded to 1e-9 Pa, where the root is steepest (ε = 1e-3).
     assert back == pytest.approx(-forth, rel=1e-9, abs=1e-9 * GAIN)
 
 
 @given(openings, pressures)
 def test_what_enters_a_port_comes_from_the_supply_or_the_tank(opening: float, pressure: float) -> None:
-    flow, drawn = port_flow(opening, pressure, SUPPLY, TANK, RATED, GAIN, LEAK, EPS)
+    flow, drawn = port_flow(opening, pressure, FEED, EDGES)
     # What runs to the tank is what the mirrored port draws from its supply.
-    _, drained = port_flow(-opening, SUPPLY + TANK - pressure, SUPPLY, TANK, RATED, GAIN, LEAK, EPS)
+    _, drained = port_flow(-opening, SUPPLY + TANK - pressure, FEED, EDGES)
     assert flow == pytest.approx(drawn - drained, rel=1e-9, abs=1e-9 * GAIN)
 
 
 @given(pressures)
 def test_a_closed_port_only_leaks(pressure: float) -> None:
-    flow, drawn = port_flow(0.0, pressure, SUPPLY, TANK, RATED, GAIN, LEAK, EPS)
+    flow, drawn = port_flow(0.0, pressure, FEED, EDGES)
     assert drawn == LEAK * (SUPPLY - pressure)
     assert flow == pytest.approx(LEAK * (SUPPLY + TANK - 2 * pressure), rel=1e-12, abs=1e-20)
 
@@ -115,6 +119,6 @@ def test_a_closed_port_only_leaks(pressure: float) -> None:
 @given(openings, pressures)
 def test_oil_only_flows_downhill(opening: float, pressure: float) -> None:
     assume(abs(opening) > 1e-3)
-    flow, _ = port_flow(opening, pressure, SUPPLY, TANK, RATED, GAIN, 0.0, EPS)
+    flow, _ = port_flow(opening, pressure, FEED, EDGES._replace(edge_leakage=0.0))
     source = SUPPLY if opening > 0 else TANK
     assert np.sign(flow) == np.sign(source - pressure)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from ehamj.criteria.settings import CriteriaSettings, ResponseSpectrumSettings
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import bands
 from ehamj.judge import floor_and_machine, isolation, settled, worst_class
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.verdicts import undecided

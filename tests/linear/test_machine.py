@@ -12,6 +12,7 @@ import ehamj
 from ehamj.control.channels import channel_names
 from ehamj.errors import InputError
 from ehamj.linear.machine import LinearModel, linear_model, linearise
+from ehamj.linear.response import ground_response
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
@@ -117,7 +118,7 @@ def assert_blocks(found: np.ndarray, expected: np.ndarray, columns: dict[str, sl
 @pytest.mark.parametrize("plates", ["sliding", "tied"])
 @pytest.mark.parametrize(("asymmetric", "tolerance"), [(False, 1e-6), (True, 1e-5)], ids=["default", "asymmetric"])
 def test_the_matrices_are_the_oracles(asymmetric: bool, tolerance: float, plates: str) -> None:
-    model = linear_model(scenario(asymmetric, plates=plates))
+    model = linear_model(scenario(asymmetric, plates=plates).plant)
     strokes = linear.foot_maps(linear_oracle(asymmetric))[2] @ machine.equilibrium(nonlinear_oracle(asymmetric)).q
     a, b, _, _ = linear.state_space(replace(linear_oracle(asymmetric), stroke=tuple(strokes)))
     A, B = in_oracles_order(model)
@@ -128,7 +129,7 @@ def test_the_matrices_are_the_oracles(asymmetric: bool, tolerance: float, plates
 
 @pytest.mark.parametrize("asymmetric", [False, True], ids=["default", "asymmetric"])
 def test_a_force_at_the_centre_of_gravity_accelerates_the_machine_by_the_oracles_mass(asymmetric: bool) -> None:
-    model, oracle = linear_model(scenario(asymmetric)), linear_oracle(asymmetric)
+    model, oracle = linear_model(scenario(asymmetric).plant), linear_oracle(asymmetric)
     x, y, z = oracle.cg
     at_cg = np.eye(6)
     at_cg[:3, 3:] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
@@ -175,7 +176,7 @@ def oracle_differences(of: machine.OracleMachine, at: np.ndarray, volts: Any) ->
 @pytest.mark.parametrize("point", OPERATING_POINTS)
 def test_at_a_loaded_operating_point_the_matrices_are_the_oracles_differences(point: str, asymmetric: bool) -> None:
     commands, load = OPERATING_POINTS[point]
-    model, oracle = linear_model(scenario(asymmetric), commands=commands, load=load), linear_oracle(asymmetric)
+    model, oracle = linear_model(scenario(asymmetric).plant, commands=commands, load=load), linear_oracle(asymmetric)
     at = model.equilibrium[[model.states.index(name) for name in STATES]]
     a, b = oracle_differences(nonlinear_oracle(asymmetric), at, commands)
     # The oracle knows no load: held at the centre of gravity, it turns the machine as its weight does.
@@ -190,7 +191,7 @@ def test_at_a_loaded_operating_point_the_matrices_are_the_oracles_differences(po
 @pytest.mark.parametrize("point", OPERATING_POINTS)
 def test_at_its_operating_point_the_oracle_stands_still_too(point: str, asymmetric: bool) -> None:
     commands, load = OPERATING_POINTS[point]
-    model, oracle = linear_model(scenario(asymmetric), commands=commands, load=load), linear_oracle(asymmetric)
+    model, oracle = linear_model(scenario(asymmetric).plant, commands=commands, load=load), linear_oracle(asymmetric)
     at = model.equilibrium[[model.states.index(name) for name in STATES]]
     rate = machine.rates(nonlinear_oracle(asymmetric), machine.OracleState.unpack(at), commands)
     force = np.r_[load[:3], np.asarray(load[3:]) + np.cross(oracle.cg, load[:3])]
@@ -201,7 +202,7 @@ def test_at_its_operating_point_the_oracle_stands_still_too(point: str, asymmetr
 
 
 def test_commands_beyond_the_range_hold_the_spool_at_its_end() -> None:
-    model = linear_model(scenario(), commands=[30.0, 0.0, 0.0, -30.0])
+    model = linear_model(scenario().plant, commands=[30.0, 0.0, 0.0, -30.0])
     spools = model.equilibrium[[model.states.index(f"spool {mount}") for mount in MOUNTS]]
     np.testing.assert_array_equal(spools, [20.0, 0.0, 0.0, -20.0])
 
@@ -290,7 +291,7 @@ def test_the_package_offers_it_by_name() -> None:
 def test_plates_kept_as_states_do_not_change_the_machines_response() -> None:
     hertz, outputs = [1.0, 50.0, 300.0], ("cg_displacement z", "machine_displacement ry", "stroke front-left")
     given = ("valve_command front-left", "cg_force x")
-    tied, sliding = (linear_model(scenario(), feet=feet) for feet in (False, True))
+    tied, sliding = (linear_model(scenario().plant, feet=feet) for feet in (False, True))
     assert (len(tied.states), len(sliding.states)) == (28, 36)
     one, other = (model.response(hertz, outputs, given) for model in (tied, sliding))
     # The tie is a spring of 1e16 N/m, stiff but of poles of 1e4 1/s: 1e-4 at 300 Hz.
@@ -313,7 +314,7 @@ def test_the_response_to_a_slab_is_the_oracles_transmissibility(dof: str, asymme
     oracle, hertz = linear_oracle(asymmetric), [0.5, 10.0, 70.0, 300.0]
     slab = np.stack([part[:, DOFS.index(dof)] for part in linear.foot_maps(oracle)], axis=1)
     outputs = [f"machine_displacement {name}" for name in DOFS]
-    found = linear_model(scenario(asymmetric)).from_ground(hertz, outputs, slab.astype(complex))
+    found = ground_response(linear_model(scenario(asymmetric).plant), np.array(hertz), outputs) @ slab.ravel()
     expected = np.array([linear.transmissibility(oracle, dof, f) for f in hertz])
     # 1e-4: the oracle's chambers stand at stroke 0, here at −14.6 µm of 8.5 mm or less, squared; resonance magnifies.
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from ehamj.control import Controller
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.kinds import CombinedSettings
+from ehamj.control.sensors import IDEAL
+from ehamj.linear.loop import Loop, feeds_back, loop_gain
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import STABLE, LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
-from ehamj.linear.sampled import sampled_loop, sampled_machine
+from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, report
+from ehamj.linear.sampled import STABLE, sampled_machine, spectral_radius
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
@@ -126,7 +128,7 @@ def machine() -> Scenario:
 
 @pytest.fixture(scope="module")
 def model(machine: Scenario) -> LinearModel:
-    return linear_model(machine)
+    return linear_model(machine.plant)
 
 
 def law_of(settings: ModalSettings | CombinedSettings, machine: Scenario) -> Controller:
@@ -152,12 +154,12 @@ def heave_alone(machine: Scenario) -> Controller:
 
 @pytest.fixture(scope="module")
 def reported(model: LinearModel, combined: Controller, machine: Scenario) -> LoopReport:
-    return report(model, combined, machine.sensors)
+    return report(model, Loop.of(machine, combined))
 
 
 @pytest.fixture(scope="module")
 def sampled(model: LinearModel, combined: Controller, machine: Scenario) -> control.StateSpace:
-    return sampled_machine(model, combined, machine.sensors)
+    return sampled_machine(model, Loop.of(machine, combined))
 
 
 @pytest.mark.parametrize("hertz", [0.3, 5.0, 40.0, 70.5, 300.0, 900.0])
@@ -168,7 +170,7 @@ def test_the_loop_gain_is_that_from_sample_to_sample(
     plant = sampled(z)
     law = combined.C @ np.linalg.solve(z * np.eye(combined.states) - combined.A, combined.B) + combined.D
     expected = -law @ plant
-    found = loop_gain(model, combined, hertz, machine.sensors)[0]
+    found = loop_gain(model, Loop.of(machine, combined), hertz)[0]
     # Images around the rate are left out: at 900 Hz the first lies at 9.1 kHz, where the oil lets (900/9100)³ through.
     np.testing.assert_allclose(found, expected, rtol=0, atol=5e-3 * np.abs(expected).max())
 
@@ -196,7 +198,7 @@ def test_two_mounts_that_mirror_each_other_have_one_margin(reported: LoopReport)
 
 
 def radius(model: LinearModel, law: Controller, machine: Scenario) -> float:
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, law, machine.sensors).A)).max())
+    return spectral_radius(model, Loop.of(machine, law))
 
 
 def stable_within(model: LinearModel, machine: Scenario, scaled: list[Controller]) -> list[bool]:
@@ -206,7 +208,7 @@ def stable_within(model: LinearModel, machine: Scenario, scaled: list[Controller
 def test_the_gain_margin_of_heave_is_where_the_sampled_loop_becomes_unstable(
     model: LinearModel, heave_alone: Controller, machine: Scenario
 ) -> None:
-    found = report(model, heave_alone, machine.sensors).motions["heave"]
+    found = report(model, Loop.of(machine, heave_alone)).motions["heave"]
     factor = 10 ** (found.gain / 20)
     # 2 %: the grid's steps about the crossing of −180°, and images of the machine, together 0.2 dB.
     laws = [heave_alone.scaled(factor * part) for part in (0.98, 1.02)]
@@ -216,7 +218,7 @@ def test_the_gain_margin_of_heave_is_where_the_sampled_loop_becomes_unstable(
 def test_the_phase_margin_of_heave_is_the_delay_that_makes_it_unstable(
     model: LinearModel, heave_alone: Controller, machine: Scenario
 ) -> None:
-    found = report(model, heave_alone, machine.sensors).motions["heave"]
+    found = report(model, Loop.of(machine, heave_alone)).motions["heave"]
     (crossing,) = found.crossings
     delay = found.phase / 360.0 / crossing
     laws = [replace(heave_alone, delay=round((1.5e-4 + part * delay) / 1e-5) * 1e-5) for part in (0.97, 1.03)]
@@ -254,7 +256,7 @@ def test_a_law_of_the_ground_alone_has_no_loop(model: LinearModel) -> None:
     assert not feeds_back(law)
     assert not feeds_back(None)
     with pytest.raises(ValueError, match="there is no loop"):
-        report(model, law)
+        report(model, Loop(law, IDEAL, 0))
 
 
 def test_the_grid_ends_below_half_the_rate_and_is_dense_at_resonances(model: LinearModel, combined: Controller) -> None:

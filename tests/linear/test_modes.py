@@ -10,9 +10,12 @@ from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.control import Controller
+from ehamj.control.sensors import IDEAL
 from ehamj.linear.eigen import mac
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.modes import Mode, energy_shares, modes, motion_name, track
+from ehamj.linear.modes import Mode, modes
+from ehamj.linear.names import energy_shares, motion_name
 from ehamj.linear.shapes import centre_of_rotation, in_phase
 from ehamj.plant.axes import DOFS
 from ehamj.plant.machine import Machine
@@ -24,7 +27,7 @@ TABLE_I = linear.PaperActuator()
 
 
 def model_of(machine: dict[str, Any] | None = None, **isolator: Any) -> LinearModel:
-    return linear_model(parse_scenario({"machine": machine or {}, "actuators": {"isolator": isolator}}))
+    return linear_model(parse_scenario({"machine": machine or {}, "actuators": {"isolator": isolator}}).plant)
 
 
 def named(found: tuple[Mode, ...], name: str) -> Mode:
@@ -76,7 +79,7 @@ def test_modes_come_by_frequency(default: tuple[Mode, ...]) -> None:
 
 
 def test_plates_on_joints_of_their_own_leave_the_machines_modes_as_they_are(default: tuple[Mode, ...]) -> None:
-    sliding = modes(linear_model(parse_scenario({}), feet=True))
+    sliding = modes(linear_model(parse_scenario({}).plant, feet=True))
     for name, _, _ in DEFAULT:
         assert named(sliding, name).frequency == pytest.approx(named(default, name).frequency, rel=1e-4)
 
@@ -132,14 +135,14 @@ def test_shapes_are_the_oracles_eigenvectors() -> None:
 )
 def test_a_motion_is_named_by_where_its_energy_is(moves: dict[str, float], name: str) -> None:
     shape = np.array([moves.get(dof, 0.0) for dof in ("x", "y", "z", "rx", "ry", "rz")], complex)
-    assert motion_name(model_of(), shape) == name
+    assert motion_name(model_of().plant.machine, shape) == name
 
 
 def test_shares_of_energy_are_those_of_mass_and_inertia_at_the_centre_of_gravity() -> None:
     shape = np.array([0.2, 0.0, 0.1, 0.0, 0.4j, 0.0])
     # v at the CG: x + 0.75 ry, z.
     energy = {"x": 4000 * (0.2**2 + 0.3**2), "z": 4000 * 0.1**2, "ry": 3000 * 0.4**2}
-    found = energy_shares(model_of(), shape)
+    found = energy_shares(model_of().plant.machine, shape)
     for dof, share in found.items():
         assert share == pytest.approx(energy.get(dof, 0.0) / sum(energy.values()), abs=1e-12), dof
 
@@ -205,7 +208,7 @@ def test_a_circulating_shape_is_half_out_of_step() -> None:
 )
 def test_damping_ratios_are_the_sum_of_what_is_lost(table: dict[str, Any]) -> None:
     # dE/dt = −(lost power), E ~ exp(2 Re λ t): an identity of the exact linear machine.
-    for mode in modes(linear_model(parse_scenario(table))):
+    for mode in modes(linear_model(parse_scenario(table).plant)):
         if mode.energies is None:
             continue
         # 1e-7: the differences that the linear model is made of.
@@ -220,7 +223,7 @@ def test_a_stiff_mount_holds_the_strain() -> None:
         "mount": [m.model_dump() | {"actuator": m.name} for m in DEFAULT_MOUNTS],
         "actuators": {m: {"lateral_stiffness": 8e8 if m == "front-left" else 1e6} for m in MOUNTS},
     }
-    yaw = next(mode for mode in modes(linear_model(parse_scenario(table))) if "yaw" in mode.name)
+    yaw = next(mode for mode in modes(linear_model(parse_scenario(table).plant)) if "yaw" in mode.name)
     assert yaw.energies is not None
     assert yaw.energies.strain["front-left"] > 0.9
 
@@ -234,7 +237,7 @@ SQUARE: dict[str, Any] = {
 
 
 def test_modes_of_a_square_machine_each_stay_in_their_plane() -> None:
-    found = modes(linear_model(parse_scenario(SQUARE)))
+    found = modes(linear_model(parse_scenario(SQUARE).plant))
     for what in ("sway-rocking", "rocking"):
         about_x, about_y = (named(found, f"{what} about {axis}") for axis in "xy")
         assert about_x.frequency == pytest.approx(about_y.frequency, rel=1e-8)
@@ -243,39 +246,15 @@ def test_modes_of_a_square_machine_each_stay_in_their_plane() -> None:
 
 
 def test_left_and_right_vectors_of_repeated_modes_pair() -> None:
-    found = modes(linear_model(parse_scenario(SQUARE)))
+    found = modes(linear_model(parse_scenario(SQUARE).plant))
     left, right = (np.array([getattr(mode, side) for mode in found]) for side in ("left", "vector"))
     # Columns of very different units: 1e-6 of rounding.
     np.testing.assert_allclose(left.conj() @ right.T, np.eye(len(found)), atol=1e-6)
 
 
 def test_valves_in_a_symmetric_loop_swing_in_patterns() -> None:
-    names = {mode.name for mode in modes(model_of(), stroke_feedback(-5e6))}
+    names = {mode.name for mode in modes(model_of(), looped(-5e6))}
     assert {"valves in heave", "valves about x", "valves about y", "valves in warp"} <= names
-
-
-def test_modes_are_followed_through_a_crossing() -> None:
-    # Yaw, rising with the footprint, passes both sways.
-    steps = []
-    for scale in np.linspace(0.7, 1.1, 9):
-        mounts = [m.model_dump() | {"position": [scale * p for p in m.position]} for m in DEFAULT_MOUNTS]
-        steps.append(modes(linear_model(parse_scenario({"mount": mounts}))))
-    followed = track(steps)
-    assert followed.shape == (9, len(steps[0]))
-    for column, mode in enumerate(steps[0]):
-        assert [step[place].name for step, place in zip(steps, followed[:, column], strict=True)] == [mode.name] * 9
-    places = followed[:, [mode.name for mode in steps[0]].index("yaw")]
-    assert (places[0], places[-1]) == (0, 2)
-
-
-def test_a_mode_that_appears_gets_a_track_of_its_own() -> None:
-    passive = modes(model_of())
-    more = modes(model_of(), stroke_feedback(-5e6))
-    followed = track([passive, [mode for mode in passive if mode.name != "heave"], passive])
-    column = [mode.name for mode in passive].index("heave")
-    assert followed[:, column].tolist() == [column, -1, column]
-    assert track([more]).shape == (1, len(more))
-    assert track([]).size == 0
 
 
 def test_mac_knows_a_shape_in_any_scale_and_phase() -> None:
@@ -367,6 +346,10 @@ def stroke_feedback(gain: float, states: bool = False, **settings: Any) -> Contr
     return Controller(pole, np.eye(4) - pole, 0.7 * gain * np.eye(4), 0.3 * gain * np.eye(4), STROKES, **settings)
 
 
+def looped(gain: float) -> Loop:
+    return Loop(stroke_feedback(gain), IDEAL, 0)
+
+
 def loop_eigenvalues(model: LinearModel, law: Controller, parts: int) -> np.ndarray:
     """Eigenvalues λ of the sampled loop, by carrying every unit state through one period in ``parts`` equal parts.
 
@@ -413,7 +396,7 @@ def test_modes_of_a_closed_loop_are_those_of_another_discretisation(
     law = stroke_feedback(-5e6, states, period=period, delay=delay)
     found = [
         2 * np.pi * mode.frequency * complex(-mode.damping_ratio, np.sqrt(1 - mode.damping_ratio**2))
-        for mode in modes(model, law)
+        for mode in modes(model, Loop(law, IDEAL, 0))
     ]
     expected = loop_eigenvalues(model, law, parts)
     expected = expected[(expected.imag > 1.0) & (np.exp(expected.real * period) > 0.05)]
@@ -425,13 +408,13 @@ def test_modes_of_a_closed_loop_are_those_of_another_discretisation(
 
 def test_the_loop_moves_the_modes() -> None:
     # So that the comparison above is of more than the passive machine: three of four valves, warp having no stroke.
-    closed = modes(model_of(), stroke_feedback(-5e6))
+    closed = modes(model_of(), looped(-5e6))
     assert sum(mode.frequency < 0.8 * 250.0 for mode in closed if mode.name.startswith("valve")) == 3
 
 
 def test_a_controller_that_commands_nothing_leaves_the_modes_as_they_are() -> None:
     model = model_of()
-    passive, sampled = modes(model), modes(model, stroke_feedback(0.0))
+    passive, sampled = modes(model), modes(model, looped(0.0))
     for name, _, _ in DEFAULT:
         one, other = named(passive, name), named(sampled, name)
         assert other.frequency == pytest.approx(one.frequency, rel=1e-9)
@@ -439,17 +422,17 @@ def test_a_controller_that_commands_nothing_leaves_the_modes_as_they_are() -> No
 
 
 def test_an_unstable_loop_has_negative_damping() -> None:
-    assert min(mode.damping_ratio for mode in modes(model_of(), stroke_feedback(-2e7))) < -0.1
+    assert min(mode.damping_ratio for mode in modes(model_of(), looped(-2e7))) < -0.1
 
 
 def test_a_stable_loop_has_none() -> None:
-    assert min(mode.damping_ratio for mode in modes(model_of(), stroke_feedback(-5e4))) > 0.0
+    assert min(mode.damping_ratio for mode in modes(model_of(), looped(-5e4))) > 0.0
 
 
 def test_oscillations_of_the_controller_are_named_so() -> None:
     turn = 0.99 * np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
     law = Controller(turn, np.zeros((2, 1)), np.zeros((4, 2)), np.zeros((4, 1)), STROKES[:1])
-    mode = named(modes(model_of(), law), "controller")
+    mode = named(modes(model_of(), Loop(law, IDEAL, 0)), "controller")
     pole = np.log(0.99 * np.exp(0.3j)) * 1e4
     assert mode.frequency == pytest.approx(abs(pole) / (2 * np.pi), rel=1e-9)
     assert mode.damping_ratio == pytest.approx(-pole.real / abs(pole), rel=1e-9)

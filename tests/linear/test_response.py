@@ -12,11 +12,12 @@ from oracles import linear
 from scipy.linalg import expm
 
 from ehamj.control import Controller
+from ehamj.control.sensors import IDEAL
 from ehamj.errors import InputError
-from ehamj.estimate.third_octave import bands
+from ehamj.estimate.bands import band_attenuation, bands
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import (
-    band_attenuation,
     deviations,
     foot_channels,
     lever_scale,
@@ -32,9 +33,10 @@ from ehamj.rig.comparison import (
     TransmissibilitySettings,
     compare_result,
     compare_scenario,
-    write_tables,
 )
-from ehamj.rig.measured import Measurement, by_multisine, settling_time
+from ehamj.rig.measurement import Measurement
+from ehamj.rig.multisine import by_multisine, settling_time
+from ehamj.rig.tables import write_tables
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
@@ -63,7 +65,7 @@ def feedback(delay: float) -> Controller:
 
 
 def test_passive_at_the_mount_plane_is_the_oracles() -> None:
-    found = rigid_floor(linear_model(parse_scenario(BASE)), HERTZ, outputs=machine_channels("mounts"))
+    found = rigid_floor(linear_model(parse_scenario(BASE).plant), HERTZ, outputs=machine_channels("mounts"))
     expected = [[linear.transmissibility(linear.LinearMachine(), dof, f) for dof in DOFS] for f in HERTZ]
     # The model is differentiated numerically, to about 1e-7 of each row.
     error = deviations(found.response, np.array(expected).transpose(0, 2, 1), DOFS, DOFS, 1.0)
@@ -71,7 +73,7 @@ def test_passive_at_the_mount_plane_is_the_oracles() -> None:
 
 
 def test_the_centre_of_gravity_moves_as_the_rigid_body_does() -> None:
-    model = linear_model(parse_scenario(ASYMMETRIC))
+    model = linear_model(parse_scenario(ASYMMETRIC).plant)
     at_mounts, at_cg = (rigid_floor(model, HERTZ, outputs=machine_channels(where)) for where in ("mounts", "cg"))
     x, y, z = 0.12, -0.07, 0.9
     lever = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]])
@@ -80,17 +82,17 @@ def test_the_centre_of_gravity_moves_as_the_rigid_body_does() -> None:
 
 
 def test_slowly_the_machine_follows_the_floor() -> None:
-    model = linear_model(parse_scenario({**ASYMMETRIC, "gravity": 0.0}))
+    model = linear_model(parse_scenario({**ASYMMETRIC, "gravity": 0.0}).plant)
     found = rigid_floor(model, [1e-3], outputs=machine_channels("mounts"))
     np.testing.assert_allclose(found.response[0], np.eye(6), atol=1e-6)
 
 
 def test_single_mounts_add_up_to_the_slab() -> None:
     scenario = parse_scenario({**ASYMMETRIC, "control": {"kind": "feedforward"}})
-    model, law = linear_model(scenario), scenario.controller()
-    outputs = (*machine_channels(), *foot_channels())
-    single = single_mounts(model, HERTZ, law, outputs)
-    whole = rigid_floor(model, HERTZ, law, outputs)
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    outputs = (*machine_channels(), *foot_channels(MOUNTS))
+    single = single_mounts(model, HERTZ, loop, outputs)
+    whole = rigid_floor(model, HERTZ, loop, outputs)
     np.testing.assert_allclose(single.response @ slab_pattern(model.plant), whole.response, atol=1e-12)
 
 
@@ -100,7 +102,7 @@ def test_feedforward_is_the_series_of_its_parts() -> None:
     law = scenario.controller()
     assert law is not None
     A, B, C, _ = linear.state_space(linear.LinearMachine())
-    found = rigid_floor(linear_model(scenario), HERTZ, law, machine_channels("mounts"))
+    found = rigid_floor(linear_model(scenario.plant), HERTZ, Loop.of(scenario, law), machine_channels("mounts"))
     up = linear.foot_maps(linear.LinearMachine())[2]
     for f, response in zip(HERTZ, found.response, strict=True):
         s, T = 2j * np.pi * f, law.period
@@ -118,8 +120,9 @@ def test_feedforward_is_the_series_of_its_parts() -> None:
 @pytest.mark.parametrize("delay", [0.0, 2e-4, 5e-4, 1.2e-3])
 def test_a_loop_is_closed_as_stepping_it_does(delay: float) -> None:
     """The linear machine stepped exactly from sample to sample by hand, at a sine of the floor, settles on it."""
-    model, law, f = linear_model(parse_scenario(BASE)), feedback(delay), 40.0
-    expected = rigid_floor(model, f, law, ("foot_displacement front-left z",), ("z",)).response[0, 0, 0]
+    model, law, f = linear_model(parse_scenario(BASE).plant), feedback(delay), 40.0
+    foot = ("foot_displacement front-left z",)
+    expected = rigid_floor(model, f, Loop(law, IDEAL, 0), foot, ("z",)).response[0, 0, 0]
     n, s, fine = model.A.shape[0], 2j * np.pi * f, 1e-4
     ground = [
         model.inputs.index(f"ground_{what} {mount} z") for what in ("displacement", "velocity") for mount in MOUNTS
@@ -173,8 +176,8 @@ def measured(which: str) -> tuple[Scenario, Measurement]:
 def test_six_by_six_measured_lies_on_the_linear(which: str) -> None:
     """Every element within 2 % where coherent; under feedforward that is 2e-5 of the floor's motion."""
     scenario, found = measured(which)
-    model, e = linear_model(scenario), found.estimate
-    expected = rigid_floor(model, e.frequency, scenario.controller()).response
+    model, e = linear_model(scenario.plant), found.estimate
+    expected = rigid_floor(model, e.frequency, Loop.of(scenario, scenario.controller())).response
     error = deviations(e.response, expected, found.outputs, found.inputs, lever_scale(model.plant))
     assert e.response.shape == (12, 6, 6)
     assert e.multiple.min() > 0.95
@@ -194,8 +197,8 @@ def test_feedback_measured_lies_on_the_linear(delay: float, tmp_path: Path) -> N
     law.save(tmp_path / "law.json")
     scenario = parse_scenario({**BASE, "control": {"kind": "law", "file": str(tmp_path / "law.json")}})
     found = by_multisine(scenario, dofs=("z", "ry"), velocity=1e-8, frequency=[5, 20, 60, 150, 300])
-    model, e = linear_model(scenario), found.estimate
-    expected = rigid_floor(model, e.frequency, law, found.outputs, found.inputs).response
+    model, e = linear_model(scenario.plant), found.estimate
+    expected = rigid_floor(model, e.frequency, Loop(law, IDEAL, 0), found.outputs, found.inputs).response
     own = [2, 4]  # z and ry; the rest is zero or sway
     np.testing.assert_allclose(e.response[:, own], expected[:, own], atol=2e-3)
     assert np.abs(expected[:, 2, 0]).min() < 0.8  # the law does something
@@ -213,7 +216,7 @@ def test_a_valves_nonlinearity_shows_as_distortion_and_noise_as_incoherence() ->
 
 def test_settling_follows_the_slowest_mode() -> None:
     """Yaw, 76.99 Hz with ζ 0.0242, leaves 1e-6 after 13.8/(2π·76.99·0.0242) = 1.18 s, after half a second of fading."""
-    assert settling_time(linear_model(parse_scenario(BASE))) == pytest.approx((0.5, 0.5 + 1.2))
+    assert settling_time(linear_model(parse_scenario(BASE).plant), None) == pytest.approx((0.5, 0.5 + 1.2))
 
 
 def test_high_passes_far_below_the_lines_are_not_waited_for() -> None:
@@ -224,11 +227,11 @@ def test_high_passes_far_below_the_lines_are_not_waited_for() -> None:
     """
     quiet = ["control.bits=52", *(f"sensors.{group}.noise=0" for group in ("ground", "inertial", "stroke", "pressure"))]
     scenario = load_scenario("recorded", ["plates=tied", *quiet])
-    model, law = linear_model(scenario), scenario.controller()
-    fade_in, settling = settling_time(model, law, scenario.sensors)
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    fade_in, settling = settling_time(model, loop)
     assert fade_in == 5.0 < settling < 12.0
     found = by_multisine(scenario, dofs=("z",), velocity=1e-8, frequency=[1, 2, 5, 20, 60, 200]).estimate
-    expected = rigid_floor(model, found.frequency, law, ("cg_displacement z",), ("z",), scenario.sensors).response
+    expected = rigid_floor(model, found.frequency, loop, ("cg_displacement z",), ("z",)).response
     between_steps = (np.pi * found.frequency * 1e-4) ** 2 / 3.0
     allowed = 0.01 * np.abs(expected[:, 0, 0]) + 2.0 * between_steps
     assert np.all(np.abs(found.response[:, 2, 0] - expected[:, 0, 0]) <= allowed)
@@ -270,7 +273,7 @@ def test_a_run_shows_its_own_transmissibility() -> None:
     (passive,) = stored().variants
     (one,) = passive.measured
     e = one.estimate
-    expected = rigid_floor(linear_model(stored().scenario), e.frequency, None, one.outputs, one.inputs).response
+    expected = rigid_floor(linear_model(stored().scenario.plant), e.frequency, None, one.outputs, one.inputs).response
     assert one.outputs == ("cg_displacement x", "cg_displacement z")
     z, slow = np.abs(e.response[:, 1, 1] / expected[:, 1, 1] - 1), e.frequency < 40.0
     assert e.multiple[:, 1].min() > 0.95

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ehamj.control import Controller, ControllerBank
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.linear.response import rigid_floor
@@ -23,7 +24,7 @@ DELAYS = (0.0, 3e-5, 1e-4, 1.5e-4, 2.5e-4)
 
 @pytest.fixture(scope="module")
 def model() -> LinearModel:
-    return linear_model(parse_scenario({}))
+    return linear_model(parse_scenario({}).plant)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,7 @@ def test_the_sampled_machine_is_the_continuous_one_held_delayed_and_read(
     model: LinearModel, sensors: Sensors, delay: float
 ) -> None:
     law = random_law(delay=delay)
-    found = sampled_machine(model, law, sensors)
+    found = sampled_machine(model, Loop(law, sensors, 0))
     assert (found.dt, found.output_labels) == (1e-4, list(law.inputs))
     for hertz in (2.0, 20.0, 100.0, 400.0):
         s = 2j * np.pi * hertz
@@ -62,9 +63,9 @@ def test_the_closed_loop_is_the_feedback_of_law_and_sampled_machine(
     model: LinearModel, sensors: Sensors, delay: float
 ) -> None:
     law = random_law(delay=delay)
-    plant = sampled_machine(model, law, sensors)
+    plant = sampled_machine(model, Loop(law, sensors, 0))
     loop = control.feedback(plant, control.ss(law.A, law.B, law.C, law.D, law.period), sign=1)
-    expected, found = np.linalg.eigvals(loop.A), np.linalg.eigvals(sampled_loop(model, law, sensors).A)
+    expected, found = np.linalg.eigvals(loop.A), np.linalg.eigvals(sampled_loop(model, Loop(law, sensors, 0)).A)
     assert found.size == expected.size
     slow = np.abs(expected) > 0.2  # a chain of delays at zero spreads by roots of rounding
     for value in expected[slow]:
@@ -74,8 +75,8 @@ def test_the_closed_loop_is_the_feedback_of_law_and_sampled_machine(
 
 def test_modes_of_a_bank_of_one_rate_are_those_of_the_one_law(model: LinearModel, sensors: Sensors) -> None:
     one, other = random_law(), random_law(seed=1)
-    single = modes(model, ControllerBank.combine((one, other)), sensors=sensors)  # type: ignore[arg-type]
-    bank = modes(model, ControllerBank((one, other)), sensors=sensors)
+    single = modes(model, Loop(ControllerBank.combine((one, other)), sensors, 0))  # type: ignore[arg-type]
+    bank = modes(model, Loop(ControllerBank((one, other)), sensors, 0))
     assert [mode.name for mode in bank] == [mode.name for mode in single]
     np.testing.assert_allclose([mode.frequency for mode in bank], [mode.frequency for mode in single], rtol=1e-6)
 
@@ -86,8 +87,10 @@ def test_a_faster_law_that_does_nothing_leaves_the_modes_of_a_slow_one(model: Li
     slow = random_law(period=2e-4, delay=2e-4)
     idle = random_law(period=2e-4 / faster, delay=0.0, gain=0.0)
     longer = Controller(idle.A, idle.B, idle.C, idle.D, idle.inputs, period=4e-4 * 5, delay=1e-4)
-    alone = [mode for mode in modes(model, slow) if mode.name != "controller"]
-    found = [mode for mode in modes(model, ControllerBank((slow, idle, longer))) if mode.name != "controller"]
+    alone = [mode for mode in modes(model, Loop(slow, IDEAL, 0)) if mode.name != "controller"]
+    found = [
+        mode for mode in modes(model, Loop(ControllerBank((slow, idle, longer)), IDEAL, 0)) if mode.name != "controller"
+    ]
     assert [mode.name for mode in found] == [mode.name for mode in alone]
     for one, other in zip(found, alone, strict=True):
         assert one.frequency == pytest.approx(other.frequency, rel=1e-6)
@@ -102,7 +105,7 @@ def test_strokes_under_two_rates_and_sensors_creep_as_the_sampled_loop_says(sens
     bank = ControllerBank((fast, slow))
     floor = {"kind": "shock", "dof": "z", "velocity": 1e-5, "pulse_time": 0.01, "begin": 0.0, "return_time": 0.01}
     case = parse_scenario({**table, "duration": 0.08, "ground": floor, "record_rate": 2000.0})
-    loop = sampled_loop(linear_model(case), bank, case.sensors)
+    loop = sampled_loop(linear_model(case.plant), Loop.of(case, bank))
     values = np.linalg.eigvals(loop.A).astype(complex)
     exponents = np.log(values[np.abs(values) > 1e-3]) / loop.period
     creep = exponents.real[(np.abs(exponents.imag) < 1e-6) & (np.abs(exponents.real + 125.0) < 50.0)]
@@ -139,7 +142,7 @@ def test_a_floor_under_tilted_sensors_is_answered_as_predicted(rates: tuple[floa
     ]
     ground = run["ground_displacement"].values[late, 0, 0]  # only tilted sensors see it
     times = run.time.values[late]
-    found = rigid_floor(linear_model(case), lines, law, outputs, ("x",), case.sensors, case.seed).response[:, :, 0]
+    found = rigid_floor(linear_model(case.plant), lines, Loop.of(case, law), outputs, ("x",)).response[:, :, 0]
     scale = np.abs(found).max(axis=0)
     for k, hertz in enumerate(lines):
         turn = np.exp(-2j * np.pi * hertz * times)

@@ -19,17 +19,19 @@ import pytest
 from mujoco.introspect import structs
 from oracles import linear, machine
 
+from ehamj.compiled import compiled_here, folder
+from ehamj.control.loop import no_loop
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
-from ehamj.memory import COLUMN, CUBICS, N_INPUTS, N_STATES, STEP_RATE, STEP_START
+from ehamj.memory import ISOLATOR, activations, exchange, inputs, isolators, step
 from ehamj.mujoco import ForeignCallbackError, hydraulics
-from ehamj.mujoco.advance import CHAMBER_1_EMPTY, DONE, N_TALLY, NOT_FINITE, advance, columns, row_size
-from ehamj.mujoco.cache import compiled_here, folder
+from ehamj.mujoco.advance import CHAMBER_1_EMPTY, DONE, NOT_FINITE, advance
 from ehamj.mujoco.callbacks import callbacks
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, rates
 from ehamj.mujoco.hold import default_timer, installed, library
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.offsets import LayoutError, Offsets, offsets
+from ehamj.mujoco.rows import Recording
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import N_MOUNTS
@@ -52,7 +54,7 @@ def started(model: mujoco.MjModel, control: Any = (0.0,) * N_MOUNTS) -> mujoco.M
     """At the static equilibrium, without inputs, driven by ctrl alone."""
     data = mujoco.MjData(model)
     with hydraulics():
-        equilibrium(model, data, Inputs.rest())
+        equilibrium(model, data, Inputs.rest(model))
     data.userdata[:] = 0.0
     data.ctrl[:] = control
     return data
@@ -60,6 +62,10 @@ def started(model: mujoco.MjModel, control: Any = (0.0,) * N_MOUNTS) -> mujoco.M
 
 def state(data: mujoco.MjData) -> np.ndarray:
     return np.concatenate([data.qpos, data.qvel, data.act])
+
+
+def recording(model: mujoco.MjModel, every: int, count: int) -> Recording:
+    return Recording.of(model, no_loop(N_MOUNTS), every, count)
 
 
 def timer() -> int | None:
@@ -259,7 +265,8 @@ def test_rates_are_the_oracles(plates: str, tolerance: float, pair: Pair, seed: 
         found = rates(model, data, np.concatenate([*motion, act.ravel()]), inputs)
     expected = machine.rates(theirs, oracle, inputs.command, inputs.displacement, inputs.velocity)
     acceleration = found[model.nq : model.nq + model.nv][DOFS]
-    spool_rate, spool_bend, *pressure_rate = found[model.nq + model.nv :].reshape(N_MOUNTS, N_STATES).T
+    states = activations(model, found[model.nq + model.nv :]).isolators
+    spool_rate, spool_bend, *pressure_rate = (states[name] for name in states.dtype.names)
     # Tied: second-order kinematics of 1e-10 rad and 1e-5 m/s. Sliding: the plate's tie yields by 1e-7 of its force.
     assert np.abs(acceleration - expected.qd).max() <= tolerance * np.abs(expected.qd).max()
     np.testing.assert_array_equal(spool_rate, oracle.spool_rate)
@@ -276,11 +283,13 @@ def test_inputs_follow_their_cubics_at_the_time_of_a_stage() -> None:
     model = default_model()
     data = mujoco.MjData(model)
     data.time = moment
-    data.userdata[STEP_START], data.userdata[STEP_RATE] = begin, 1 / length
-    cubics = data.userdata[CUBICS : CUBICS + 4 * N_INPUTS].reshape(N_INPUTS, 4)
-    for polynomial, rows in ((ground, cubics[:12]), (command, cubics[12:])):
+    step(data)["start"], step(data)["rate"] = begin, 1 / length
+    mounts = exchange(data, 4)
+    for polynomial, names in ((ground, ("ground_x", "ground_y", "ground_z")), (command, ("open_loop",))):
         ends = np.array([begin, begin + length]) - begin
-        rows[:, [0, 2]], rows[:, [1, 3]] = polynomial(ends), length * polynomial.deriv()(ends)
+        for name in names:
+            mounts[name]["value"], mounts[name]["end_value"] = polynomial(ends)
+            mounts[name]["slope"], mounts[name]["end_slope"] = length * polynomial.deriv()(ends)
     with hydraulics():
         mujoco.mj_forward(model, data)
     since = moment - begin
@@ -300,11 +309,9 @@ def test_advance_is_the_engines_own_step(plates: str) -> None:
     model = default_model(plates)
     control = np.array([1.0, -2.0, 0.5, 4.0])
     ours, engine = started(model, control), started(model, control)
-    nothing = np.zeros((300, N_INPUTS, 2))
+    nothing = inputs(300, N_MOUNTS)
     with hydraulics():
-        stopped, recorded = advance(
-            model, ours, 0, 300, (nothing, nothing), 100, np.empty((3, row_size(model))), np.zeros(N_TALLY)
-        )
+        stopped, recorded = advance(model, ours, 0, 300, (nothing, nothing), recording(model, 100, 3))
         mujoco.mj_step(model, engine, nstep=300)
     assert (stopped.steps, stopped.status, recorded) == (300, DONE, 3)
     np.testing.assert_array_equal(state(ours), state(engine))
@@ -314,27 +321,24 @@ def test_advance_records_the_state_at_the_beginning_of_a_step() -> None:
     model = default_model()
     control = np.array([1.0, -2.0, 0.5, 4.0])
     ours, engine = started(model, control), started(model, control)
-    rows, nothing = np.empty((3, row_size(model))), np.zeros((21, N_INPUTS, 2))
-    at = columns(model)
+    record, nothing = recording(model, 10, 3), inputs(21, N_MOUNTS)
     with hydraulics():
-        _, recorded = advance(model, ours, 0, 20, (nothing, nothing), 10, rows, np.zeros(N_TALLY), last=True)
+        _, recorded = advance(model, ours, 0, 20, (nothing, nothing), record, last=True)
         assert recorded == 3
-        for row in rows:
+        for row in range(3):
             mujoco.mj_forward(model, engine)
-            for part, field in ((at.qpos, "qpos"), (at.qvel, "qvel"), (at.qacc, "qacc"), (at.act, "act")):
-                np.testing.assert_array_equal(row[slice(*part)], getattr(engine, field))
+            for field in ("qpos", "qvel", "qacc", "act"):
+                np.testing.assert_array_equal(getattr(record.rows, field)[row], getattr(engine, field))
             mujoco.mj_step(model, engine, nstep=10)
 
 
 def test_a_state_that_is_not_finite_stops_with_its_mount() -> None:
     model = default_model()
     data = started(model)
-    data.act[2 * N_STATES + 3] = np.inf
-    nothing = np.zeros((10, N_INPUTS, 2))
+    activations(model, data.act).isolators["pressure_2"][2] = np.inf
+    nothing = inputs(10, N_MOUNTS)
     with hydraulics():
-        stopped, recorded = advance(
-            model, data, 0, 10, (nothing, nothing), 1, np.empty((10, row_size(model))), np.zeros(N_TALLY)
-        )
+        stopped, recorded = advance(model, data, 0, 10, (nothing, nothing), recording(model, 1, 10))
     assert (stopped, recorded) == ((0, NOT_FINITE, 2), 0)
 
 
@@ -342,10 +346,10 @@ def test_an_empty_chamber_stops_with_its_mount() -> None:
     model = default_model()
     data = started(model)
     # The ground below the second mount is lifted by 9 mm; 8.475 mm empty the chamber.
-    start = np.zeros((10, N_INPUTS, 2))
-    start[:, 3 + 2, 0] = 9e-3
+    start = inputs(10, N_MOUNTS)
+    start[:, 1, 2, 0] = 9e-3
     with hydraulics():
-        stopped, _ = advance(model, data, 0, 10, (start, start), 1, np.empty((10, row_size(model))), np.zeros(N_TALLY))
+        stopped, _ = advance(model, data, 0, 10, (start, start), recording(model, 1, 10))
     assert stopped == (0, CHAMBER_1_EMPTY, 1)
 
 
@@ -377,15 +381,15 @@ def test_each_simulation_of_a_batch_can_have_parameters_of_its_own() -> None:
     start = started(model, CONTROLS[0])
     for field in ("qpos", "act", "ctrl"):
         batch.bind(field)[:] = getattr(start, field)
-    table = batch.expand("actuator_user")
-    table[:, :, COLUMN["flow_gain"]] *= scales[:, None]
+    table = batch.expand("actuator_user").view(ISOLATOR)
+    table["flow_gain"] *= scales[:, None, None]
     with hydraulics():
         batch.step(nstep=200)
     found = batch.bind("act").copy()
     for k, scale in enumerate(scales):
         single = deepcopy(start)
         other = deepcopy(model)
-        other.actuator_user[:, COLUMN["flow_gain"]] *= scale
+        isolators(other)["flow_gain"] *= scale
         with hydraulics():
             mujoco.mj_step(other, single, nstep=200)
         np.testing.assert_array_equal(found[k], single.act)

@@ -9,12 +9,11 @@ from oracles import linear, machine
 from scipy.optimize import brentq, linear_sum_assignment, root
 
 from ehamj.isolator.presets import FIRST_GENERATION
-from ehamj.memory import N_STATES
+from ehamj.memory import activations
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates
 from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOF_OF_JOINT
-from ehamj.plant.mounts import N_MOUNTS
 from ehamj.scenario.load import load_scenario, parse_scenario
 
 DOFS = list(DOF_OF_JOINT)
@@ -38,13 +37,16 @@ def solved(model: mujoco.MjModel, inputs: Inputs) -> tuple[np.ndarray, np.ndarra
     data = mujoco.MjData(model)
     with hydraulics():
         state = equilibrium(model, data, inputs)
-    return state[DOFS], state[model.nq + model.nv :].reshape(N_MOUNTS, N_STATES)[:, 2:]
+    states = activations(model, state[model.nq + model.nv :]).isolators
+    return state[DOFS], np.column_stack([states["pressure_1"], states["pressure_2"]])
 
 
 def eigenvalues(model: mujoco.MjModel) -> np.ndarray:
     data = mujoco.MjData(model)
     with hydraulics():
-        return np.linalg.eigvals(jacobian(model, data, equilibrium(model, data, Inputs.rest()), Inputs.rest()))
+        return np.linalg.eigvals(
+            jacobian(model, data, equilibrium(model, data, Inputs.rest(model)), Inputs.rest(model))
+        )
 
 
 def worst_mode(found: np.ndarray, expected: np.ndarray) -> float:
@@ -55,7 +57,7 @@ def worst_mode(found: np.ndarray, expected: np.ndarray) -> float:
 
 @pytest.mark.parametrize("plates", TOPOLOGIES)
 def test_the_default_machine_stands_14_62_micrometres_down(plates: str) -> None:
-    position, pressure = solved(model_of(plates), Inputs.rest())
+    position, pressure = solved(model_of(plates), command(0.0))
     assert position[2] == pytest.approx(-14.62e-6, abs=0.005e-6)  # physics.md's last digit
     # 1e-6: a sliding plate's tie yields a little.
     assert position[2] == pytest.approx(-4056 * 9.80665 / (4 * 6.8e8), rel=1e-6)
@@ -135,7 +137,7 @@ def test_a_raised_floor_raises_the_machine() -> None:
 @pytest.mark.parametrize("plates", TOPOLOGIES)
 def test_without_edge_leakage_the_mean_pressure_stays_at_half_the_supply(plates: str) -> None:
     # Nothing determines the mean then: the static equations are singular.
-    position, pressure = solved(model_of(plates, edge_leakage_share=0.0), Inputs.rest())
+    position, pressure = solved(model_of(plates, edge_leakage_share=0.0), command(0.0))
     # 1e-7: differences across a sliding plate's tie, a spring of 1e16 N/m, are noisy: 0.1 Pa.
     np.testing.assert_allclose(pressure.mean(axis=1), MIDDLE, rtol=1e-7)
     np.testing.assert_allclose(pressure[:, 0] - pressure[:, 1], 0.0, atol=1e-9 * MIDDLE)  # the piston leaks it away
@@ -169,11 +171,11 @@ def test_a_tall_machine_on_soft_mounts_falls_as_fast_as_the_oracle_says() -> Non
 def test_a_machine_without_membranes_cannot_stand() -> None:
     # Leaking oil carries no static load.
     with pytest.raises(EquilibriumError, match="cannot stand"):
-        solved(model_of(membrane_stiffness=0.0), Inputs.rest())
+        solved(model_of(membrane_stiffness=0.0), command(0.0))
 
 
 @pytest.mark.parametrize("plates", TOPOLOGIES)
 def test_a_machine_that_sags_to_the_end_of_its_strokes_cannot_stand(plates: str) -> None:
     # 9.94 mm, where 8.475 mm empty the lower chamber.
     with pytest.raises(EquilibriumError, match="cannot stand"):
-        solved(model_of(plates, membrane_stiffness=1e6), Inputs.rest())
+        solved(model_of(plates, membrane_stiffness=1e6), command(0.0))

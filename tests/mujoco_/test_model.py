@@ -11,10 +11,10 @@ from oracles import linear
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.isolator.actuator import Actuator
-from ehamj.memory import COLUMN
+from ehamj.memory import isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, jacobian
-from ehamj.mujoco.model import build_model, foot_compliances
+from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import MOUNTS
@@ -91,8 +91,8 @@ def linearised(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
     model = build_model(plant, STEP)
     data = mujoco.MjData(model)
     with hydraulics():
-        state = equilibrium(model, data, Inputs.rest())
-        values = np.linalg.eigvals(jacobian(model, data, state, Inputs.rest()))
+        state = equilibrium(model, data, Inputs.rest(model))
+        values = np.linalg.eigvals(jacobian(model, data, state, Inputs.rest(model)))
         mujoco.mj_forward(model, data)
     return values, data.actuator_length.copy()
 
@@ -167,7 +167,7 @@ def test_the_drawing_does_not_change_the_motion(plates: str) -> None:
         model = build_model(uneven_plant(plates), STEP, drawn)
         data = mujoco.MjData(model)
         with hydraulics():
-            equilibrium(model, data, Inputs.rest())
+            equilibrium(model, data, Inputs.rest(model))
             data.userdata[:] = 0.0
             data.ctrl[:] = 1.0, 2.0, -0.5, 0.3
             mujoco.mj_step(model, data, nstep=500)
@@ -239,7 +239,7 @@ def test_the_rigid_foot_yields_as_little_as_it_says() -> None:
     model = build_model(plant, STEP)
     data = mujoco.MjData(model)
     with hydraulics():
-        equilibrium(model, data, Inputs.rest())
+        equilibrium(model, data, Inputs.rest(model))
     # A quarter of the machine stands on each foot. 1e-3: the stretch, 1e-12 m, is solved to 1e-15 m.
     expected = foot_compliances(model) * plant.machine.mass * GRAVITY / 4
     np.testing.assert_allclose(data.ten_length, expected, rtol=1e-3)
@@ -257,10 +257,19 @@ def test_sliding_plates_need_mass() -> None:
         build_model(default_plant("sliding", actuators=(Actuator(), Actuator(), light, Actuator())), STEP)
 
 
+def foot_compliances(model: mujoco.MjModel) -> np.ndarray:
+    """Rest compliance [m/N] of each rigid-foot constraint as compiled: R·τ²·d², R = (1 − d)/d · inverse weight."""
+    found = []
+    for k in range(model.neq):
+        tau, d = model.eq_solref[k, 0], model.eq_solimp[k, 0]
+        found.append((1 - d) / d * model.tendon_invweight0[model.eq_obj1id[k]] * (tau * d) ** 2)
+    return np.array(found)
+
+
 @pytest.mark.parametrize("plates", TOPOLOGIES)
 def test_callbacks_read_the_membranes_that_the_engine_has(plates: str) -> None:
     model = build_model(uneven_plant(plates), STEP)
-    table = {name: model.actuator_user[:, column] for name, column in COLUMN.items()}
+    table = isolators(model)
     if plates == "tied":
         springs, dampers = model.tendon_stiffness[-4:], model.tendon_damping[-4:]
     else:
@@ -273,9 +282,9 @@ def test_each_row_of_parameters_belongs_to_its_mount() -> None:
     plant = uneven_plant("tied")
     model = build_model(plant, STEP)
     for (row, actuator), position in zip(
-        itertools.zip_longest(model.actuator_user, plant.actuators), plant.positions, strict=True
+        itertools.zip_longest(isolators(model), plant.actuators), plant.positions, strict=True
     ):
-        assert row[COLUMN["piston_area"]] == actuator.piston_area
-        assert (row[COLUMN["mount_x"]], row[COLUMN["mount_y"]]) == position
-        assert row[COLUMN["volume_1"]] + row[COLUMN["volume_2"]] == pytest.approx(actuator.chamber_volume, rel=1e-15)
-        assert row[COLUMN["weight"]] == -actuator.plate_mass * GRAVITY
+        assert row["piston_area"] == actuator.piston_area
+        assert (row["mount_x"], row["mount_y"]) == position
+        assert row["volume_1"] + row["volume_2"] == pytest.approx(actuator.chamber_volume, rel=1e-15)
+        assert row["weight"] == -actuator.plate_mass * GRAVITY

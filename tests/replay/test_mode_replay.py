@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from ehamj.cli import app
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.replay import modes as drawn
@@ -32,15 +33,15 @@ TALL = parse_scenario(
 
 
 def swings(scenario: Scenario) -> dict[str, drawn.Swing]:
-    found = [mode for mode in modes(linear_model(scenario)) if mode.machine_moves]
+    found = [mode for mode in modes(linear_model(scenario.plant)) if mode.machine_moves]
     return {mode.name: swing(scenario.machine, mode) for mode in found}
 
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("modes") / "modes.rrd"
-    model, law = linear_model(MACHINE), inertial_position(MACHINE.plant, 80.0)
-    replay_modes(path, MACHINE, {"valves held": modes(model), "closed loop": modes(model, law)})
+    model, loop = linear_model(MACHINE.plant), Loop.of(MACHINE, inertial_position(MACHINE.plant, 80.0))
+    replay_modes(path, MACHINE, {"valves held": modes(model), "closed loop": modes(model, loop)})
     return path
 
 

@@ -20,6 +20,7 @@ from ehamj.control import Controller
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.evaluation import FREQUENCIES
 from ehamj.ground import Start
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.linear.response import rigid_floor
@@ -277,11 +278,12 @@ def test_histories_reach_their_peaks(results: dict[str, Result], pictures: list[
 def test_the_linear_transmissibility_is_drawn(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
     colors = Shown.of(results).colors
-    model = linear_model(results["passive"].scenario)
+    model = linear_model(results["passive"].scenario.plant)
     for dof, output in (("z", "cg_displacement z"), ("rx", "machine_displacement rx")):
         above, phase, _ = figures[f"transmissibility-{dof}"].axes
         for label, result in results.items():
-            expected = rigid_floor(model, FREQUENCIES, result.controller, (output,), (dof,)).response[:, 0, 0]
+            loop = Loop.of(result.scenario, result.controller)
+            expected = rigid_floor(model, FREQUENCIES, loop, (output,), (dof,)).response[:, 0, 0]
             magnitude = next(line for line in above.lines if is_linear(line, colors[label]))
             np.testing.assert_allclose(magnitude.get_ydata(), 20 * np.log10(np.abs(expected)))
             angle = next(line for line in phase.lines if is_linear(line, colors[label]))
@@ -320,7 +322,7 @@ def test_directions_that_rest_have_no_transmissibility(pictures: list[Picture], 
 def test_modes_are_those_of_the_analysis(results: dict[str, Result], whole: Any) -> None:
     head, *rows = table_of(whole, "Modes of the machine")
     assert head == ["mode", "f [Hz]", "ζ [-]", "moves", "turns about"]  # feedforward moves none: no column of its own
-    found = [mode for mode in modes(linear_model(results["passive"].scenario)) if mode.machine_moves]
+    found = [mode for mode in modes(linear_model(results["passive"].scenario.plant)) if mode.machine_moves]
     assert [row[0] for row in rows] == [mode.name for mode in found]
     for row, mode in zip(rows, found, strict=True):
         assert same(row[1], mode.frequency)
@@ -342,8 +344,8 @@ def test_a_loop_that_feeds_back_has_modes_of_its_own(results: dict[str, Result])
     seen = text_of({"run": replace(results["passive"], controller=law), "passive": results["passive"]}, modes_section)
     head, *rows = table_of(seen, "Modes of the machine")
     assert head[1:5] == ["valves held: f [Hz]", "valves held: ζ [-]", "run: f [Hz]", "run: ζ [-]"]
-    model = linear_model(results["passive"].scenario)
-    closed = {mode.name: mode for mode in modes(model, law) if mode.machine_moves}
+    model = linear_model(results["passive"].scenario.plant)
+    closed = {mode.name: mode for mode in modes(model, Loop.of(results["passive"].scenario, law)) if mode.machine_moves}
     assert {row[0] for row in rows} == set(closed)
     for name, held, _, frequency, damping, *_ in rows:
         assert same(frequency, closed[name].frequency)
@@ -361,7 +363,7 @@ def test_the_map_of_rocking_has_the_machine_in_it(results: dict[str, Result], pi
     mark = next(line for line in axes.lines if line.get_label() == "this machine")
     assert (mark.get_xdata()[0], mark.get_ydata()[0]) == pytest.approx((1.2, 0.75))
     here = slowest_rocking(rocking_modes(scenario, xr.DataArray([0.75], dims="d"), xr.DataArray([1.0], dims="d")))
-    found = min(mode.frequency for mode in modes(linear_model(scenario)) if mode.name.startswith("sway-rocking"))
+    found = min(mode.frequency for mode in modes(linear_model(scenario.plant)) if mode.name.startswith("sway-rocking"))
     assert float(here[0]) == pytest.approx(found, rel=1e-6)
 
 

@@ -8,17 +8,18 @@ import pytest
 import ehamj
 from ehamj.control import Controller
 from ehamj.control.instruments import Geophone
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
+from ehamj.linear.sampled import spectral_radius
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies import gains, position_loop, valve_oil
-from ehamj.studies.floors import Loop
 
 MACHINE = parse_scenario({"name": "a machine", "plates": "tied"})
 LAW = position_loop.inertial_position(MACHINE.plant, 40.0)
-LOOP = Loop(LAW)
+LOOP = Loop(LAW, IDEAL, 0)
 
 
 def test_the_law_is_an_integrator_of_velocity() -> None:
@@ -32,11 +33,9 @@ def test_the_law_is_an_integrator_of_velocity() -> None:
 
 
 def test_the_limit_is_where_the_spectral_radius_is_one() -> None:
-    model = linear_model(MACHINE)
+    model = linear_model(MACHINE.plant)
     limit = position_loop.highest_factor(model, LOOP)
-    below, above = (
-        position_loop.radius(model, position_loop.scaled(LOOP, factor * limit)) for factor in (0.998, 1.002)
-    )
+    below, above = (spectral_radius(model, position_loop.scaled(LOOP, factor * limit)) for factor in (0.998, 1.002))
     assert below < 1.0 < above
 
 
@@ -52,13 +51,13 @@ def end_over_beginning(law: Controller, dof: str = "rx") -> float:
 
 def test_a_nonlinear_run_grows_above_the_limit_and_decays_below() -> None:
     """1 % off: the margin is that of the simulated loop, hold and delay included."""
-    limit = position_loop.highest_factor(linear_model(MACHINE), LOOP)
+    limit = position_loop.highest_factor(linear_model(MACHINE.plant), LOOP)
     assert end_over_beginning(LAW.scaled(0.99 * limit)) < 0.9
     assert end_over_beginning(LAW.scaled(1.01 * limit)) > 1.1
 
 
 def test_no_gain_gives_the_passive_poles() -> None:
-    model = linear_model(MACHINE)
+    model = linear_model(MACHINE.plant)
     (poles,) = gains.root_locus(model, LOOP, np.array([0.0]))
     for value in np.linalg.eigvals(model.A):
         assert np.nanmin(np.abs(poles - value)) < 1e-6 * max(1.0, abs(value))
@@ -72,7 +71,7 @@ def test_feedforward_is_no_feedback() -> None:
 
 def test_an_unstable_law_is_refused() -> None:
     with pytest.raises(InputError, match="unstable even"):
-        position_loop.highest_factor(linear_model(MACHINE), Loop(LAW.scaled(-1e4)))
+        position_loop.highest_factor(linear_model(MACHINE.plant), Loop(LAW.scaled(-1e4), IDEAL, 0))
 
 
 def test_oil_stiffens_heave() -> None:
@@ -88,11 +87,13 @@ def test_a_slower_valve_makes_a_slower_loop() -> None:
     settings = valve_oil.ValveOilSettings(loops=(0.5,), looped=("valve_frequency",))
     crossover = valve_oil.fastest_loops(MACHINE, settings)["crossover"].sel(parameter="valve_frequency").values
     assert crossover[0] < 0.8 * crossover[1]
-    assert crossover[1] == pytest.approx(40.0 * position_loop.highest_factor(linear_model(MACHINE), LOOP), rel=5e-3)
+    assert crossover[1] == pytest.approx(
+        40.0 * position_loop.highest_factor(linear_model(MACHINE.plant), LOOP), rel=5e-3
+    )
 
 
 def test_a_slow_sensor_takes_gain_away() -> None:
     """A low-pass of 200 Hz in every foot's instrument, at the frequency where the loop turns."""
     slow = Sensors(inertial=Geophone(kind="geophone", high=200.0))
-    model = linear_model(MACHINE)
-    assert position_loop.highest_factor(model, Loop(LAW, slow)) < 0.8 * position_loop.highest_factor(model, LOOP)
+    model = linear_model(MACHINE.plant)
+    assert position_loop.highest_factor(model, Loop(LAW, slow, 0)) < 0.8 * position_loop.highest_factor(model, LOOP)

@@ -20,7 +20,7 @@ TALL = 0.5
 def heave(actuator: str) -> complex:
     """Eigenvalue of the machine's heave on four such mounts [1/s]."""
     scenario = still(MACHINE, **with_every_actuator(MACHINE, preset(actuator)))
-    (mode,) = (mode for mode in modes(linear_model(scenario)) if mode.name == "heave")
+    (mode,) = (mode for mode in modes(linear_model(scenario.plant)) if mode.name == "heave")
     omega = 2 * np.pi * mode.frequency
     return complex(-mode.damping_ratio * omega, omega * np.sqrt(1 - mode.damping_ratio**2))
 
@@ -108,7 +108,7 @@ def test_a_machine_beside_its_middle_leans() -> None:
     """m g e over Σ k y² − m g h, against the simulator's equilibrium on springs that a millimetre hardly bends."""
     beside = parse_scenario(MACHINE.model_dump() | {"machine": {"cg": (0.0, 0.02, 0.75)}})
     sprung = still(beside, plates="tied", **with_every_actuator(beside, ELASTIC_MOUNT))
-    model = linear_model(sprung)
+    model = linear_model(sprung.plant)
     tilt = abs(model.equilibrium[model.states.index("displacement rx")])
     assert study.lean(beside, ELASTIC_MOUNT) == pytest.approx(tilt, rel=1e-3)
     assert study.lean(MACHINE, ELASTIC_MOUNT) == 0.0

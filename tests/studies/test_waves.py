@@ -37,14 +37,14 @@ def test_a_wave_reaches_each_mount_at_its_time() -> None:
 def test_a_slow_wave_tilts_the_machine_as_the_floor() -> None:
     """Far below all modes, and with a wavelength of 200 machines, the machine turns with the floor's slope."""
     few = study.WaveSettings(speeds=(400.0,), directions=(0.0, 90.0), frequencies=(1.0,))
-    found = study.rocking(linear_model(MACHINE), None, few)[:, 0, 0]
+    found = study.rocking(linear_model(MACHINE.plant), None, few)[:, 0, 0]
     assert found == pytest.approx(np.full(2, 2 * np.pi / 400.0), rel=1e-3)
 
 
 def test_the_worst_wave_rocks_as_much_in_a_nonlinear_run() -> None:
     """1e-3: the machine turns by 3e-7 rad, where it is linear; what is left is the step."""
     few = study.WaveSettings(speeds=(100.0, 150.0, 200.0), directions=(90.0,), frequencies=(60.0, 64.0, 68.0))
-    table = study.rocking_table(few, {"held": study.rocking(linear_model(MACHINE), None, few)})
+    table = study.rocking_table(few, {"held": study.rocking(linear_model(MACHINE.plant), None, few)})
     worst = study.worst_wave(table, "held")
     assert study.simulated_rocking(MACHINE, "z", worst) == pytest.approx(worst["rocking"], rel=1e-3)
 
@@ -55,7 +55,7 @@ EXCITED = {"z": {"z"}, "rx": {"y", "rx"}, "ry": {"x", "ry"}, "x": {"x", "ry"}, "
 
 def test_the_floor_excites_its_own_plane_only_in_the_linear_model() -> None:
     """To 1e-6 of the largest, the rounding of the differences that the model comes from."""
-    gain = study.coupling_table(linear_model(MACHINE), np.array([5.0, 40.0, 70.3, 300.0]))["gain"]
+    gain = study.coupling_table(linear_model(MACHINE.plant), np.array([5.0, 40.0, 70.3, 300.0]))["gain"]
     for dof, moved in EXCITED.items():
         row = {name: float(gain.sel(floor=dof, machine=name)) for name in DOFS}
         largest = max(row.values())

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import ehamj.verify as verification
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.linear.machine import LinearModel, linear_model
@@ -15,7 +16,7 @@ from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.verify import CASES, Case, CaseOutcome, Finding, Subject, run_case, to_dict, verify, write_table
+from ehamj.verify import CASES, FAMILIES, Case, CaseOutcome, Finding, Subject, run_case, to_dict, verify, write_table
 from ehamj.verify.reference import constants, simulate_reference
 
 
@@ -40,7 +41,7 @@ def wrong(name: str, change: Callable[[Any], Any], table: str = "actuator") -> S
         return simulate(altered(scenario))
 
     def linearise(scenario: Scenario) -> LinearModel:
-        return linear_model(altered(scenario))
+        return linear_model(altered(scenario).plant)
 
     return Subject(run, linearise)
 
@@ -105,6 +106,12 @@ def test_only_an_error_within_tolerance_passes(error: float, passed: bool) -> No
     outcomes = verify(seen.append, [_example(error)])
     assert [outcome.passed for outcome in outcomes] == [passed]
     assert seen == outcomes
+
+
+def test_every_file_with_cases_is_in_the_list() -> None:
+    room = Path(verification.__file__).parent
+    holding = {path.stem for path in room.glob("*.py") if "\n@case(" in path.read_text(encoding="utf-8")}
+    assert holding == {family.__name__.rpartition(".")[2] for family in FAMILIES}
 
 
 def test_every_case_explains_itself() -> None:

@@ -81,6 +81,7 @@ def modes(
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
     from ehamj.designs.sensitivity import sensitivities
+    from ehamj.linear.loop import Loop
     from ehamj.linear.machine import linear_model
     from ehamj.linear.modes import modes as find
     from ehamj.rig.modal_test import kind_of, modal_test
@@ -92,12 +93,11 @@ def modes(
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     places = {**loaded.points, **_points(points or [])}
-    model, controller = linear_model(loaded), loaded.controller()
+    model, loop = linear_model(loaded.plant), Loop.of(loaded, loaded.controller())
     settings: dict[str, dict[str, Any]] = {"modes": {}, "bypassed": {"bypassed": True}}
-    if controller is not None:
-        settings["closed_loop"] = {"controller": controller}
-    sensing: dict[str, Any] = {"sensors": loaded.sensors, "seed": loaded.seed}
-    found = {key: find(model, points=places, **setting, **sensing) for key, setting in settings.items()}
+    if loop is not None:
+        settings["closed_loop"] = {"loop": loop}
+    found = {key: find(model, points=places, **setting) for key, setting in settings.items()}
     test = None
     if measured is not None:
         with log.status(f"measuring: {measured}"):
@@ -110,7 +110,9 @@ def modes(
     slopes = {}
     if sensitivity:
         with log.status("changing every parameter"):
-            slopes = {key: sensitivities(loaded, **setting) for key, setting in settings.items()}
+            law = None if loop is None else loop.law
+            kinds = {"modes": (None, False), "bypassed": (None, True), "closed_loop": (law, False)}
+            slopes = {key: sensitivities(loaded, *kinds[key]) for key in settings}
     if as_json:
         content: dict[str, Any] = {key: [mode.to_dict() for mode in modes] for key, modes in found.items()}
         if sensitivity:

@@ -23,7 +23,8 @@ from ehamj.cli.frame import (
 from ehamj.cli.options import with_options
 from ehamj.errors import InputError
 from ehamj.result import load_result
-from ehamj.rig.comparison import Comparison, TransmissibilitySettings, compare_result, compare_scenario, write_tables
+from ehamj.rig.comparison import Comparison, TransmissibilitySettings, compare_result, compare_scenario
+from ehamj.rig.tables import write_tables
 from ehamj.run.simulate import simulate
 from ehamj.scenario.explain import checked
 from ehamj.scenario.load import load_scenario

@@ -12,21 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.memory import N_STATES
+from ehamj.control.compiled.signals import Layout
+from ehamj.memory import ISOLATOR_STATE, size
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
-DISPLACEMENT = 0  # machine dofs [m, rad]
-VELOCITY = DISPLACEMENT + len(DOFS)
-ACCELERATION = VELOCITY + len(DOFS)
-GROUND = ACCELERATION + len(DOFS)  # displacement, velocity, acceleration of each mount and axis
-STATE = GROUND + 3 * N_MOUNTS * len(AXES)  # spool, spool rate, two pressures of each actuator
-PLATE = STATE + N_MOUNTS * N_STATES  # height and velocity of each plate
-N_SIGNALS = PLATE + 2 * N_MOUNTS
-"""Offsets in the vector of signals that every channel is a combination of."""
+_LAYOUT = Layout.of(N_MOUNTS)
+DISPLACEMENT, VELOCITY, ACCELERATION = _LAYOUT.displacement, _LAYOUT.velocity, _LAYOUT.acceleration
+GROUND, STATE, PLATE, N_SIGNALS = _LAYOUT.ground, _LAYOUT.state, _LAYOUT.plate, _LAYOUT.size
 
 _MOTIONS = ("displacement", "velocity", "acceleration")
 STATIC = ("displacement", "pressure")
@@ -75,7 +71,7 @@ def channel_row(name: str, plant: Plant) -> Array:
             row[6 * order : 6 * order + 6] = point_row(point, AXES.index(labels[-1]))
         return row
     mount = MOUNTS.index(labels[0])
-    state = STATE + N_STATES * mount
+    state = STATE + size(ISOLATOR_STATE) * mount
     if variable in ("stroke", "stroke_velocity"):
         order = int(variable == "stroke_velocity")
         row[PLATE + N_MOUNTS * order + mount] = 1.0

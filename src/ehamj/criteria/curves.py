@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.estimate.third_octave import Band, bands
+from ehamj.estimate.bands import Band, bands
 
 Array = NDArray[np.float64]
 Quantity = Literal["displacement", "velocity", "acceleration"]

@@ -10,7 +10,7 @@ The norms themselves were not at hand: curves and factors are those that textboo
 """
 
 from ehamj.criteria.curves import Limit, Norm, rounded
-from ehamj.estimate.third_octave import Band
+from ehamj.estimate.bands import Band
 
 FACTORS: dict[str, float] = {
     "workshop": 8.0,

@@ -7,7 +7,7 @@ displacement, not by that of the band's centre. The two limits meet at 19.9 Hz.
 """
 
 from ehamj.criteria.curves import Limit, Norm
-from ehamj.estimate.third_octave import Band
+from ehamj.estimate.bands import Band
 
 DISPLACEMENT = 0.025e-6
 """Limit from 1 to 20 Hz [m RMS]."""

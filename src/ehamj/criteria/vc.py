@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ehamj.criteria import curves
 from ehamj.criteria.curves import Limit, Norm, Verdict
-from ehamj.estimate.third_octave import Band
+from ehamj.estimate.bands import Band
 
 Array = NDArray[np.float64]
 LowFrequency = Literal["classic", "flat"]

@@ -24,11 +24,11 @@ from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import volts
 from ehamj.control.settings import DigitalSettings, Positive
-from ehamj.control.statespace import response
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.response import sampled_plant
+from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
 
@@ -68,16 +68,16 @@ def line_cancellation(
     Raises:
         InputError: if a line is at or above half the sampling rate.
     """
-    plant, sensors = scenario.plant, scenario.sensors
-    linear = model or linear_model(scenario)
+    plant = scenario.plant
+    linear = model or linear_model(scenario.plant)
     feet = MountChannels.of(plant.mounts).feet
     law = _reading(_nothing(settings, scenario) if beside is None else beside, feet)
     high = [line for line in settings.lines if line >= 0.5 / law.period]
     if high:
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
-    answers = sampled_plant(linear, law, z, sensors, scenario.seed)
-    closed = answers @ np.linalg.inv(np.eye(len(plant.mounts)) - response(z, law.A, law.B, law.C, law.D) @ answers)
+    cut = opened_at_samples(linear, Loop.of(scenario, law), z)
+    closed = cut.plant @ cut.sensitivity
     at, spread, fit = (
         [law.inputs.index(name) for name in feet],
         volts(plant) @ plane(plant.positions),

@@ -19,15 +19,14 @@ from scipy.special import erfc
 
 from ehamj.control import LinearController
 from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
-from ehamj.control.law import OUTPUTS
 from ehamj.control.sensors import Sensors
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, Band, PowerSpectrum, bands
+from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
+from ehamj.estimate.periodogram import PowerSpectrum
 from ehamj.ground.broadband import BroadbandGround
+from ehamj.linear.loop import Loop, feeds_back, loop_gain, opened
 from ehamj.linear.machine import LinearModel
-from ehamj.linear.margins import feeds_back, loop_gain, own_readings
-from ehamj.linear.response import ground_response, slab_pattern
+from ehamj.linear.response import ground_response, readings_of_ground, slab_pattern
 from ehamj.plant.axes import AXES
-from ehamj.plant.mounts import N_MOUNTS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -105,16 +104,17 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
         model: the linearised machine.
         law: digital controller.
     """
-    sensors, seed = scenario.sensors, scenario.seed
-    floor = floor_levels(scenario)
+    loop, floor = Loop.of(scenario, law), floor_levels(scenario)
     edges = np.array([band.edges for band in BANDS])
     f = np.concatenate([low * (high / low) ** ((np.arange(PER_BAND) + 0.5) / PER_BAND) for low, high in edges])
     widths = np.repeat((edges[:, 1] - edges[:, 0]) / PER_BAND, PER_BAND)
 
-    opened, closed = _closed(model, law, sensors, seed, f)
-    drive = model.response(f, OUTPUT, OUTPUTS)
-    answer = closed @ _readings_of_heave(model, law, sensors, seed, f)  # commands over the floor's heave
+    cut = opened(model, loop, f)
+    sensitivity = cut.sensitivity
+    closed = sensitivity @ cut.law  # commands over what is added to the readings
+    drive = model.response(f, OUTPUT, model.commands)
     heave = slab_pattern(model.plant, ("z",))
+    answer = closed @ (readings_of_ground(model, loop, f) @ heave)  # commands over the floor's heave
     passed = (
         ground_response(model, f, ("cg_displacement z",)) @ heave + drive @ answer / (2j * np.pi * f)[:, None, None]
     )
@@ -122,19 +122,19 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
     moved = (drive @ closed)[:, 0, :]
     contributions = {"law, delay and valve": left}
     for table, members in _classes(law.inputs).items():
-        density = np.array([_density(sensors, law.inputs[k], f) for k in members]).T
+        density = np.array([_density(loop.sensors, law.inputs[k], f) for k in members]).T
         motion = np.sum(np.abs(moved[:, members]) ** 2 * density**2, axis=1)
         if np.any(density):
             contributions[f"noise of {table} sensors"] = np.sqrt(_per_band(motion * widths) * PER_BAND)
-    shaken = np.sum(np.abs((drive @ opened)[:, 0, :]) ** 2, axis=1)
+    shaken = np.sum(np.abs((drive @ sensitivity)[:, 0, :]) ** 2, axis=1)
     step = 0.0 if law.bits is None else 2.0 * law.voltage_limit / 2**law.bits
     nyquist = 0.5 / min(part.period for part in law.parts)
     contributions["rounding of commands"] = np.sqrt(_per_band(shaken * step**2 / 12.0 / nyquist * widths) * PER_BAND)
-    contributions["turbulent flow"] = _turbulence(scenario, floor, opened)
+    contributions["turbulent flow"] = _turbulence(scenario, floor, sensitivity)
     per_velocity = np.abs(answer[:, 0, 0]) / (2 * np.pi * f)
     of_floor = float(np.sqrt(np.sum(_per_band(per_velocity**2) * floor**2)))
-    command = {"floor": of_floor, "noise": _noise_command(model, law, sensors, seed, nyquist)}
-    phases = _phases(model, law, sensors, seed, scenario) if feeds_back(law) else {}
+    command = {"floor": of_floor, "noise": _noise_command(model, loop, nyquist)}
+    phases = _phases(model, loop, scenario) if feeds_back(law) else {}
     return Budget(BANDS, floor, contributions, command, law.voltage_limit, phases)
 
 
@@ -173,67 +173,34 @@ def _density(sensors: Sensors, channel: str, f: Array) -> Array:
     return np.zeros(f.size) if sensor is None else sensor.noise_density(f)
 
 
-def _turbulence(scenario: Scenario, floor: Array, opened: ComplexArray) -> Array:
+def _turbulence(scenario: Scenario, floor: Array, sensitivity: ComplexArray) -> Array:
     """What varying flow gain leaves of a floor that the pistons follow: εσ √(1 + (2c/ω)²) of it, times sensitivity."""
     actuator, supply = scenario.plant.actuators[0], scenario.supply
     centres = np.array([band.centre for band in BANDS])
     stroke = float(np.sqrt(np.sum((floor / (2 * np.pi * centres)) ** 2)))
     pressure = actuator.membrane_stiffness * stroke / actuator.piston_area
     share = pressure / (2.0 * (supply.pressure - supply.tank_pressure))
-    common = np.abs(opened.mean(axis=2).sum(axis=1))  # sensitivity of heave
+    common = np.abs(sensitivity.mean(axis=2).sum(axis=1))  # sensitivity of heave
     creeping = np.hypot(1.0, 2.0 * Inverse.of(actuator).creep / (2 * np.pi * centres))
     return np.asarray(share * creeping * floor * np.sqrt(_per_band(common**2)))
 
 
-def _closed(
-    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, f: Array
-) -> tuple[ComplexArray, ComplexArray]:
-    """Sensitivity at the valves (f, 4, 4), and commands over what is added to the readings (f, 4, readings)."""
-    own = own_readings(law)
-    chosen = [law.inputs[k] for k in own]
-    read = np.zeros((f.size, len(law.inputs), N_MOUNTS), complex)
-    if own:
-        names, shares = sensors.mixtures(chosen, seed)
-        read[:, own] = sensors.response(chosen, f)[:, :, None] * (shares @ model.response(f, names, OUTPUTS))
-    commands = law.response(f)
-    opened = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ read), complex)
-    return opened, np.asarray(opened @ commands, complex)
-
-
-def _readings_of_heave(
-    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, f: Array
-) -> ComplexArray:
-    """Readings over the displacement of a floor that heaves, valves held, (f, readings, 1)."""
-    names, shares = sensors.mixtures(law.inputs, seed)
-    seen = np.zeros((f.size, len(names), 1), complex)
-    machine = [name for name in names if not name.startswith("ground_")]
-    if machine:
-        own = [names.index(name) for name in machine]
-        seen[:, own] = ground_response(model, f, machine) @ slab_pattern(model.plant, ("z",))
-    for k, name in enumerate(names):
-        if name.startswith("ground_") and name.endswith(" z"):
-            order = ("displacement", "velocity", "acceleration").index(name.partition(" ")[0].removeprefix("ground_"))
-            seen[:, k, 0] = (2j * np.pi * f) ** order
-    return np.asarray(sensors.response(law.inputs, f)[:, :, None] * (shares @ seen), complex)
-
-
-def _noise_command(model: LinearModel, law: LinearController, sensors: Sensors, seed: int, nyquist: float) -> float:
+def _noise_command(model: LinearModel, loop: Loop, nyquist: float) -> float:
     """RMS of the first valve's command by the instruments' noise, from 0.05 Hz to half the rate [V]."""
     f = np.geomspace(0.05, 0.99 * nyquist, 300)
-    _, closed = _closed(model, law, sensors, seed, f)
+    cut = opened(model, loop, f)
+    closed = cut.sensitivity @ cut.law
     # The hold belongs to what acts on the machine; the command itself jumps from sample to sample without it.
     held = np.abs(np.sinc(0.5 * f / nyquist))
-    density = np.array([_density(sensors, name, f) for name in law.inputs]).T
+    density = np.array([_density(loop.sensors, name, f) for name in loop.law.inputs]).T
     return float(np.sqrt(np.trapezoid(np.sum(np.abs(closed[:, 0]) ** 2 * density**2, axis=1) / held**2, f)))
 
 
-def _phases(
-    model: LinearModel, law: LinearController, sensors: Sensors, seed: int, scenario: Scenario
-) -> dict[str, float]:
+def _phases(model: LinearModel, loop: Loop, scenario: Scenario) -> dict[str, float]:
     """Lags of heave's loop where it last crosses one [deg]."""
     f = np.geomspace(5.0, 400.0, 400)
-    gains = loop_gain(model, law, f, sensors, seed)
-    heave = gains.sum(axis=2).mean(axis=1)
+    law, sensors = loop.law, loop.sensors
+    heave = loop_gain(model, loop, f).sum(axis=2).mean(axis=1)
     above = np.flatnonzero((np.abs(heave[:-1]) >= 1.0) & (np.abs(heave[1:]) < 1.0))
     if not above.size:
         return {}
@@ -244,7 +211,7 @@ def _phases(
     foot = sensors.of("foot_velocity front-left z") if any(n.startswith("foot_velocity") for n in law.inputs) else None
     fast = instrument_poles(foot)[1]
     degrees = 360.0 * at
-    plant = (model.response([at], ("foot_velocity front-left z",), OUTPUTS)[0, 0]).sum() / s
+    plant = (model.response([at], ("foot_velocity front-left z",), model.commands)[0, 0]).sum() / s
     valve = float(np.degrees(np.angle(np.prod(poles) / np.prod(s - poles))))
     return {
         "crossing_hz": at,

@@ -80,7 +80,7 @@ def hinfinity(
         InputError: if no law exists for these weights.
     """
     chosen = settings or HInfinitySettings()
-    plants = motion_plants(scenario, model or linear_model(scenario), chosen, chosen.plant_order)
+    plants = motion_plants(scenario, model or linear_model(scenario.plant), chosen, chosen.plant_order)
     loops = {
         motion: mixed_sensitivity(plants[motion][1], getattr(chosen, motion), chosen, scenario)[0] for motion in MOTIONS
     }

@@ -67,7 +67,7 @@ def lqg(scenario: Scenario, settings: LqgSettings | None = None, model: LinearMo
         InputError: if no law exists for these weights, or it is unstable by itself.
     """
     chosen = settings or LqgSettings()
-    plants = motion_plants(scenario, model or linear_model(scenario), chosen, chosen.plant_order)
+    plants = motion_plants(scenario, model or linear_model(scenario.plant), chosen, chosen.plant_order)
     loops = {motion: regulator(plants[motion][1], getattr(chosen, motion), chosen, scenario) for motion in MOTIONS}
     return chosen.assembled(scenario, loops)
 

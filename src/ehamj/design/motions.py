@@ -27,9 +27,9 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
 from ehamj.control.inverse import volts
 from ehamj.control.law import stack
-from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings, NotNegative, Positive
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
@@ -137,7 +137,7 @@ def motion_plants(
     """
     plant, sensors = scenario.plant, scenario.sensors
     at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
-    machine = _with_inner(model, settings.modal().controller(plant, sensors), sensors, scenario.seed)
+    machine = _with_inner(model, Loop.of(scenario, settings.modal().controller(plant, sensors)))
     blend = settings.blend.block(sensors.of(at.feet[0]), sensors.of(at.ground[0])).sampled(settings.period)
     spread, fit, mean = volts(plant) @ plane(plant.positions), plane_fit(plant.positions), np.full(mounts, 1.0 / mounts)
     sideways = {"roll": np.kron([0.0, 1.0], mean), "pitch": np.kron([1.0, 0.0], mean)}
@@ -207,16 +207,16 @@ def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128
     return statespace.response(s, *block)
 
 
-def _with_inner(model: LinearModel, inner: Controller, sensors: Sensors, seed: int) -> Block:
-    """The sampled machine from commands to its feet and strokes, the inner law closed around it.
+def _with_inner(model: LinearModel, loop: Loop) -> Block:
+    """The sampled machine from commands to its feet and strokes, the inner law of one rate closed around it.
 
     Outputs are what answers a command: vertical velocity of the feet, strokes, and the feet's velocity along x and y.
     """
-    at, mounts = MountChannels.of(model.plant.mounts), len(model.plant.mounts)
+    (inner,), at, mounts = loop.law.parts, MountChannels.of(model.plant.mounts), len(model.plant.mounts)
     names = (*at.feet, *at.strokes, *at.along, *at.across, *inner.inputs)
     outputs = len(names) - len(inner.inputs)
     probe = replace(inner, inputs=names, B=np.zeros((inner.states, len(names))), D=np.zeros((mounts, len(names))))
-    open_loop = sampled_machine(model, probe, sensors, seed)
+    open_loop = sampled_machine(model, replace(loop, law=probe))
     seen, read = open_loop.C[:outputs], open_loop.C[outputs:]
     A = np.block([[open_loop.A + open_loop.B @ inner.D @ read, open_loop.B @ inner.C], [inner.B @ read, inner.A]])
     B, C = np.pad(open_loop.B, ((0, inner.states), (0, 0))), np.pad(seen, ((0, 0), (0, inner.states)))

@@ -9,8 +9,8 @@ from ehamj.control import LinearController
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
-from ehamj.linear.margins import PATTERNS, feeds_back, grid, loop_gain
-from ehamj.plant.levers import plane, warp
+from ehamj.linear.loop import Loop, feeds_back, opened
+from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled
@@ -158,12 +158,9 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
     gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
-    basis = np.column_stack([plane(scenario.plant.positions), warp(scenario.plant.positions)])
+    loop = Loop.of(scenario, law)
     for row, model in enumerate(machines.models.values()):
-        opened = np.linalg.inv(
-            np.eye(len(scenario.plant.mounts)) + loop_gain(model, law, f, scenario.sensors, scenario.seed)
-        )
-        moved = np.linalg.inv(basis) @ opened @ basis
+        moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
         for column in range(len(patterns)):
             one = moved[:, column, column]
             gain[row, column] = 20 * np.log10(np.maximum(np.abs(1.0 / one - 1.0), 1e-12))

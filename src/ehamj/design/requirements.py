@@ -70,4 +70,4 @@ class Machines:
     def of(cls, scenario: Scenario, variations: Variations | None = None) -> "Machines":
         """Linearise the machine and its variations about their equilibria."""
         scenarios = (variations or Variations()).scenarios(scenario)
-        return cls(scenarios, {name: linear_model(one) for name, one in scenarios.items()})
+        return cls(scenarios, {name: linear_model(one.plant) for name, one in scenarios.items()})

@@ -12,6 +12,7 @@ from ehamj.design.motions import MotionWeights
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, holds
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.margins import LoopReport, report
 from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
@@ -50,9 +51,7 @@ def synthesised(
         except InputError as error:
             failure, reports = error, {}
         else:
-            reports = {
-                name: report(model, law, scenario.sensors, scenario.seed) for name, model in machines.models.items()
-            }
+            reports = {name: report(model, Loop.of(scenario, law)) for name, model in machines.models.items()}
             design = Design(settings, law, reports, wanted)
             if design.meets:
                 return design

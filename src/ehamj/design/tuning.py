@@ -10,7 +10,7 @@ notch stays where it is, since it mostly makes good for the valve's lag: moved w
 machine that was tried slower (heave from 77 to below 60 Hz at 5200 kg).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,13 +23,15 @@ from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.linear.margins import LoopReport, disk_margin, feeds_back, grid, loop_gain, margins, report
+from ehamj.linear.loop import Loop, feeds_back, loop_gain
+from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, report
 from ehamj.linear.modes import modes
-from ehamj.plant.levers import MOTIONS, plane, warp
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
 
@@ -97,7 +99,7 @@ def judged(
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
     if not feeds_back(law):
         return Design(settings, law, {}, requirements)
-    reports = {name: report(model, law, scenario.sensors, scenario.seed) for name, model in machines.models.items()}
+    reports = {name: report(model, Loop.of(scenario, law)) for name, model in machines.models.items()}
     return Design(settings, law, reports, requirements)
 
 
@@ -112,14 +114,13 @@ def _only(settings: DigitalSettings, name: str | None) -> DigitalSettings:
 def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, wanted: Requirements) -> DigitalSettings:
     trials = _trials(settings, scenario, machines)
     positions = scenario.plant.positions
-    basis = np.column_stack([plane(positions), warp(positions)])
     loops = dict(settings.loops())
     crossings = {name: loop.crossing for name, loop in loops.items()}
     for turn in range(2):
         for name in loops:
             places = [MOTIONS.index(name)] if name in MOTIONS else list(range(len(positions)))
             shapes = SLOWED if turn == 0 else (1.0,)
-            found = _highest(trials, name, loops[name], crossings, shapes, basis, wanted, places, settings.period)
+            found = _highest(trials, name, loops[name], crossings, shapes, positions, wanted, places, settings.period)
             if found is None:
                 raise InputError(
                     f"control: no crossing of the loop {name!r} from {STEPS[-1] * loops[name].crossing:.2g} to "
@@ -143,7 +144,7 @@ def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, w
 
 def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -> list[Trial]:
     """The loop gains of which every trial is made, on each machine."""
-    plant, sensors, seed = scenario.plant, scenario.sensors, scenario.seed
+    plant, sensors = scenario.plant, scenario.sensors
     everything = settings.controller(plant, sensors)
     rest = _only(settings, None).controller(plant, sensors)
     loops = settings.loops()
@@ -151,16 +152,16 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
     trials = []
     for model in machines.models.values():
         f = grid(everything, model)
-        own = loop_gain(model, rest, f, sensors, seed)
+        own = loop_gain(model, Loop.of(scenario, rest), f)
         # A loop alone still holds what the rest is.
-        each = {name: loop_gain(model, law, f, sensors, seed) - own for name, law in alone.items()}
+        each = {name: loop_gain(model, Loop.of(scenario, law), f) - own for name, law in alone.items()}
         trials.append((f, own, {name: gain / loops[name].crossing for name, gain in each.items()}))
     return trials
 
 
 def _highest(
     trials: list[Trial], name: str, loop: MotionLoop, crossings: dict[str, float], shapes: tuple[float, ...],
-    basis: Array, wanted: Requirements, places: list[int], period: float,
+    positions: Positions, wanted: Requirements, places: list[int], period: float,
 ) -> tuple[float, MotionLoop] | None:  # fmt: skip
     """The best crossing of a loop, and its shape: crossing times the root of what it is slowed by counts, since the
     attenuation is of the crossing above the integral's corner and of its product with the integral below."""
@@ -173,7 +174,9 @@ def _highest(
             if crossing * np.sqrt(by) <= least:
                 break
             tried = crossings | {name: crossing}
-            failed = next((k for k, trial in enumerate(own) if not _leaves(trial, tried, basis, wanted, places)), None)
+            failed = next(
+                (k for k, trial in enumerate(own) if not _leaves(trial, tried, positions, wanted, places)), None
+            )
             if failed is None:
                 best, least = (crossing, slower), crossing * np.sqrt(by)
                 break
@@ -197,9 +200,11 @@ def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:
     return np.asarray(np.linalg.inv(np.eye(loop.shape[1]) + loop), complex)
 
 
-def _leaves(trial: Trial, crossings: dict[str, float], basis: Array, wanted: Requirements, places: list[int]) -> bool:
+def _leaves(
+    trial: Trial, crossings: dict[str, float], positions: Positions, wanted: Requirements, places: list[int]
+) -> bool:
     """Whether crossings leave the margins at some patterns of motion, and go round −1 nowhere there (Nyquist)."""
-    moved = np.linalg.inv(basis) @ _sensitivity(trial, crossings) @ basis
+    moved = in_patterns(_sensitivity(trial, crossings), positions)
     for k in places:
         difference = 1.0 / moved[:, k, k]
         if round(float(np.unwrap(np.angle(difference))[-1]) / (2 * np.pi)) != 0:

@@ -20,9 +20,9 @@ from scipy.optimize import linear_sum_assignment
 
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
+from ehamj.isolator.equations import State
 from ehamj.linear.elements import Elements, Oil, solve
-from ehamj.linear.machine import INPUTS
-from ehamj.memory import STATES
+from ehamj.linear.machine import inputs_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 
@@ -42,17 +42,18 @@ OSCILLATES: Final = 1e-6
 def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     """A (…, n, n) and B (…, n, inputs) of every design, and the names of the states.
 
-    States and inputs are those of `ehamj.linear.machine.linear_model` (`INPUTS`), deviations in SI, spools in mA,
+    States and inputs are those of `ehamj.linear.machine.linear_model` (`inputs_of`), deviations in SI, spools in mA,
     commands in V. NaN where a design has no static equilibrium inside its cylinders.
     """
     elements, oil, _ = _assembled(designs)
     at = designs.values.mounts
     n = elements.mass.shape[-1]
     motion, pressures = _oil_motion(elements, oil)
-    size = 2 * n + N_MOUNTS * len(STATES)
-    own = [2 * n + len(STATES) * np.arange(N_MOUNTS) + k for k in range(len(STATES))]
+    size = 2 * n + N_MOUNTS * len(State._fields)
+    own = [2 * n + len(State._fields) * np.arange(N_MOUNTS) + k for k in range(len(State._fields))]
     keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
-    A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, len(INPUTS)))
+    inputs = len(inputs_of(MOUNTS))
+    A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, inputs))
     A[..., keep[:, None], keep] = np.concatenate([motion, pressures], axis=-2)
     A[..., own[0], own[1]] = 1.0
     A[..., own[1], own[0]] = -(at["valve_frequency"] ** 2)
@@ -65,13 +66,13 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
         B[..., own[2 + chamber], ground + 3 * N_MOUNTS + AXES.index("z")] = swept
     loads = [*_mount_loads(elements, "stiffness"), *_mount_loads(elements, "damping")]
     columns = np.concatenate([ground + 3 * N_MOUNTS * order + axis for order in range(2) for axis in range(3)])
-    forces = np.arange(len(INPUTS) - len(DOFS), len(INPUTS))
+    forces = np.arange(inputs - len(DOFS), inputs)
     right = np.concatenate([*loads, np.swapaxes(elements.cg, -1, -2)], axis=-1)
     B[..., n : 2 * n, np.concatenate([columns, forces])] = solve(elements.mass, right)
     soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)[0])
     joints = (*JOINTS, *(f"plate {MOUNTS[mount]}" for mount in soft))
     names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
-    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in STATES)
+    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in State._fields)
     bad = _without_rest(designs, oil)
     A[bad], B[bad] = np.nan, np.nan
     return A, B, names

@@ -12,6 +12,7 @@ from ehamj.designs.designs import FOOTPRINT, quantity_of
 from ehamj.errors import InputError
 from ehamj.linear.eigen import eigenvalue_changes
 from ehamj.linear.elements import ACTUATOR_VALUES, MACHINE_VALUES
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import eigen_of, modes, oscillations, state_matrix
 from ehamj.linear.sampled import pattern_period
@@ -86,7 +87,7 @@ def _span(scenario: Scenario, key: str) -> float:
 
 def sensitivities(
     scenario: Scenario,
-    controller: LinearController | None = None,
+    law: LinearController | None = None,
     bypassed: bool = False,
     parameters: Sequence[str] | None = None,
 ) -> xr.Dataset:
@@ -97,7 +98,7 @@ def sensitivities(
 
     Args:
         scenario: the machine.
-        controller: closes the loop (`ehamj.linear.modes.modes`), with the scenario's sensors.
+        law: closes the loop (`ehamj.linear.modes.modes`), with the scenario's sensors.
         bypassed: chambers bypassed, as there.
         parameters: keys; all of `parameters_of` without.
 
@@ -110,25 +111,22 @@ def sensitivities(
         InputError: if a parameter is unknown, or zero.
     """
     keys = parameters_of(scenario) if parameters is None else tuple(parameters)
-    model = linear_model(scenario)
-    sensing: dict[str, Any] = {"sensors": scenario.sensors, "seed": scenario.seed}
-    eigen, _ = eigen_of(model, controller, bypassed, **sensing)
-    found, chosen = modes(model, controller, bypassed, **sensing), oscillations(eigen)
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, law)
+    eigen, _ = eigen_of(model, loop, bypassed)
+    found, chosen = modes(model, loop, bypassed), oscillations(eigen)
     values = [value_of(scenario, key) for key in keys]
     changes = np.zeros((len(keys), len(chosen)), complex)
     for k, (key, value) in enumerate(zip(keys, values, strict=True)):
         if value == 0.0 or not np.isfinite(value):
             raise InputError(f"sensitivity to {key} = {value:g}: must be neither zero nor infinite")
         ahead, behind = (
-            state_matrix(
-                linear_model(with_value(scenario, key, value * (1.0 + sign * STEP))), controller, bypassed, **sensing
-            ).A
+            state_matrix(linear_model(with_value(scenario, key, value * (1.0 + sign * STEP)).plant), loop, bypassed).A
             for sign in (1.0, -1.0)
         )
         changes[k] = eigenvalue_changes(eigen, chosen, (ahead - behind) / (2.0 * STEP))
     poles = np.array([mode.eigenvalue for mode in found])
-    if controller is not None:  # from z = exp(λT)
-        period = pattern_period(controller)
+    if law is not None:  # from z = exp(λT)
+        period = pattern_period(law)
         changes = changes / (period * np.exp(poles * period))
     size = np.abs(poles)
     frequency = (poles.conj() * changes).real / size**2

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ehamj.plant.axes import DOFS
-from ehamj.signals import Signal
-
-Array = NDArray[np.float64]
+from ehamj.plant.levers import lever
+from ehamj.signals import Array, Signal
 
 
 @dataclass(frozen=True)
@@ -44,4 +42,4 @@ NO_LOAD = Load(np.zeros((0, len(DOFS))), ())
 
 def pattern(direction: Array, point: Array, cg: Array) -> Array:
     """Wrench at the centre of gravity of a unit force at ``point``, (6,): d and (r − r_CG) × d."""
-    return np.concatenate([direction, np.cross(point - cg, direction)])
+    return np.asarray(lever(point - cg).T @ direction)

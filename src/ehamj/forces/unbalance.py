@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ehamj.forces.force import PER_PERIOD, ForceSettings
 from ehamj.settings import Positive
-from ehamj.signals import Array, Sample, Signal
+from ehamj.signals import Array, Sample, Signal, rise
 
 
 class Unbalance(ForceSettings):
@@ -49,7 +49,7 @@ class Rotating:
     run_up: float
     quadrature: bool = False
 
-    def angle(self, time: Array) -> tuple[Array, Array, Array, Array, Array]:
+    def angle(self, time: Array) -> tuple[Array, ...]:
         """φ [rad] and its four derivatives."""
         full = 2.0 * np.pi * self.speed
         if self.run_up == 0.0:
@@ -57,17 +57,10 @@ class Rotating:
             return full * time, zero + full, zero, zero, zero
         s = np.clip(time / self.run_up, 0.0, 1.0)
         turned = self.run_up * s**4 * (2.5 - 3.0 * s + s * s) + np.maximum(time - self.run_up, 0.0)
-        rate = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        first = 30.0 * s**2 * (1.0 - s) ** 2
-        second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
         third = np.where(s < 1.0, 60.0 * (1.0 - 6.0 * s + 6.0 * s * s), 0.0)
-        return (
-            full * turned,
-            full * rate,
-            full * first / self.run_up,
-            full * second / self.run_up**2,
-            (full * third / self.run_up**3),
-        )
+        rate, first, second = rise(s)
+        steps = enumerate((turned, rate, first, second, third))
+        return tuple(full * part / self.run_up ** max(0, k - 1) for k, part in steps)
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         phi, w, a, da, dda = self.angle(time)

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from ehamj.forces.force import ContinuousForce
 from ehamj.settings import Positive
-from ehamj.signals import Multisine, Sampled, Signal, schroeder_phases
+from ehamj.signals import Lines, Multisine, Signal, schroeder_phases
 
 
 class SineForce(ContinuousForce):
@@ -71,19 +71,13 @@ class RandomForce(ContinuousForce):
         return random_force(self.rms, self.first, self.last, duration, random)
 
 
-def random_force(rms: float, first: float, last: float, duration: float, random: np.random.Generator) -> Sampled:
+def random_force(rms: float, first: float, last: float, duration: float, random: np.random.Generator) -> Lines:
     """A sum of sines of one amplitude and random phase from ``first`` to ``last`` [Hz], of just this ``rms`` [N].
 
     It repeats after ``duration`` [s] or ten periods of the lowest frequency, whichever is longer.
     """
     period = max(duration, 10.0 / first)
-    size = int(2 ** np.ceil(np.log2(8.0 * last * period)))
-    frequency = np.fft.rfftfreq(size, period / size)
-    lines = (frequency >= first - 1e-9) & (frequency <= last + 1e-9)
+    frequency = np.arange(int(last * period + 1e-6) + 1) / period
+    inside = frequency >= first - 1e-9
     phases = random.uniform(0.0, 2.0 * np.pi, frequency.size)
-    spectrum = np.where(lines, np.exp(1j * phases), 0.0) * rms / np.sqrt(2.0 * lines.sum()) * size
-    values = np.fft.irfft(spectrum, size)
-    rate = size / period
-    margin = 8  # samples beyond both ends, so that the spline's ends are outside
-    kept = np.arange(-margin, int(np.ceil(duration * rate)) + margin + 1)
-    return Sampled(rate, values[kept % size], -margin / rate)
+    return Lines(period, np.where(inside, np.exp(1j * phases), 0.0) * rms * np.sqrt(2.0 / inside.sum()))

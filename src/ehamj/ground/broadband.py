@@ -7,17 +7,15 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.criteria.vc import CLASSES
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, G
-from ehamj.ground.coherence import Coherence
-from ehamj.ground.lines import random_floor
-from ehamj.ground.motion import GroundSettings, Motion, Start
+from ehamj.estimate.bands import BAND_LOG_WIDTH, G
+from ehamj.ground.lines import RandomGround
+from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum
-from ehamj.ground.waves import Wave
 from ehamj.settings import Positive
 from ehamj.signals import Array, Sample, Signal
 
 
-class _Flat(GroundSettings):
+class _Flat(RandomGround):
     """A third-octave velocity that is flat between two frequencies and falls outside."""
 
     level: float | str = Field(
@@ -28,12 +26,6 @@ class _Flat(GroundSettings):
     fall: float = Field(12.0, ge=0, description="fall above the flat part [dB/octave]")
     rise: float = Field(24.0, ge=0, description="rise below the flat part [dB/octave]")
     highest: Positive = Field(500.0, description="no motion above this frequency [Hz]")
-    axes: tuple[Literal["x", "y", "z"], ...] = Field(("z",), description="axes that move", min_length=1)
-    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: everywhere at once")
-    coherence: Coherence | None = Field(
-        None, description="partial coherence between the mounts; without: they move alike but for the wave's delay"
-    )
-    fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -63,7 +55,7 @@ class _Flat(GroundSettings):
 
     def _motion(self, start: Start, envelope: Signal | None = None) -> Motion:
         spectra = dict.fromkeys(self.axes, Spectrum(self.spectrum, 0.0, self.highest))
-        return random_floor(start, spectra, self.wave, self.coherence, self.fade_in, envelope)
+        return self.random_floor(start, spectra, envelope)
 
 
 class BroadbandGround(_Flat):

@@ -1,14 +1,10 @@
 """Partial coherence of the floor between mounts (Luco and Wong 1986)."""
 
-from typing import Annotated
-
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
+from ehamj.settings import Positive, Settings
+from ehamj.signals import Array
 
 
 class Coherence(Settings):
@@ -21,9 +17,7 @@ class Coherence(Settings):
     gamma: float = Field(
         0.2, ge=0, description="incoherence γ [-]; Luco and Wong consider 0.1 to 0.5, 0.2 is assumed; 0: fully coherent"
     )
-    shear_speed: Annotated[float, Field(gt=0)] = Field(
-        200.0, description="shear wave speed of the soil V_s [m/s] (assumed: stiff soil)"
-    )
+    shear_speed: Positive = Field(200.0, description="shear wave speed of the soil V_s [m/s] (assumed: stiff soil)")
 
     def magnitude(self, frequency: Array, distance: Array) -> Array:
         """Coherency magnitude at ``frequency`` [Hz] between points ``distance`` [m] apart, broadcast."""

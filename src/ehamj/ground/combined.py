@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ehamj.ground.motion import GroundSample, Motion
-
-Array = NDArray[np.float64]
+from ehamj.signals import Array
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from ehamj.ground.processing import Channel, Place, Quantity
-from ehamj.ground.tables import UNITS
+from ehamj.ground.channel import Channel, Place
+from ehamj.ground.quantities import UNITS, Quantity
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
@@ -29,10 +30,23 @@ class Choices:
     gaps: GapChoice = "error"
     unit: str | None = None
     """Unit of samples that the file gives none for, one of `UNITS`."""
+    full_scale: float | None = None
+    """Motion that the largest sample of a WAV file stands for [unit]."""
+    inventory: Path | None = None
+    """File with the instrument's response, for seismic formats."""
+    remove_response: bool = True
+    """Whether counts become motion, in seismic formats."""
 
 
 SILENT = Choices()
 """The user says nothing."""
+
+
+def existing(path: Path, key: str = "ground.file") -> Path:
+    """The path; raises ValueError, naming ``key``, where there is no such file."""
+    if not path.is_file():
+        raise ValueError(f"{key} = {path.name!r}: there is no such file in {path.parent}")
+    return path
 
 
 def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dict[str, Place]:

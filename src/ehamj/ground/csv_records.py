@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ehamj.ground.channel import Channel, Record
 from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, on_grid, summary
-from ehamj.ground.processing import Channel, Record
 from ehamj.ground.tables import parse_unit, read_table
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}

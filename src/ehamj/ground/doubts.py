@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ehamj.estimate.third_octave import bands
-from ehamj.ground.processing import USABLE, Channel, clipped_samples
+from ehamj.estimate.bands import bands
+from ehamj.ground.channel import USABLE, Channel
+from ehamj.ground.quantities import GRAVITY
 from ehamj.signals import Array
 
 LOUDEST = 10e-3
@@ -16,9 +17,23 @@ QUIETEST = 0.5e-9
 TOP_BAND = 80.0
 """Highest band of the generic vibration criteria [Hz]."""
 
-GRAVITY = 9.80665
+CLIPPED_RUN = 3
+"""Equal samples in a row at the extreme value that look like clipping."""
+
 NEAR_ONE = 0.05
 """How near the mean of an acceleration must lie to gravity, relative, to be taken for it."""
+
+
+def clipped_samples(samples: Array) -> int:
+    """Samples that stand at the largest or smallest value several times in a row, which clipping looks like."""
+    count = 0
+    for extreme in {float(samples.max()), float(samples.min())}:
+        if extreme == 0 or np.ptp(samples) == 0:
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], samples == extreme, [False]]).astype(int)))
+        runs = edges[1::2] - edges[::2]
+        count += int(runs[runs >= CLIPPED_RUN].sum())
+    return count
 
 
 def doubts(channel: Channel, velocity: Array) -> list[str]:

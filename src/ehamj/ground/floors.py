@@ -7,10 +7,8 @@ Each floor is a sum of the other kinds of ground. The frequencies are those that
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.ground.broadband import BroadbandGround, BurstGround
@@ -21,10 +19,10 @@ from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import Dof, MultisineGround, ShockGround
 from ehamj.ground.targets import PetersonTarget
 from ehamj.ground.waves import Wave
+from ehamj.settings import Positive
+from ehamj.signals import Array
 
-Array = NDArray[np.float64]
 Part = BroadbandGround | BurstGround | ShapedGround | MultisineGround | ShockGround
-FloorName = Literal["workshop", "metrology-room", "press-shop", "forklift", "motors", "nlnm", "nhnm"]
 
 LINES = (16.7, 24.5, 29.0, 49.0, 59.0)
 """Motors and fans [Hz]: 1000, 1470, 1740, 2940 and 3540 rpm, that is 6-, 4- and 2-pole machines on 50 and 60 Hz mains,
@@ -56,7 +54,7 @@ def _peterson(model: Literal["low", "high"]) -> ShapedGround:
     return ShapedGround(kind="shaped", target=target, first=0.1, axes=("x", "y", "z"), fade_in=5.0)
 
 
-FLOORS: Mapping[FloorName, Floor] = {
+FLOORS: Mapping[str, Floor] = {
     "workshop": Floor(
         "vertical 40 µm/s per third octave from 5 to 31.5 Hz, horizontal 30 µm/s from 0.5 to 10 Hz, 12 dB/octave less "
         "above, up to 500 Hz (bands: reported for machine shops; levels: assumed, between VC-A and IEST-RP-CC012's "
@@ -107,6 +105,12 @@ FLOORS: Mapping[FloorName, Floor] = {
 }
 
 
+if TYPE_CHECKING:
+    FloorName = str
+else:
+    FloorName = Literal[tuple(FLOORS)]
+
+
 class FloorGround(GroundSettings):
     """A floor of the library, scaled."""
 
@@ -114,7 +118,7 @@ class FloorGround(GroundSettings):
     floor: FloorName = Field(
         description="; ".join(f"{name}: {entry.description}" for name, entry in FLOORS.items()),
     )
-    scale: Annotated[float, Field(gt=0)] = Field(1.0, description="factor on the motion [-]")
+    scale: Positive = Field(1.0, description="factor on the motion [-]")
     wave: Wave | None = Field(
         None, description="all of it passes below the machine as a plane wave; without: everywhere at once"
     )

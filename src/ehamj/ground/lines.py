@@ -13,15 +13,14 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.ground.coherence import Coherence
-from ehamj.ground.motion import Motion, Start
+from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.spectra import Axis, Spectrum
 from ehamj.ground.waves import Wave, spread
 from ehamj.plant.axes import AXES
-from ehamj.signals import Lines, Product, Signal
-
-Array = NDArray[np.float64]
+from ehamj.signals import Array, Lines, Product, Signal
 
 LEAST_PERIOD = 10.0
 """Shortest period of a floor [s]: shorter runs are a part of it, so that low bands still hold lines."""
@@ -103,36 +102,41 @@ def _correction(wanted: Array, mixed: Array, bands: NDArray[np.int64]) -> Array:
     return np.sqrt(total / np.maximum(found, 1e-300))[:, bands]
 
 
-def random_floor(
-    start: Start,
-    spectra: Mapping[Axis, Spectrum],
-    wave: Wave | None,
-    coherence: Coherence | None,
-    fade_in: float,
-    envelope: Signal | None = None,
-    notes: tuple[str, ...] = (),
-    usable_to: float = float("inf"),
-) -> Motion:
-    """Motion of a floor of these spectra per axis; axes are independent of each other.
+class RandomGround(GroundSettings):
+    """What random floors have: axes that move independently of each other, and how they pass below the machine."""
 
-    Args:
-        start: mounts, duration and seed.
-        spectra: of the axes that move.
-        wave: see `spread`.
-        coherence: between the mounts; None: they move alike, but for the wave's delay.
-        fade_in: time over which the motion fades in [s].
-        envelope: factor on the motion over time, which travels with it.
-        notes: see `Motion`.
-        usable_to: see `Motion` [Hz].
-    """
-    signals: dict[str, Signal | tuple[Signal, ...]] = {}
-    for axis, spectrum in spectra.items():
-        lines = random_lines(spectrum, start, axis, coherence)
-        own: tuple[Signal, ...] = lines if envelope is None else tuple(Product(line, envelope) for line in lines)
-        signals[axis] = own[0] if coherence is None else own
-    if coherence is not None:
-        notes = (*notes, _stated(coherence, start.positions))
-    return spread(start, signals, wave, fade_in, notes=notes, usable_to=usable_to)
+    axes: tuple[Axis, ...] = Field(("z",), description="axes that move", min_length=1)
+    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: everywhere at once")
+    coherence: Coherence | None = Field(
+        None, description="partial coherence between the mounts; without: they move alike but for the wave's delay"
+    )
+    fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
+
+    def random_floor(
+        self,
+        start: Start,
+        spectra: Mapping[Axis, Spectrum],
+        envelope: Signal | None = None,
+        notes: tuple[str, ...] = (),
+        usable_to: float = float("inf"),
+    ) -> Motion:
+        """Motion of a floor of these spectra per axis.
+
+        Args:
+            start: mounts, duration and seed.
+            spectra: of the axes that move.
+            envelope: factor on the motion over time, which travels with it.
+            notes: see `Motion`.
+            usable_to: see `Motion` [Hz].
+        """
+        signals: dict[str, Signal | tuple[Signal, ...]] = {}
+        for axis, spectrum in spectra.items():
+            lines = random_lines(spectrum, start, axis, self.coherence)
+            own: tuple[Signal, ...] = lines if envelope is None else tuple(Product(line, envelope) for line in lines)
+            signals[axis] = own[0] if self.coherence is None else own
+        if self.coherence is not None:
+            notes = (*notes, _stated(self.coherence, start.positions))
+        return spread(start, signals, self.wave, self.fade_in, notes=notes, usable_to=usable_to)
 
 
 def _stated(coherence: Coherence, positions: Array) -> str:

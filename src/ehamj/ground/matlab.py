@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, on_grid, summary
-from ehamj.ground.processing import Channel, Record
+from ehamj.ground.channel import Channel, Record
+from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, existing, on_grid, summary
 from ehamj.signals import Array
 
 CLOCKS = ("time", "t")
@@ -65,8 +65,7 @@ def _arrays(path: Path) -> dict[str, Array]:
     """The file's real numeric variables, two-dimensional as MATLAB has them."""
     from scipy.io import loadmat
 
-    if not path.is_file():
-        raise ValueError(f"ground.file = {path.name!r}: there is no such file in {path.parent}")
+    existing(path)
     try:
         content = loadmat(str(path))
     except NotImplementedError:

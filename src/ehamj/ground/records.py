@@ -2,28 +2,29 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.ground.channel import Record
 from ehamj.ground.components import AxisChoice, Choices, GapChoice, QuantityChoice
 from ehamj.ground.csv_records import read_csv
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.matlab import read_matlab
 from ehamj.ground.motion import GroundSettings, Motion, Start
-from ehamj.ground.processing import INTEGRATIONS, Record, Treatment, displacement, held_frequencies
+from ehamj.ground.quantities import ORDERS, UNITS
 from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import UNITS
+from ehamj.ground.treatment import Treatment, displacement, held_frequencies
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
-from ehamj.settings import FileName
+from ehamj.settings import FileName, Positive
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
-READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab}
-"""Readers by the end of a file's name; a WAV's needs its full scale besides, and all else is ObsPy's."""
+READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
+"""Readers by the end of a file's name; all else is ObsPy's."""
 
 
 class RecordGround(GroundSettings, Treatment):
@@ -42,7 +43,7 @@ class RecordGround(GroundSettings, Treatment):
     unit: str | None = Field(
         None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
     )
-    full_scale: Annotated[float, Field(gt=0)] | None = Field(
+    full_scale: Positive | None = Field(
         None, description="motion that the largest sample of a WAV file stands for [unit]"
     )
     inventory: FileName | None = Field(
@@ -84,19 +85,14 @@ class RecordGround(GroundSettings, Treatment):
 
     def read(self) -> Record:
         """The raw record."""
-        choices = Choices(self.axes, self.quantity, self.gaps, self.unit)
-        ending = self._ending
-        if ending in READERS or ending == ".wav":
-            if self.inventory is not None:
-                kind = ending[1:].upper()
-                raise ValueError(
-                    f"ground.inventory = {Path(self.inventory).name!r}: a {kind} record has units; leave inventory out"
-                )
-            path = Path(self.file)
-            return read_wav(path, choices, self.full_scale) if ending == ".wav" else READERS[ending](path, choices)
         inventory = None if self.inventory is None else Path(self.inventory)
-        source = self.file if self.file == EXAMPLE else Path(self.file)
-        return read_seismic(source, choices, inventory, self.remove_response)
+        choices = Choices(
+            self.axes, self.quantity, self.gaps, self.unit, self.full_scale, inventory, self.remove_response
+        )
+        if inventory is not None and self._ending in READERS:
+            kind = self._ending[1:].upper()
+            raise ValueError(f"ground.inventory = {inventory.name!r}: a {kind} record has units; leave inventory out")
+        return READERS.get(self._ending, read_seismic)(Path(self.file), choices)
 
     def motion(self, start: Start) -> Motion:
         """Build the motion: at rest at time 0, then what the record says.
@@ -140,7 +136,7 @@ class RecordGround(GroundSettings, Treatment):
             steps.append(
                 f"zero-phase high-pass at {self.highpass:g} Hz (within 0.1 % above {2.4 * self.highpass:g} Hz)"
             )
-        times = sorted({INTEGRATIONS[channel.quantity] for channel in record.channels} - {0})
+        times = sorted({ORDERS[channel.quantity] for channel in record.channels} - {0})
         if times:
             steps.append(f"integrated {' or '.join(('once', 'twice')[n - 1] for n in times)} (in the frequency domain)")
         steps.append(f"resampled to at least {self.rate:g} Hz")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ehamj.ground.channel import Channel, Record, Response
 from ehamj.ground.components import (
     SILENT,
     Choices,
@@ -14,11 +15,12 @@ from ehamj.ground.components import (
     agreed_unit,
     choose_axes,
     differences,
+    existing,
     filled,
     per_mount,
     summary,
 )
-from ehamj.ground.processing import Channel, Quantity, Record, Response
+from ehamj.ground.quantities import Quantity
 from ehamj.signals import Array
 
 if TYPE_CHECKING:
@@ -27,19 +29,14 @@ if TYPE_CHECKING:
 EXAMPLE = "example:BW.RJOB"
 
 
-def read_seismic(
-    source: Path | str,
-    choices: Choices = SILENT,
-    inventory: Path | None = None,
-    remove_response: bool = True,
-) -> Record:
-    """A record in any format ObsPy reads; ``source`` is a path, whose last part may hold wildcards, or ``EXAMPLE``.
+def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
+    """A record in any format ObsPy reads; the last part of ``path`` may hold wildcards, or it is `EXAMPLE`.
 
     Counts stay counts: each channel carries the response that the processing divides by. Raises ValueError for a file
     that is missing, truncated or damaged, for gaps, overlaps, several stations, and a missing response.
     """
-    label = str(source) if isinstance(source, str) else source.name
-    stream, responses = _open(source, inventory)
+    label = path.name
+    stream, responses = _open(path, choices.inventory)
     names: dict[str, tuple[str, ...]] = {
         trace.id: (trace.id, trace.stats.channel, trace.stats.channel[-1:]) for trace in stream
     }
@@ -57,14 +54,14 @@ def read_seismic(
     for trace in stream:
         found: Quantity | None = None
         response: Response | None = None
-        if remove_response:
+        if choices.remove_response:
             found, response = _response(trace, responses)
         told = None if found is None else (found, 1.0)
         holds, size = agreed_unit(choices, told, trace.id, "let ground.remove_response find out")
         stats = trace.stats
         samples, time = np.asarray(trace.data, float) * size, float(stats.starttime - beginning)
         channels.append(Channel(chosen[trace.id], trace.id, stats.sampling_rate, holds, samples, time, response))
-        if not remove_response and stats.calib != 1:
+        if not choices.remove_response and stats.calib != 1:
             notes.append(
                 f"{trace.id} states a calibration factor of {stats.calib:g}, which is not applied (ground.scale can)"
             )
@@ -75,11 +72,11 @@ def read_seismic(
     return record
 
 
-def _open(source: Path | str, inventory: Path | None) -> tuple["Stream", "Inventory | None"]:
+def _open(source: Path, inventory: Path | None) -> tuple["Stream", "Inventory | None"]:
     """The traces of all files and the responses."""
     import obspy
 
-    if isinstance(source, str):
+    if str(source) == EXAMPLE:
         return obspy.read(), obspy.read_inventory() if inventory is None else _open_inventory(inventory)
     paths = [source] if source.is_file() else sorted(source.parent.glob(source.name))
     if not paths:
@@ -124,8 +121,7 @@ def _open_file(path: Path) -> "Stream":
 def _open_inventory(path: Path) -> "Inventory":
     import obspy
 
-    if not path.is_file():
-        raise ValueError(f"ground.inventory = {path.name!r}: there is no such file in {path.parent}")
+    existing(path, "ground.inventory")
     try:
         return obspy.read_inventory(str(path))
     except Exception as error:  # each of ObsPy's readers raises what it likes

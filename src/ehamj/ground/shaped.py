@@ -4,15 +4,13 @@ from typing import Literal
 
 from pydantic import Field
 
-from ehamj.ground.coherence import Coherence
-from ehamj.ground.lines import random_floor
-from ehamj.ground.motion import GroundSettings, Motion, Start
+from ehamj.ground.lines import RandomGround
+from ehamj.ground.motion import Motion, Start
 from ehamj.ground.targets import Target
-from ehamj.ground.waves import Wave
 from ehamj.settings import Positive
 
 
-class ShapedGround(GroundSettings):
+class ShapedGround(RandomGround):
     """A random floor with the spectrum of a target; there is no motion outside of what the target states."""
 
     kind: Literal["shaped"]
@@ -20,12 +18,6 @@ class ShapedGround(GroundSettings):
     scale: Positive = Field(1.0, description="factor on the motion [-]")
     first: Positive | None = Field(None, description="lowest frequency of the motion [Hz]; without: as the target")
     last: Positive | None = Field(None, description="highest frequency of the motion [Hz]; without: as the target")
-    axes: tuple[Literal["x", "y", "z"], ...] = Field(("z",), description="axes that move", min_length=1)
-    wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: everywhere at once")
-    coherence: Coherence | None = Field(
-        None, description="partial coherence between the mounts; without: they move alike but for the wave's delay"
-    )
-    fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
 
     def motion(self, start: Start) -> Motion:
         whole = self.target.spectra(self.axes)
@@ -34,4 +26,4 @@ class ShapedGround(GroundSettings):
         scaled = {axis: spectrum.scaled(self.scale) for axis, spectrum in spectra.items()}
         note = f"floor shaped to a {self.target.kind} target from {low:.4g} to {high:.4g} Hz"
         note += f": bands above {high:.4g} Hz are undecided"
-        return random_floor(start, scaled, self.wave, self.coherence, self.fade_in, notes=(note,), usable_to=high)
+        return self.random_floor(start, scaled, notes=(note,), usable_to=high)

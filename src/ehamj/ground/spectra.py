@@ -5,15 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, Band, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, G
+from ehamj.ground.quantities import ORDERS, Quantity
+from ehamj.signals import Array
 
-Array = NDArray[np.float64]
 Axis = Literal["x", "y", "z"]
-Quantity = Literal["displacement", "velocity", "acceleration"]
-ORDERS: dict[Quantity, int] = {"displacement": -1, "velocity": 0, "acceleration": 1}
-"""How often the velocity is differentiated to get the quantity."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ def from_psd(frequencies: Array, density: Array, quantity: Quantity) -> Spectrum
 
     Between two points a straight line remains one in whatever quantity, since it is a power law.
     """
-    order = ORDERS[quantity]
+    order = ORDERS[quantity] - 1  # of the velocity
     log_f, log_s = np.log(frequencies), np.log(density)
 
     def shape(frequency: Array) -> Array:
@@ -83,7 +80,7 @@ def from_third_octaves(numbers: Array, levels: Array, quantity: Quantity) -> Spe
         levels: RMS in these bands [SI].
         quantity: what the levels are of.
     """
-    order = ORDERS[quantity]
+    order = ORDERS[quantity] - 1  # of the velocity
     index = np.arange(int(numbers[0]), int(numbers[-1]) + 1)
     log_level = np.interp(index, numbers, np.log(levels))
     # ln of the PSD at the centre is 2 ln L - ln f + const, so the PSD's slope α follows from the levels' slope.

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from ehamj.ground.motion import GroundSettings, Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
 from ehamj.settings import Positive
-from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, schroeder_phases
+from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, rise, schroeder_phases
 
 Dof = Literal["x", "y", "z", "rx", "ry", "rz"]
 
@@ -134,11 +134,9 @@ class HalfSine:
             since = np.where(since > 0.0, since % self.repeat, since)
         pulse = np.clip(since, 0.0, self.pulse_time)
         inside = (since > 0.0) & (since < self.pulse_time)
-        rise = self.velocity / omega * (1.0 - np.cos(omega * pulse))
-        s = np.clip((since - self.pulse_time) / self.return_time, 0.0, 1.0)
-        kept = 1.0 - s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-        kept_1 = -30.0 * s**2 * (1.0 - s) ** 2 / self.return_time
-        kept_2 = -60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / self.return_time**2
-        speed = np.where(inside, self.velocity * np.sin(omega * pulse), rise * kept_1)
-        curvature = np.where(inside, self.velocity * omega * np.cos(omega * pulse), rise * kept_2)
-        return Sample(rise * kept, speed, curvature)
+        height = self.velocity / omega * (1.0 - np.cos(omega * pulse))
+        back, back_1, back_2 = rise((since - self.pulse_time) / self.return_time)
+        speed = np.where(inside, self.velocity * np.sin(omega * pulse), height * (-back_1 / self.return_time))
+        accelerating = self.velocity * omega * np.cos(omega * pulse)
+        curvature = np.where(inside, accelerating, height * (-back_2 / self.return_time**2))
+        return Sample(height * (1.0 - back), speed, curvature)

@@ -1,4 +1,4 @@
-"""CSV files whose header names the units, and what the units mean."""
+"""CSV files whose header names the units."""
 
 import re
 from collections import Counter
@@ -8,24 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ehamj.ground.processing import Quantity
+from ehamj.ground.quantities import UNITS, Quantity, spelled
 from ehamj.signals import Array
-
-UNITS: dict[str, tuple[Quantity, float]] = {
-    "m": ("displacement", 1.0),
-    "mm": ("displacement", 1e-3),
-    "um": ("displacement", 1e-6),
-    "nm": ("displacement", 1e-9),
-    "m/s": ("velocity", 1.0),
-    "mm/s": ("velocity", 1e-3),
-    "um/s": ("velocity", 1e-6),
-    "nm/s": ("velocity", 1e-9),
-    "m/s^2": ("acceleration", 1.0),
-    "mm/s^2": ("acceleration", 1e-3),
-    "um/s^2": ("acceleration", 1e-6),
-    "g": ("acceleration", 9.80665),
-}
-"""Units of samples: what they are of, and the SI value. Other spellings: see `spelled`."""
 
 
 class Column(NamedTuple):
@@ -33,12 +17,6 @@ class Column(NamedTuple):
 
     name: str
     unit: str | None
-
-
-def spelled(unit: str) -> str:
-    """A unit as `UNITS` spells it: µ as u, ² and ** 2 as ^2, s2 as s^2, no spaces."""
-    plain = re.sub(r"[µμ]", "u", unit.replace(" ", "").replace("²", "^2").replace("**2", "^2"))
-    return re.sub(r"/s2\b", "/s^2", plain)
 
 
 def parse_header(line: str, delimiter: str = ",", key: str = "ground.file") -> list[Column]:

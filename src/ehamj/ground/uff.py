@@ -5,9 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, differences, on_grid, summary
-from ehamj.ground.processing import Channel, Place, Quantity, Record
-from ehamj.ground.tables import UNITS, Column, parse_unit
+from ehamj.ground.channel import Channel, Place, Record
+from ehamj.ground.components import (
+    SILENT,
+    Choices,
+    agreed_unit,
+    choose_axes,
+    clock,
+    differences,
+    existing,
+    on_grid,
+    summary,
+)
+from ehamj.ground.quantities import UNITS, Quantity
+from ehamj.ground.tables import Column, parse_unit
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
 DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}
@@ -59,8 +70,7 @@ def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
     """The file's time responses, and whether its units are SI as far as it says."""
     import pyuff
 
-    if not path.is_file():
-        raise ValueError(f"ground.file = {path.name!r}: there is no such file in {path.parent}")
+    existing(path)
     try:
         file = pyuff.UFF(str(path))
         kinds = file.get_set_types()

@@ -6,21 +6,21 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
-from ehamj.ground.components import Choices, agreed_unit, choose_axes, summary
-from ehamj.ground.processing import Channel, Record
+from ehamj.ground.channel import Channel, Record
+from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, summary
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""
 
 
-def read_wav(path: Path, choices: Choices, full_scale: float | None) -> Record:
-    """A WAV record: ``full_scale`` is the motion that the largest possible sample stands for, in ``choices.unit``.
+def read_wav(path: Path, choices: Choices = SILENT) -> Record:
+    """A WAV record: ``choices.full_scale`` is the motion that the largest possible sample stands for.
 
     Integers count from -1 to 1 of the full scale, floating-point samples are shares of it already. Components are
     called by their number, from ``1``. Raises ValueError where the file cannot be read or is truncated, and where the
     full scale or the quantity is not given.
     """
-    if full_scale is None:
+    if choices.full_scale is None:
         raise ValueError(
             "ground.full_scale is missing: a WAV file does not say what its samples mean; give the motion that its "
             "largest sample stands for, in ground.unit"
@@ -47,7 +47,7 @@ def read_wav(path: Path, choices: Choices, full_scale: float | None) -> Record:
         over = int(np.sum(np.abs(samples) >= CLIPPED))
         if over:
             notes.append(f"{name} looks clipped: {over} samples stand at the WAV file's full scale")
-        channels.append(Channel(axis, name, float(rate), holds, full_scale * size * samples))
+        channels.append(Channel(axis, name, float(rate), holds, choices.full_scale * size * samples))
     return Record(path.name, tuple(channels), (summary(path.name, channels), *notes))
 
 

@@ -3,24 +3,20 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.ground.motion import GroundSample, Motion, Slab, Start
 from ehamj.plant.axes import AXES
-from ehamj.settings import Settings
-from ehamj.signals import Faded, Sample, Signal
-
-Array = NDArray[np.float64]
+from ehamj.settings import Positive, Settings
+from ehamj.signals import Array, Faded, Sample, Signal
 
 
 class Wave(Settings):
     """A plane wave that passes below the machine."""
 
-    speed: Annotated[float, Field(gt=0)] = Field(200.0, description="apparent wave speed c [m/s]")
+    speed: Positive = Field(200.0, description="apparent wave speed c [m/s]")
     direction: float = Field(0.0, description="direction of travel, from +x towards +y [deg]")
 
     def delays(self, positions: Array) -> Array:

@@ -1,4 +1,5 @@
-"""Pure compiled kernels of the hydraulics: plain floats in, plain floats out, one equation each.
+"""Everything about one isolator: each component's equation beside its settings and the fields that it has in memory.
 
-numpy and numba only; nothing here knows of MuJoCo, scenarios or files. Units are SI, the spool is in mA.
+Kernels take floats and small named tuples of floats by value, one equation each. Nothing here knows of the engine,
+scenarios or files. Units are SI, the spool is in mA.
 """

@@ -1,59 +1,64 @@
-"""The double-acting cylinder: what its two chambers receive from the valve, and lose across the piston."""
+"""The double-acting cylinder: areas, chamber volumes, and the oil's force."""
+
+from typing import Any, ClassVar, NamedTuple
+
+from pydantic import Field
 
 from ehamj.compiled import kernel
-from ehamj.isolator.valve import lapped_port_flow, port_flow
+from ehamj.isolator.component import Component
+from ehamj.settings import quantity
+
+
+class CylinderValues(NamedTuple):
+    """A_1, A_2 [m²]; V_1, V_2 at stroke 0 [m³]; 1: volumes follow the stroke."""
+
+    piston_area: float
+    piston_area_2: float
+    volume_1: float
+    volume_2: float
+    moving_volume: float
+
+
+class Cylinder(Component):
+    """Areas and volumes of the two chambers."""
+
+    piston_area: float = quantity(3.18e-2, "m²", "A_p", "active area of the piston annulus", "paper", gt=0)
+    chamber_volume: float = quantity(5.39e-4, "m³", "V_t", "oil volume of both chambers together", "paper", gt=0)
+    moving_volume: bool = Field(True, description="chamber volumes follow the stroke (false: constant)")
+    area_ratio: float = quantity(1.0, "-", "A_2/A_1", "area of chamber 2 over that of chamber 1", "paper", gt=0)
+    volume_share: float = quantity(0.5, "-", "V_1/V_t", "share of chamber 1 in the oil volume", "paper", gt=0, lt=1)
+
+    Values: ClassVar[Any] = CylinderValues
+
+    def derived(self) -> dict[str, float]:
+        """Area of chamber 2 and volumes of both."""
+        return {
+            "piston_area_2": self.area_ratio * self.piston_area,
+            "volume_1": self.volume_share * self.chamber_volume,
+            "volume_2": (1.0 - self.volume_share) * self.chamber_volume,
+        }
+
+    @property
+    def maximum_stroke(self) -> float:
+        """Stroke at which one chamber is empty [m]."""
+        volume_1 = self.volume_share * self.chamber_volume
+        return min(volume_1, (self.chamber_volume - volume_1) / self.area_ratio) / self.piston_area
 
 
 @kernel
-def chamber_flows(
-    opening: float,
-    pressure_1: float,
-    pressure_2: float,
-    supply: float,
-    tank: float,
-    rated: float,
-    gain: float,
-    edge_leakage: float,
-    cross_leakage: float,
-    laminar_ratio: float,
-) -> tuple[float, float, float]:
-    """Flow into chamber 1, into chamber 2, and drawn from the supply [m³/s].
-
-    A positive ``opening`` [mA] feeds chamber 1 and drains chamber 2. Linearised at null with equal chambers it is the
-    paper's eq. 3 with K_C = g₀ + c. ``rated`` is the drop per edge at which the gain holds [Pa].
-    """
-    flow_1, drawn_1 = port_flow(opening, pressure_1, supply, tank, rated, gain, edge_leakage, laminar_ratio)
-    flow_2, drawn_2 = port_flow(-opening, pressure_2, supply, tank, rated, gain, edge_leakage, laminar_ratio)
-    across = cross_leakage * (pressure_1 - pressure_2)
-    return flow_1 - across, flow_2 + across, drawn_1 + drawn_2
+def chamber_volumes(stroke: float, own: CylinderValues) -> tuple[float, float]:
+    """Volumes of both chambers, walls unstretched [m³]."""
+    moved = own.moving_volume * stroke
+    return own.volume_1 + own.piston_area * moved, own.volume_2 - own.piston_area_2 * moved
 
 
 @kernel
-def lapped_chamber_flows(
-    opening: float,
-    laps: tuple[float, float, float, float],
-    stroke: float,
-    pressure_1: float,
-    pressure_2: float,
-    supply: float,
-    tank: float,
-    rated: float,
-    gain: float,
-    edge_leakage: float,
-    cross_leakage: float,
-    laminar_ratio: float,
-) -> tuple[float, float, float]:
-    """As `chamber_flows`, for edges with overlap: ``laps`` of supply–1, 1–tank, supply–2 and 2–tank [mA].
+def swept_flows(speed: float, own: CylinderValues) -> tuple[float, float]:
+    """Rates of both volumes at a stroke's speed [m³/s], whether the volumes follow it or not."""
+    return own.piston_area * speed, -own.piston_area_2 * speed
 
-    An edge opens beyond its overlap (before null, where negative), and no further than ``stroke`` [mA].
-    """
-    feeds_1, drains_1 = min(max(opening - laps[0], 0.0), stroke), min(max(-opening - laps[1], 0.0), stroke)
-    feeds_2, drains_2 = min(max(-opening - laps[2], 0.0), stroke), min(max(opening - laps[3], 0.0), stroke)
-    flow_1, drawn_1 = lapped_port_flow(
-        feeds_1, drains_1, pressure_1, supply, tank, rated, gain, edge_leakage, laminar_ratio
-    )
-    flow_2, drawn_2 = lapped_port_flow(
-        feeds_2, drains_2, pressure_2, supply, tank, rated, gain, edge_leakage, laminar_ratio
-    )
-    across = cross_leakage * (pressure_1 - pressure_2)
-    return flow_1 - across, flow_2 + across, drawn_1 + drawn_2
+
+@kernel
+def oil_force(pressure_1: float, pressure_2: float, own: CylinderValues) -> float:
+    """Force of the oil on the piston, up positive [N]: A_1 P_1 − A_2 P_2 (paper eq. 7)."""
+    return own.piston_area * pressure_1 - own.piston_area_2 * pressure_2

@@ -1,7 +1,7 @@
 """One supply for all actuators: a pump with a flow limit, an accumulator, a line, and the manifold that they share."""
 
 import math
-from typing import Self
+from typing import NamedTuple, Self
 
 from pydantic import Field, model_validator
 
@@ -58,6 +58,70 @@ class Supply(Parameters):
         return self.oil_density * self.line_length / (math.pi / 4 * self.line_diameter**2)
 
 
+class Feed(NamedTuple):
+    """What a valve is fed with: P_s, P_t, and the drop per edge at which its gain holds, Δp₀ [Pa]."""
+
+    supply_pressure: float
+    tank_pressure: float
+    rated_pressure: float
+
+
+class SupplyState(NamedTuple):
+    """States of a supply that the isolators share: pressure of the accumulator [Pa], flow in the line [m³/s], pressure
+    of the manifold [Pa]."""
+
+    station_pressure: float
+    line_flow: float
+    supply_pressure: float
+
+
+class SupplyValues(NamedTuple):
+    """Pump, accumulator, line and manifold as the kernels take them."""
+
+    set_pressure: float
+    """[Pa]"""
+    pump_conductance: float
+    """[m³/s/Pa]"""
+    pump_flow: float
+    """Limit [m³/s]."""
+    gas_volume: float
+    """V₀ [m³]"""
+    precharge: float
+    """p₀ [Pa]"""
+    gas_exponent: float
+    """n"""
+    line_resistance: float
+    """R [Pa s/m³]"""
+    line_inertance: float
+    """L [Pa s²/m³]"""
+    manifold_volume: float
+    """[m³]"""
+    manifold_modulus: float
+    """[Pa]"""
+
+    @classmethod
+    def of(cls, supply: Supply) -> "SupplyValues":
+        """Of a user's supply."""
+        return cls(
+            supply.pressure,
+            supply.pump_flow / supply.pump_droop,
+            supply.pump_flow,
+            supply.accumulator_volume,
+            supply.accumulator_precharge,
+            supply.accumulator_exponent,
+            supply.line_resistance,
+            supply.line_inertance,
+            supply.manifold_volume,
+            supply.oil_modulus,
+        )
+
+    @property
+    def middle(self) -> SupplyState:
+        """Where the pump controls, between no flow and all of it."""
+        pressure = self.set_pressure - 0.5 * self.pump_flow / self.pump_conductance
+        return SupplyState(pressure, 0.5 * self.pump_flow, pressure)
+
+
 @kernel
 def pump_flow(pressure: float, set_pressure: float, conductance: float, limit: float) -> float:
     """Flow of a pressure-controlled pump [m³/s]: conductance·(p_set − p), between 0 and its ``limit``."""
@@ -65,31 +129,17 @@ def pump_flow(pressure: float, set_pressure: float, conductance: float, limit: f
 
 
 @kernel
-def supply_rates(
-    station: float,
-    line_flow: float,
-    manifold: float,
-    drawn: float,
-    set_pressure: float,
-    conductance: float,
-    flow_limit: float,
-    gas_volume: float,
-    precharge: float,
-    exponent: float,
-    resistance: float,
-    inertance: float,
-    manifold_volume: float,
-    bulk_modulus: float,
-) -> tuple[float, float, float]:
-    """Rates of the accumulator's pressure [Pa/s], the line's flow [m³/s²] and the manifold's pressure [Pa/s].
+def supply_rates(state: SupplyState, drawn: float, own: SupplyValues) -> SupplyState:
+    """Rates of the supply's states, from the flow [m³/s] that all isolators draw.
 
-    The gas (volume V₀ at ``precharge`` p₀) is polytropic: p V^n = p₀ V₀^n, so that Ṗ = n p/V·(Q_pump − Q_line). The
-    line is a resistance R [Pa s/m³] and an inertance L [Pa s²/m³]: L Q̇ = p_station − p_manifold − R Q.
+    The gas (volume V₀ at precharge p₀) is polytropic: p V^n = p₀ V₀^n, so that Ṗ = n p/V·(Q_pump − Q_line). The line is
+    a resistance R and an inertance L: L Q̇ = p_station − p_manifold − R Q.
     """
-    gas = gas_volume * (precharge / station) ** (1.0 / exponent)
-    into = pump_flow(station, set_pressure, conductance, flow_limit) - line_flow
-    return (
-        exponent * station / gas * into,
-        (station - manifold - resistance * line_flow) / inertance,
-        bulk_modulus / manifold_volume * (line_flow - drawn),
+    station = state.station_pressure
+    gas = own.gas_volume * (own.precharge / station) ** (1.0 / own.gas_exponent)
+    into = pump_flow(station, own.set_pressure, own.pump_conductance, own.pump_flow) - state.line_flow
+    return SupplyState(
+        own.gas_exponent * station / gas * into,
+        (station - state.supply_pressure - own.line_resistance * state.line_flow) / own.line_inertance,
+        own.manifold_modulus / own.manifold_volume * (state.line_flow - drawn),
     )

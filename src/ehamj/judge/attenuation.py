@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.estimate.third_octave import Band
+from ehamj.estimate.bands import Band
 from ehamj.judge.levels import BANDS, Measured
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant

@@ -7,7 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.criteria.curves import ORDERS, Quantity
-from ehamj.estimate.third_octave import Band, PowerSpectrum, bands
+from ehamj.estimate.bands import Band, bands
+from ehamj.estimate.periodogram import PowerSpectrum
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.estimate.third_octave import band_rms
+from ehamj.estimate.periodogram import band_rms
 from ehamj.judge.levels import BANDS, LEAST_ROWS, named, settled
 from ehamj.plant.axes import AXES
 from ehamj.plant.points import Relative

@@ -11,9 +11,11 @@ from ehamj.control import LinearController
 from ehamj.judge import isolation
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
-from ehamj.linear.margins import feeds_back, report
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.linear.margins import report
+from ehamj.mujoco.rows import DRAWN, LIMITS, Tally
+from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.model import Scenario
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
@@ -25,7 +27,7 @@ def summarise(
     *,
     scenario: Scenario,
     dataset: xr.Dataset,
-    tally: np.ndarray,
+    tally: Tally,
     steps: int,
     timestep: float,
     stepping_seconds: float,
@@ -73,7 +75,7 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> dict[str, 
     """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without."""
     if law is None or not feeds_back(law):
         return None
-    return report(linear_model(scenario), law, scenario.sensors, scenario.seed).to_dict(places=("motions",))
+    return report(linear_model(scenario.plant), Loop.of(scenario, law)).to_dict(places=("motions",))
 
 
 def _observed(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:
@@ -147,20 +149,19 @@ def _stretches(states: np.ndarray, rate: float) -> dict[str, Any] | None:
     return {"first_s": first / rate, "longest_s": longest / rate, "mount": MOUNTS[where]}
 
 
-def _saturation(tally: np.ndarray, states: int) -> dict[str, dict[str, float]]:
+def _saturation(tally: Tally, states: int) -> dict[str, dict[str, float]]:
     """Share of states at each limit, per mount."""
-    names = ("command", "spool", "spool_drive", "cavitation")
-    shares = tally[: len(names) * N_MOUNTS].reshape(len(names), N_MOUNTS) / states
-    return {name: dict(zip(MOUNTS, map(float, row), strict=True)) for name, row in zip(names, shares, strict=True)}
+    shares = {name: tally.limits[name] / states for name in LIMITS.names or ()}
+    return {name: dict(zip(MOUNTS, map(float, each), strict=True)) for name, each in shares.items()}
 
 
-def _oil(tally: np.ndarray, states: int, duration: float) -> dict[str, float]:
-    total, peak, power = (float(value) for value in tally[-3:])
+def _oil(tally: Tally, states: int, duration: float) -> dict[str, float]:
+    drawn = {name: float(tally.drawn[name][0]) for name in DRAWN.names or ()}
     return {
-        "mean_flow_m3_s": total / states,
-        "peak_flow_m3_s": peak,
-        "volume_m3": total / states * duration,
-        "mean_power_w": power / states,
+        "mean_flow_m3_s": drawn["flow"] / states,
+        "peak_flow_m3_s": drawn["peak_flow"],
+        "volume_m3": drawn["flow"] / states * duration,
+        "mean_power_w": drawn["power"] / states,
     }
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm, Verdict, judge
-from ehamj.estimate.third_octave import LEAST_BINS, Band
+from ehamj.estimate.bands import Band
+from ehamj.estimate.periodogram import LEAST_BINS
 from ehamj.judge.levels import Measured, settled
 from ehamj.plant.axes import AXES
 

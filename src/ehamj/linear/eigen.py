@@ -1,4 +1,4 @@
-"""Eigenvalues with both sides' vectors, repeated ones handled: pairing, first-order change, following over a sweep.
+"""Eigenvalues with both sides' vectors, repeated ones handled, and their first-order change.
 
 Right vectors v and left vectors w are biorthonormal, wᴴ v = 1 and 0 between different ones, so that a change dA moves
 an eigenvalue by dλ = wᴴ dA v (e.g. Golub and Van Loan, Matrix Computations, section 7.2). Where an eigenvalue repeats,
@@ -19,9 +19,6 @@ ComplexArray = NDArray[np.complex128]
 REPEATED = 1e-6
 """Distance of two eigenvalues, over their magnitude, below which they count as one that repeats; the linear model is
 good to 1e-9."""
-
-SAME = 0.2
-"""Correlation of two modes below which they are not the same one."""
 
 
 @dataclass(frozen=True)
@@ -134,19 +131,3 @@ def mac(first: ComplexArray, second: ComplexArray, weights: ArrayLike | None = N
     cross = np.abs(first.conj().T @ (w[:, None] * second)) ** 2
     own, other = (np.einsum("nk,n,nk->k", v.conj(), w, v).real for v in (first, second))
     return np.asarray(cross / np.maximum(np.outer(own, other), np.finfo(float).tiny))
-
-
-def correlation(first: tuple[ComplexArray, ComplexArray], second: tuple[ComplexArray, ComplexArray]) -> Array:
-    """|w₁ᴴ v₂ · w₂ᴴ v₁| between modes of two systems, each (right, left) vectors in columns: 1 where they are the same.
-
-    It needs no weights: units cancel between left and right vectors.
-    """
-    forth = first[1].conj().T @ second[0]
-    back = second[1].conj().T @ first[0]
-    return np.nan_to_num(np.abs(forth * back.T))
-
-
-def pairing(likeness: Array) -> list[tuple[int, int]]:
-    """Pairs (row, column) with the greatest sum of likeness, those below `SAME` left out."""
-    rows, columns = linear_sum_assignment(-likeness)
-    return [(int(r), int(c)) for r, c in zip(rows, columns, strict=True) if likeness[r, c] >= SAME]

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.control import statespace
 from ehamj.control.channels import (
     ACCELERATION,
     DISPLACEMENT,
@@ -20,26 +21,32 @@ from ehamj.control.channels import (
     channel_row,
     point_row,
 )
-from ehamj.control.law import OUTPUTS as COMMANDS
 from ehamj.errors import InputError
-from ehamj.memory import N_STATES, SUPPLY_STATES
-from ehamj.memory import STATES as ACTUATOR_STATES
+from ehamj.isolator.equations import State
+from ehamj.memory import states_of
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales, supply_states
+from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
 from ehamj.mujoco.model import build_model, reduced
-from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
-GROUND_INPUTS = tuple(f"ground_{what} {m} {a}" for what in ("displacement", "velocity") for m in MOUNTS for a in AXES)
 FORCES = tuple(f"cg_force {dof}" for dof in DOFS)
 """Force [N] and moment [N m] at the centre of gravity, in the axes of the ground."""
 
-INPUTS = (*COMMANDS, *GROUND_INPUTS, *FORCES)
+
+def grounds(mounts: Sequence[str]) -> tuple[str, ...]:
+    """The ground's own degrees of freedom: each mount and axis."""
+    return tuple(f"{mount} {axis}" for mount in mounts for axis in AXES)
+
+
+def inputs_of(mounts: Sequence[str]) -> tuple[str, ...]:
+    """Commands [V], displacement [m] and velocity [m/s] of the ground, and `FORCES`."""
+    ground = (f"ground_{what} {place}" for what in ("displacement", "velocity") for place in grounds(mounts))
+    return (*(f"valve_command {mount}" for mount in mounts), *ground, *FORCES)
 
 
 @dataclass(frozen=True)
@@ -58,7 +65,17 @@ class LinearModel:
     signals: tuple[Array, Array]
     equilibrium: Array
     """The operating point as a state: positions [m, rad], zero velocities, spools [mA], pressures [Pa]."""
-    inputs: tuple[str, ...] = INPUTS
+    inputs: tuple[str, ...]
+
+    @property
+    def commands(self) -> tuple[str, ...]:
+        """The valves' commands among the inputs, in the order of the mounts."""
+        return self.inputs[: len(self.plant.mounts)]
+
+    @property
+    def ground_inputs(self) -> tuple[str, ...]:
+        """Displacements of the ground at each mount and axis among the inputs, then velocities."""
+        return self.inputs[len(self.plant.mounts) : -len(FORCES)]
 
     def rows(self, outputs: Sequence[str], points: Mapping[str, Point] | None = None) -> tuple[Array, Array]:
         """C and D of named channels; ``points`` adds POINT_displacement x and the like for points of the machine.
@@ -88,32 +105,17 @@ class LinearModel:
         """Frequency response at ``hertz`` [Hz], shape (frequency, output, input)."""
         C, D = self.rows(outputs)
         columns = [self.inputs.index(name) for name in inputs]
-        identity = np.eye(self.A.shape[0])
-        omega = 2j * np.pi * np.atleast_1d(np.asarray(hertz, float))
-        return np.array([C @ np.linalg.solve(s * identity - self.A, self.B[:, columns]) + D[:, columns] for s in omega])
-
-    def from_ground(
-        self, hertz: ArrayLike, outputs: Sequence[str], motion: NDArray[np.complex128]
-    ) -> NDArray[np.complex128]:
-        """Response to a ground displacement of complex amplitude ``motion`` (mount, axis) or (frequency, mount, axis).
-
-        The ground's velocity, jω times the displacement, comes with it. Shape (frequency, output).
-        """
-        f = np.atleast_1d(np.asarray(hertz, float))
-        amplitude = np.broadcast_to(motion, (f.size, N_MOUNTS, len(AXES))).reshape(f.size, -1)
-        both = self.response(f, outputs, GROUND_INPUTS)
-        half = both.shape[2] // 2
-        transfer = both[:, :, :half] + (2j * np.pi * f)[:, None, None] * both[:, :, half:]
-        return np.einsum("foi,fi->fo", transfer, amplitude)
+        s = 2j * np.pi * np.atleast_1d(np.asarray(hertz, float))
+        return statespace.response(s, self.A, self.B[:, columns], C, D[:, columns])
 
 
 def linear_model(
-    scenario: Scenario, commands: ArrayLike | None = None, load: ArrayLike = (0.0,) * 6, feet: bool = False
+    plant: Plant, commands: ArrayLike | None = None, load: ArrayLike = (0.0,) * 6, feet: bool = False
 ) -> LinearModel:
-    """Linearise the machine of a scenario about its static equilibrium.
+    """Linearise a machine about its static equilibrium.
 
     Args:
-        scenario: what is linearised; ground and control play no part.
+        plant: what is linearised.
         commands: held commands, one per valve [V]; zero without.
         load: held force and moment at the centre of gravity, (6,) [N, N m].
         feet: keep sliding plates as states of their own even where all feet are rigid (the constraint's poles with
@@ -122,13 +124,13 @@ def linear_model(
     Raises:
         InputError: if there is no such operating point.
     """
-    plant = replace(scenario.plant if feet else reduced(scenario.plant), bookkeeping=False)
+    plant = replace(plant if feet else reduced(plant), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
     force = _finite("load", load, len(DOFS))
     data.xfrc_applied[model.body("machine").id] = force
-    held = Inputs.rest()
-    held.command[:] = 0.0 if commands is None else _finite("commands", commands, N_MOUNTS)
+    held = Inputs.rest(model)
+    held.command[:] = 0.0 if commands is None else _finite("commands", commands, len(plant.mounts))
     with hydraulics():
         try:
             state = equilibrium(model, data, held)
@@ -138,7 +140,8 @@ def linear_model(
             raise InputError(f"operating point: {error}; {held_at}; {limit}") from error
         A = jacobian(model, data, state, held)
         B = _input_matrix(model, data, state, held)
-    return LinearModel(plant, _state_names(model), A, B, _signal_matrices(model, plant, A, B), state)
+    states, inputs = _state_names(model, plant.mounts), inputs_of(plant.mounts)
+    return LinearModel(plant, states, A, B, _signal_matrices(plant, states, A, B), state, inputs)
 
 
 def _finite(name: str, values: ArrayLike, size: int) -> Array:
@@ -157,8 +160,8 @@ def linearise(
 ) -> Any:
     """The machine of a scenario as a ``control.StateSpace`` with named states, inputs and outputs.
 
-    Inputs are the four commands [V], displacement [m] and velocity [m/s] of the ground at each mount and axis, and
-    forces at the centre of gravity (`INPUTS`). Outputs are channels as in the result (`ehamj.control.channels`), all
+    Inputs are the valves' commands [V], displacement [m] and velocity [m/s] of the ground at each mount and axis, and
+    forces at the centre of gravity (`inputs_of`). Outputs are channels as in the result (`ehamj.control.channels`), all
     of them by default.
 
     Args:
@@ -174,7 +177,7 @@ def linearise(
     """
     import control
 
-    model = linear_model(scenario, commands, load)
+    model = linear_model(scenario.plant, commands, load)
     if outputs is None:
         outputs = [name for name in channel_names() if not name.startswith("ground_")]
         outputs += [
@@ -190,66 +193,53 @@ def linearise(
     )  # fmt: skip
 
 
-def _state_names(model: mujoco.MjModel) -> tuple[str, ...]:
-    joints = [*JOINTS, *(f"plate {mount}" for mount in MOUNTS)][: model.nq]
+def _state_names(model: mujoco.MjModel, mounts: Sequence[str]) -> tuple[str, ...]:
+    joints = [*JOINTS, *(f"plate {mount}" for mount in mounts)][: model.nq]
     motion = [f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints]
-    actuators = (f"{state} {mount}" for mount in MOUNTS for state in ACTUATOR_STATES)
-    return (*motion, *actuators, *(SUPPLY_STATES if supply_states(model) else ()))
+    return (*motion, *states_of(model))
 
 
 def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held: Inputs) -> Array:
-    """∂rates/∂inputs by central differences, columns as `INPUTS`."""
-    machine = model.body("machine").id
+    """∂rates/∂inputs by central differences, columns as `inputs_of`."""
     columns = []
-
-    def difference(step: float, ahead: Inputs, behind: Inputs) -> None:
-        columns.append((rates(model, data, state, ahead) - rates(model, data, state, behind)) / (2.0 * step))
-
-    for mount in range(N_MOUNTS):
-        step = np.zeros(N_MOUNTS)
-        step[mount] = 1e-3
-        difference(1e-3, *(Inputs(held.displacement, held.velocity, held.command + s * step) for s in (1, -1)))
     small = scales(model)
-    for order, size in ((0, small[0]), (1, small[model.nq])):
-        for k in range(N_MOUNTS * len(AXES)):
-            step = np.zeros(N_MOUNTS * len(AXES))
+    for name, size in (("command", 1e-3), ("displacement", small[0]), ("velocity", small[model.nq])):
+        value = getattr(held, name)
+        for k in range(value.size):
+            step = np.zeros(value.size)
             step[k] = size
-            parts = [held.displacement, held.velocity]
-            pair = []
-            for sign in (1, -1):
-                moved = list(parts)
-                moved[order] = parts[order] + sign * step.reshape(N_MOUNTS, len(AXES))
-                pair.append(Inputs(moved[0], moved[1], held.command))
-            difference(size, *pair)
-    load = data.xfrc_applied[machine].copy()
+            ahead, behind = (
+                rates(model, data, state, replace(held, **{name: value + sign * step.reshape(value.shape)}))
+                for sign in (1, -1)
+            )
+            columns.append((ahead - behind) / (2.0 * size))
+    load = data.xfrc_applied[model.body("machine").id]
     for dof in range(len(DOFS)):
-        found = []
+        found, at = [], load[dof]
         for sign in (1, -1):
-            data.xfrc_applied[machine] = load
-            data.xfrc_applied[machine, dof] += sign * 100.0
+            load[dof] = at + sign * 100.0
             found.append(rates(model, data, state, held))
+        load[dof] = at
         columns.append((found[0] - found[1]) / 200.0)
-    data.xfrc_applied[machine] = load
     return np.array(columns).T
 
 
-def _signal_matrices(model: mujoco.MjModel, plant: Plant, A: Array, B: Array) -> tuple[Array, Array]:
+def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) -> tuple[Array, Array]:
     """The vector of signals (`ehamj.control.channels`) from state and input."""
-    nq, nv, n = model.nq, model.nv, A.shape[0]
-    C, D = np.zeros((N_SIGNALS, n)), np.zeros((N_SIGNALS, B.shape[1]))
-    for dof, column in enumerate(DOF_OF_JOINT):
-        C[DISPLACEMENT + dof, column] = C[VELOCITY + dof, nq + column] = 1.0
-        C[ACCELERATION + dof], D[ACCELERATION + dof] = A[nq + column], B[nq + column]
-    size = N_MOUNTS * len(AXES)
-    D[GROUND : GROUND + 2 * size, N_MOUNTS : N_MOUNTS + 2 * size] = np.eye(2 * size)
-    own = N_MOUNTS * N_STATES
-    C[STATE : STATE + own, nq + nv : nq + nv + own] = np.eye(own)
-    for mount, (x, y) in enumerate(plant.positions):
-        for order, first in enumerate((0, nq)):
-            row = PLATE + N_MOUNTS * order + mount
-            if plant.plates == "sliding":
-                C[row, first + len(JOINTS) + mount] = 1.0
-            else:
-                for joint, lever in (("z", 1.0), ("rx", y), ("ry", -x)):
-                    C[row, first + JOINTS.index(joint)] = lever
+    at = {name: k for k, name in enumerate(states)}
+    n = len(plant.mounts)
+    C, D = np.zeros((N_SIGNALS, A.shape[0])), np.zeros((N_SIGNALS, B.shape[1]))
+    for dof, name in enumerate(DOFS):
+        moves = at[f"velocity {name}"]
+        C[DISPLACEMENT + dof, at[f"displacement {name}"]] = C[VELOCITY + dof, moves] = 1.0
+        C[ACCELERATION + dof], D[ACCELERATION + dof] = A[moves], B[moves]
+    size = 2 * n * len(AXES)
+    D[GROUND : GROUND + size, n : n + size] = np.eye(size)
+    for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
+        C[STATE + row, at[name]] = 1.0
+    for order, what in enumerate(("displacement", "velocity")):
+        for mount, (name, (x, y)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
+            height = {f"plate {name}": 1.0} if plant.plates == "sliding" else {"z": 1.0, "rx": y, "ry": -x}
+            for joint, share in height.items():
+                C[PLATE + n * order + mount, at[f"{what} {joint}"]] = share
     return C, D

@@ -1,13 +1,11 @@
-"""Loop gains of machine and digital controller, and the margins that practitioners ask for.
+"""The margins that practitioners ask for, of a digital control loop around the machine (`ehamj.linear.loop.opened`).
 
-The loop is broken at the four valves together, L(jω) = −C(e^{jωT})·hold·delay·G(jω), (valve, valve), G from the
-commands to the readings. Images of the machine around the sampling rate are left out: oil, valve and instruments let
-nothing through there (1e-4 of the loop gain). Broken at one place only (a valve, a motion, a reading) while everything
-else stays closed, the loop gain is 1/S_kk − 1 of the sensitivity S there.
+Broken at one place only (a valve, a motion, a reading) while everything else stays closed, the loop gain is
+1/S_kk − 1 of the sensitivity S there.
 
 Margins of one place are classical; the disk margin of all valves at once (Seiler, Packard and Gahinet, "An introduction
-to disk margins", IEEE Control Systems 40(5), 2020; balanced, σ = 0) tells how much gain and phase may change at all
-four together and independently, since one loop at a time misleads.
+to disk margins", IEEE Control Systems 40(5), 2020; balanced, σ = 0) tells how much gain and phase may change at all of
+them together and independently, since one loop at a time misleads.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,21 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control import LinearController
-from ehamj.control.law import OUTPUTS
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
-from ehamj.linear.sampled import sampled_loop
+from ehamj.linear.sampled import STABLE, spectral_radius
 from ehamj.plant.levers import MOTIONS, plane, warp
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 PATTERNS: Final = (*MOTIONS, "warp")
-"""The four patterns in which the valves move together."""
-
-STABLE: Final = 1.0 + 1e-9
-"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
+"""The patterns in which four valves move together."""
 
 
 @dataclass(frozen=True)
@@ -91,16 +84,6 @@ class LoopReport:
         }  # fmt: skip
 
 
-def own_readings(law: LinearController) -> list[int]:
-    """Numbers of the law's inputs that measure the machine, and not the ground."""
-    return [k for k, name in enumerate(law.inputs) if not name.startswith("ground_")]
-
-
-def feeds_back(law: LinearController | None) -> bool:
-    """Whether a law measures anything of the machine."""
-    return law is not None and bool(own_readings(law))
-
-
 def grid(law: LinearController, model: LinearModel | None = None) -> Array:
     """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances."""
     half = 0.5 / max(part.period for part in law.parts)
@@ -114,66 +97,37 @@ def grid(law: LinearController, model: LinearModel | None = None) -> Array:
     return together[(together >= 0.02) & (together < half)]
 
 
-def loop_gain(
-    model: LinearModel, law: LinearController, hertz: ArrayLike, sensors: Sensors = IDEAL, seed: int = 0
-) -> ComplexArray:
-    """L at the valves, (frequency, 4, 4): negative feedback, u = −L u.
-
-    Args:
-        model: linearised machine.
-        law: digital controller.
-        hertz: frequencies (n,) below half the rate [Hz].
-        sensors: instruments of the law.
-        seed: of the scenario, which draws the directions of misalignments.
-    """
-    commands, plant = _halves(model, law, np.atleast_1d(np.asarray(hertz, float)), sensors, seed)
-    return -commands @ plant
+def in_patterns(sensitivity: ComplexArray, positions: Sequence[Sequence[float]]) -> ComplexArray:
+    """The sensitivity (f, valve, valve) as that of `PATTERNS` of valves at positions [m], (f, pattern, pattern)."""
+    basis = np.column_stack([plane(positions), warp(positions)])
+    return np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
 
 
-def _halves(
-    model: LinearModel, law: LinearController, f: Array, sensors: Sensors, seed: int
-) -> tuple[ComplexArray, ComplexArray]:
-    """Law with delay and hold (frequency, 4, readings), and readings over commands (frequency, readings, 4).
-
-    Readings are those of the machine (`own_readings`); the ground does not answer commands.
-    """
-    own = own_readings(law)
-    chosen = [law.inputs[k] for k in own]
-    names, shares = sensors.mixtures(chosen, seed)
-    answer = shares @ model.response(f, names, OUTPUTS)
-    return law.response(f)[:, :, own], sensors.response(chosen, f)[:, :, None] * answer
-
-
-def report(
-    model: LinearModel, law: LinearController, sensors: Sensors = IDEAL, seed: int = 0, hertz: ArrayLike | None = None
-) -> LoopReport:
+def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
     """Margins at every place where the loop can be broken.
 
     Args:
         model: linearised machine.
-        law: digital controller that measures something of the machine.
-        sensors: instruments of the law.
-        seed: of the scenario.
+        loop: whose law measures something of the machine.
         hertz: frequencies [Hz]; `grid` without.
 
     Raises:
         ValueError: if the law only measures the ground: there is no loop.
     """
+    law = loop.law
     if not feeds_back(law):
         raise ValueError("the law measures nothing of the machine: there is no loop")
     f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
-    commands, plant = _halves(model, law, f, sensors, seed)
-    sensitivity = np.asarray(np.linalg.inv(np.eye(N_MOUNTS) - commands @ plant), complex)
-    basis = np.column_stack([plane(model.plant.positions), warp(model.plant.positions)])
-    moved = np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
-    at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", plant, sensitivity, commands, optimize=True)
-    radius = float(np.abs(np.linalg.eigvals(sampled_loop(model, law, sensors, seed).A)).max())
+    cut = opened(model, loop, f)
+    sensitivity = cut.sensitivity
+    moved = in_patterns(sensitivity, model.plant.positions)
+    at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", cut.plant, sensitivity, cut.law, optimize=True)
     return LoopReport(
-        radius < STABLE,
+        spectral_radius(model, loop) < STABLE,
         disk_margin(sensitivity),
-        {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(MOUNTS)},
+        {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(model.plant.mounts)},
         {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(PATTERNS)},
-        {law.inputs[name]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k, name in enumerate(own_readings(law))},
+        {law.inputs[k]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k in own_readings(law)},
     )
 
 

@@ -11,25 +11,20 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.control import Controller, LinearController
-from ehamj.control.law import OUTPUTS as COMMANDS
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control import Controller
 from ehamj.errors import InputError
-from ehamj.estimate.third_octave import Band
-from ehamj.linear.machine import GROUND_INPUTS, LinearModel
-from ehamj.linear.sampled import measured_machine, sampled_machine
+from ehamj.linear.loop import Loop, opened
+from ehamj.linear.machine import LinearModel, grounds
+from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import levers
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Reference = Literal["cg", "mounts"]
 
-TURNS: Final = ("rx", "ry", "rz")
-GROUNDS: Final = tuple(f"{mount} {axis}" for mount in MOUNTS for axis in AXES)
-"""The ground's own degrees of freedom: each mount and axis."""
+TURNS: Final = DOFS[3:]
 
 ZERO: Final = 1e-6
 """Share of its row below which an element is zero by symmetry, and rounding all that it shows."""
@@ -52,9 +47,9 @@ def machine_channels(reference: Reference = "cg") -> tuple[str, ...]:
     raise InputError(f"reference = {reference!r}: must be 'cg' or 'mounts'")
 
 
-def foot_channels() -> tuple[str, ...]:
+def foot_channels(mounts: Sequence[str]) -> tuple[str, ...]:
     """Displacement of the machine above each mount."""
-    return tuple(f"foot_displacement {name}" for name in GROUNDS)
+    return tuple(f"foot_displacement {name}" for name in grounds(mounts))
 
 
 def slab_pattern(plant: Plant, dofs: Sequence[str] = DOFS) -> Array:
@@ -82,49 +77,34 @@ class Transfer:
 def rigid_floor(
     model: LinearModel,
     hertz: ArrayLike,
-    controller: LinearController | None = None,
+    loop: Loop | None = None,
     outputs: Sequence[str] = machine_channels(),
     dofs: Sequence[str] = DOFS,
-    sensors: Sensors = IDEAL,
-    seed: int = 0,
 ) -> Transfer:
     """Answer to a rigid floor, for the six degrees of freedom of floor and machine the full 6 × 6.
 
     Args:
         model: linearised machine.
         hertz: frequencies [Hz].
-        controller: closes the loop; without, the valves are held (passive).
+        loop: law and instruments; without, the valves are held (passive).
         outputs: channels (`ehamj.control.channels`) but for the ground's.
         dofs: of the floor.
-        sensors: instruments of the controller.
-        seed: of the scenario, which draws the directions of misalignments.
     """
     f = np.atleast_1d(np.asarray(hertz, float))
-    response = ground_response(model, f, outputs, controller, sensors, seed) @ slab_pattern(model.plant, dofs)
+    response = ground_response(model, f, outputs, loop) @ slab_pattern(model.plant, dofs)
     return Transfer(f, tuple(outputs), tuple(dofs), response)
 
 
 def single_mounts(
-    model: LinearModel,
-    hertz: ArrayLike,
-    controller: LinearController | None = None,
-    outputs: Sequence[str] = (*machine_channels(), *foot_channels()),
-    sensors: Sensors = IDEAL,
-    seed: int = 0,
+    model: LinearModel, hertz: ArrayLike, loop: Loop | None = None, outputs: Sequence[str] | None = None
 ) -> Transfer:
-    """Answer to the ground below each mount by itself, in each axis (`GROUNDS`); arguments as `rigid_floor`."""
-    f = np.atleast_1d(np.asarray(hertz, float))
-    return Transfer(f, tuple(outputs), GROUNDS, ground_response(model, f, outputs, controller, sensors, seed))
+    """Answer of machine and feet to the ground below each mount by itself, in each axis; arguments as `rigid_floor`."""
+    f, mounts = np.atleast_1d(np.asarray(hertz, float)), model.plant.mounts
+    chosen = (*machine_channels(), *foot_channels(mounts)) if outputs is None else tuple(outputs)
+    return Transfer(f, chosen, grounds(mounts), ground_response(model, f, chosen, loop))
 
 
-def ground_response(
-    model: LinearModel,
-    hertz: Array,
-    outputs: Sequence[str],
-    controller: LinearController | None = None,
-    sensors: Sensors = IDEAL,
-    seed: int = 0,
-) -> ComplexArray:
+def ground_response(model: LinearModel, hertz: Array, outputs: Sequence[str], loop: Loop | None = None) -> ComplexArray:
     """Response to the displacement of the ground at each mount and axis, (f, output, mount·axis).
 
     Under a digital controller of one rate the sampled loop is closed exactly: what the sensors give is sampled, the
@@ -136,53 +116,40 @@ def ground_response(
     Raises:
         ValueError: if a measured channel answers a command at once.
     """
-    plain = _from_ground(model, hertz, outputs)
-    if controller is None:
+    plain = _held(model, hertz, outputs)
+    if loop is None:
         return plain
-    names, shares = sensors.mixtures(controller.inputs, seed)
-    seen = sensors.response(controller.inputs, hertz)[:, :, None] * (shares @ _from_ground(model, hertz, names))
-    driven = model.response(hertz, outputs, COMMANDS)
-    held = controller.response(hertz)
-    if not isinstance(controller, Controller):
-        machine = measured_machine(model, controller.inputs, sensors, seed)
-        answer = _over(np.asarray(2j * np.pi * hertz, complex), machine.A, machine.B, machine.C)
-        return plain + driven @ np.linalg.solve(np.eye(N_MOUNTS) - held @ answer, held @ seen)
-    period, omega = controller.period, 2 * np.pi * hertz
-    z = np.exp(1j * omega * period)
-    law = _over(z, controller.A, controller.B, controller.C) + controller.D
-    commands = np.linalg.solve(np.eye(N_MOUNTS) - law @ sampled_plant(model, controller, z, sensors, seed), law @ seen)
-    hold = np.exp(-1j * omega * (0.5 * period + controller.latency)) * np.sinc(hertz * period)
+    seen, law = readings_of_ground(model, loop, hertz), loop.law
+    driven = model.response(hertz, outputs, model.commands)
+    if not isinstance(law, Controller):
+        return plain + driven @ opened(model, loop, hertz).commands(seen)
+    omega = 2 * np.pi * hertz
+    commands = opened_at_samples(model, loop, np.exp(1j * omega * law.period)).commands(seen)
+    hold = np.exp(-1j * omega * (0.5 * law.period + law.latency)) * np.sinc(hertz * law.period)
     return plain + driven @ (hold[:, None, None] * commands)
 
 
-def sampled_plant(
-    model: LinearModel, controller: Controller, z: ComplexArray, sensors: Sensors = IDEAL, seed: int = 0
-) -> ComplexArray:
-    """The readings over the commands from sample to sample, delay and hold included, (f, input, valve)."""
-    machine = sampled_machine(model, controller, sensors, seed)
-    return _over(z, machine.A, machine.B, machine.C)
+def readings_of_ground(model: LinearModel, loop: Loop, hertz: Array) -> ComplexArray:
+    """Readings over the displacement of the ground at each mount and axis, valves held, (f, reading, mount·axis)."""
+    names, shares = loop.mixtures()
+    read = loop.sensors.response(loop.law.inputs, hertz)
+    return np.asarray(read[:, :, None] * (shares @ _held(model, hertz, names)), complex)
 
 
-def _over(s: ComplexArray, A: Array, B: Array, C: Array) -> ComplexArray:
-    """C (s − A)⁻¹ B at each s, (s, output, input)."""
-    if not A.size:
-        return np.zeros((s.size, C.shape[0], B.shape[1]), complex)
-    return C @ np.linalg.solve(s[:, None, None] * np.eye(A.shape[0]) - A, np.broadcast_to(B, (s.size, *B.shape)))
-
-
-def _from_ground(model: LinearModel, hertz: Array, channels: Sequence[str]) -> ComplexArray:
+def _held(model: LinearModel, hertz: Array, channels: Sequence[str]) -> ComplexArray:
     """Passive response of channels to the ground's displacement; the ground's own channels among them."""
-    found = np.zeros((hertz.size, len(channels), len(GROUNDS)), complex)
+    places = grounds(model.plant.mounts)
+    found = np.zeros((hertz.size, len(channels), len(places)), complex)
     s = 2j * np.pi * hertz
-    own = [k for k, name in enumerate(channels) if not name.startswith("ground_")]
-    if own:
-        both = model.response(hertz, [channels[k] for k in own], GROUND_INPUTS)
-        found[:, own] = both[:, :, : len(GROUNDS)] + s[:, None, None] * both[:, :, len(GROUNDS) :]
+    moving = [k for k, name in enumerate(channels) if not name.startswith("ground_")]
+    if moving:
+        both = model.response(hertz, [channels[k] for k in moving], model.ground_inputs)
+        found[:, moving] = both[:, :, : len(places)] + s[:, None, None] * both[:, :, len(places) :]
     for k, name in enumerate(channels):
-        if k not in own:
+        if k not in moving:
             variable, _, where = name.partition(" ")
             order = ("displacement", "velocity", "acceleration").index(variable.removeprefix("ground_"))
-            found[:, k, GROUNDS.index(where)] = s**order
+            found[:, k, places.index(where)] = s**order
     return found
 
 
@@ -224,23 +191,3 @@ def deviations(
     scale = np.where(zero, np.broadcast_to(row, size.shape), np.maximum(size, SMALL * row))
     scale[:, (size < ZERO).all(axis=(0, 2))] = np.nan
     return np.asarray(np.abs(measured - linear) * factor / scale)
-
-
-def band_attenuation(frequency: Array, response: ComplexArray, chosen: Sequence[Band]) -> Array:
-    """Attenuation per third-octave [dB], positive: quieter than the floor, NaN in bands without a frequency.
-
-    Of a floor that moves with the same velocity at each of the given frequencies: −10 lg of the mean of |T|².
-
-    Args:
-        frequency: [Hz], (f,).
-        response: one element over frequency, (f,); NaN is left out.
-        chosen: bands.
-    """
-    found = np.full(len(chosen), np.nan)
-    for k, band in enumerate(chosen):
-        low, high = band.edges
-        inside = np.abs(response[(frequency >= low) & (frequency < high)]) ** 2
-        inside = inside[np.isfinite(inside)]
-        if inside.size and inside.mean() > 0:
-            found[k] = -10.0 * np.log10(inside.mean())
-    return found

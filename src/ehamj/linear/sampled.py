@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +17,20 @@ from scipy.linalg import expm
 
 from ehamj.control import Controller, LinearController
 from ehamj.control.channels import quantity_of
-from ehamj.control.law import OUTPUTS
-from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.clock import common_multiple, exact
+from ehamj.control.statespace import response
+from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
-from ehamj.plant.mounts import N_MOUNTS
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+STABLE: Final = 1.0 + 1e-9
+"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
+
 
 class MeasuredMachine(NamedTuple):
-    """ẋ = A x + B v, readings = C x: machine and sensors with the four commands v [V] as inputs."""
+    """ẋ = A x + B v, readings = C x: machine and sensors with the valves' commands v [V] as inputs."""
 
     A: Array
     B: Array
@@ -35,68 +38,71 @@ class MeasuredMachine(NamedTuple):
     states: tuple[str, ...]
 
 
-def measured_machine(
-    model: LinearModel, channels: Sequence[str], sensors: Sensors = IDEAL, seed: int = 0
-) -> MeasuredMachine:
-    """The machine with a sensor at each channel; what the ground adds to the channels is left out.
-
-    Args:
-        model: linearised machine.
-        channels: what is measured, see `ehamj.control.channels`.
-        sensors: instruments.
-        seed: of the scenario; it draws the directions of misalignments.
+def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
+    """The machine with the loop's instruments at its channels; what the ground adds to them is left out.
 
     Raises:
         InputError: if a channel is unknown, or its instrument measures another quantity.
+        ValueError: if a measured channel answers a command at once.
     """
-    rows = sensors.rows(tuple(channels), model.plant, seed)
-    C, D = rows @ model.signals[0], rows @ model.signals[1][:, :N_MOUNTS]
+    channels, sensors, valves = loop.law.inputs, loop.sensors, len(model.commands)
+    rows = sensors.rows(channels, model.plant, loop.seed)
+    C, D = rows @ model.signals[0], rows @ model.signals[1][:, :valves]
     if np.abs(D).max(initial=0.0) > 0:
         raise ValueError("a measured channel answers a command at once")
-    A, n = model.A, model.A.shape[0]
-    B = model.B[:, :N_MOUNTS]
-    names = list(model.states)
+    A, B, names = model.A, model.B[:, :valves], list(model.states)
     for k, name in enumerate(channels):
         sensor = sensors.of(name)
         if sensor is None or not sensor.filters:
             continue
-        own = sensor.state_space()
-        size = own.A.shape[0]
-        A = np.block([[A, np.zeros((A.shape[0], size))], [np.outer(own.B, C[k]), own.A]])
-        B = np.vstack([B, np.zeros((size, N_MOUNTS))])
-        reading = np.concatenate([own.D * C[k], own.C])
+        block = sensor.state_space()
+        size = block.A.shape[0]
+        A = np.block([[A, np.zeros((A.shape[0], size))], [np.outer(block.B, C[k]), block.A]])
+        B = np.vstack([B, np.zeros((size, valves))])
+        reading = np.concatenate([block.D * C[k], block.C])
         C = np.hstack([C, np.zeros((len(channels), size))])
         C[k] = reading
         names += [f"controller sensor {name} {state}" for state in range(size)]
-    assert A.shape[0] == len(names) >= n
     return MeasuredMachine(A, B, C, tuple(names))
 
 
-def sampled_machine(model: LinearModel, controller: Controller, sensors: Sensors = IDEAL, seed: int = 0) -> Any:
+def sampled_machine(model: LinearModel, loop: Loop) -> Any:
     """What a law of one rate sees, as a ``control.StateSpace`` with its ``dt``: from the commands that it computes at a
     sample to its readings at the samples, with delay, hold, machine and sensors; there is no direct way. Its states are
     in units of µm, 0.1 mm/s, mA, A/s and 10 kPa.
 
-    The loop gain is ``control.ss(controller.A, …, controller.period)`` times this.
+    The loop gain is ``control.ss(law.A, …, law.period)`` times this.
 
     Args:
         model: linearised machine.
-        controller: whose channels, period and delay count; its matrices do not.
-        sensors: instruments.
-        seed: of the scenario.
+        loop: of whose law channels, period and delay count; its matrices do not.
     """
     import control
 
-    machine = measured_machine(model, controller.inputs, sensors, seed)
-    places = _Places.of(machine, (controller,), law_states=False, inputs=True)
-    matrix = _carry(machine, (controller,), places, lambda _: [(places.inputs, np.eye(N_MOUNTS))])
-    n = places.size - N_MOUNTS
-    C = np.hstack([machine.C, np.zeros((len(controller.inputs), n - machine.A.shape[0]))])
+    machine, law = measured_machine(model, loop), loop.law.parts[0]
+    places = _Places.of(machine, (law,), law_states=False, inputs=True)
+    valves = machine.B.shape[1]
+    matrix = _carry(machine, (law,), places, lambda _: [(places.inputs, np.eye(valves))])
+    n = places.size - valves
+    C = np.hstack([machine.C, np.zeros((len(law.inputs), n - machine.A.shape[0]))])
     unit = np.array([_unit(name) for name in machine.states] + [1.0] * (n - machine.A.shape[0]))
     return control.ss(
         matrix[:n, :n] * unit / unit[:, None], matrix[:n, n:] / unit[:, None], C * unit,
-        np.zeros((C.shape[0], N_MOUNTS)), controller.period, inputs=list(OUTPUTS), outputs=list(controller.inputs),
+        np.zeros((C.shape[0], valves)), law.period, inputs=list(model.commands), outputs=list(law.inputs),
     )  # fmt: skip
+
+
+def opened_at_samples(model: LinearModel, loop: Loop, z: ComplexArray) -> Opened:
+    """The loop of a law of one rate cut open at the commands that it computes; delay and hold count to the plant.
+
+    Args:
+        model: linearised machine.
+        loop: with a law of one rate.
+        z: e^{jωT} of each frequency, (f,).
+    """
+    (law,) = loop.law.parts
+    machine = sampled_machine(model, loop)
+    return Opened(response(z, law.A, law.B, law.C, law.D), response(z, machine.A, machine.B, machine.C))
 
 
 def _unit(state: str) -> float:
@@ -136,37 +142,39 @@ class SampledLoop:
         return np.asarray(s)
 
 
-def sampled_loop(
-    model: LinearModel, controller: LinearController, sensors: Sensors = IDEAL, seed: int = 0
-) -> SampledLoop:
-    """Machine, sensors and controller from sample to sample, of several rates from pattern to pattern.
+def sampled_loop(model: LinearModel, loop: Loop) -> SampledLoop:
+    """Machine, sensors and law from sample to sample, of several rates from pattern to pattern.
 
     Outputs act ``latency`` after their sample and are held for a period; those that wait are states.
 
     Raises:
         InputError: if a channel's instrument measures another quantity.
     """
-    channels, parts = controller.inputs, controller.parts
-    machine = measured_machine(model, channels, sensors, seed)
+    channels, parts = loop.law.inputs, loop.law.parts
+    machine = measured_machine(model, loop)
     places = _Places.of(machine, parts)
+    read = [machine.C[[channels.index(name) for name in part.inputs]] for part in parts]
 
     def outputs(k: int) -> list[tuple[slice, Array]]:
-        own = [channels.index(name) for name in parts[k].inputs]
-        return [(places.machine, parts[k].D @ machine.C[own]), (places.laws[k], parts[k].C)]
+        return [(places.machine, parts[k].D @ read[k]), (places.laws[k], parts[k].C)]
 
     def advance(k: int) -> list[tuple[slice, Array]]:
-        own = [channels.index(name) for name in parts[k].inputs]
-        return [(places.machine, parts[k].B @ machine.C[own]), (places.laws[k], parts[k].A)]
+        return [(places.machine, parts[k].B @ read[k]), (places.laws[k], parts[k].A)]
 
     between: list[tuple[float, Array]] = []
     matrix = _carry(machine, parts, places, outputs, advance, between)
     names = (*machine.states, *(f"controller {k}" for k in range(places.size - len(machine.states))))
-    return SampledLoop(matrix, names, float(_pattern(parts)[0]), tuple(between) if len(parts) > 1 else ())
+    return SampledLoop(matrix, names, pattern_period(loop.law), tuple(between) if len(parts) > 1 else ())
 
 
-def pattern_period(controller: LinearController) -> float:
+def pattern_period(law: LinearController) -> float:
     """Time after which the samples of all rates repeat [s]; of one rate its period."""
-    return float(_pattern(controller.parts)[0])
+    return float(common_multiple(part.period for part in law.parts))
+
+
+def spectral_radius(model: LinearModel, loop: Loop) -> float:
+    """Largest magnitude of an eigenvalue of the sampled loop: stable below one (`STABLE`)."""
+    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop).A)).max())
 
 
 Rows = Callable[[int], list[tuple[slice, Array]]]
@@ -190,42 +198,37 @@ class _Places:
     def of(
         cls, machine: MeasuredMachine, parts: Sequence[Controller], law_states: bool = True, inputs: bool = False
     ) -> "_Places":
-        at = machine.A.shape[0]
-        laws, held, queues = [], [], []
+        at, valves = machine.B.shape
+        found: list[slice] = []
         for part in parts:
-            sizes = (part.states if law_states else 0, N_MOUNTS, N_MOUNTS * _waiting(part))
-            ends = at + np.cumsum(sizes)
-            own, hold, queue = (slice(int(end - size), int(end)) for end, size in zip(ends, sizes, strict=True))
-            laws.append(own)
-            held.append(hold)
-            queues.append(queue)
-            at = int(ends[-1])
-        end = at + (N_MOUNTS if inputs else 0)
-        return cls(slice(0, machine.A.shape[0]), tuple(laws), tuple(held), tuple(queues), slice(at, end), end)
+            for size in (part.states if law_states else 0, valves, valves * _waiting(part)):
+                found.append(slice(at, at + size))
+                at += size
+        end = at + (valves if inputs else 0)
+        laws, held, queues = (tuple(found[k::3]) for k in range(3))
+        return cls(slice(0, machine.A.shape[0]), laws, held, queues, slice(at, end), end)
 
-
-def _exact(time: float) -> Fraction:
-    return Fraction(time).limit_denominator(10**7)
+    @property
+    def valves(self) -> int:
+        """Number of valves."""
+        return self.held[0].stop - self.held[0].start
 
 
 def _waiting(part: Controller) -> int:
     """Outputs that wait at most: a sample's output joins them before the first is released."""
-    return math.ceil(_exact(part.latency) / _exact(part.period))
+    return math.ceil(exact(part.latency) / exact(part.period))
 
 
 def _pattern(parts: Sequence[Controller]) -> tuple[Fraction, list[tuple[Fraction, list[int], list[int]]]]:
     """The time after which everything repeats, and events in it: time, laws released, laws sampled."""
-    periods = [_exact(part.period) for part in parts]
-    length = periods[0]
-    for other in periods[1:]:
-        n = math.lcm(length.numerator * other.denominator, other.numerator * length.denominator)
-        length = Fraction(n, length.denominator * other.denominator)
+    length = common_multiple(part.period for part in parts)
     found: dict[Fraction, tuple[list[int], list[int]]] = {}
-    for k, (part, period) in enumerate(zip(parts, periods, strict=True)):
+    for k, part in enumerate(parts):
+        period = exact(part.period)
         for sample in range(int(length / period)):
             found.setdefault(sample * period, ([], []))[1].append(k)
             if part.latency > 0:
-                due = (sample * period + _exact(part.latency)) % length
+                due = (sample * period + exact(part.latency)) % length
                 found.setdefault(due, ([], []))[0].append(k)
     return length, [(time, *found[time]) for time in sorted(found)]
 
@@ -254,8 +257,8 @@ def _carry(
 
 def _flow(machine: MeasuredMachine, places: _Places, time: float) -> Array:
     """Machine and sensors move for a time under what is held."""
-    n = machine.A.shape[0]
-    block = expm(np.block([[machine.A, machine.B], [np.zeros((N_MOUNTS, n + N_MOUNTS))]]) * time)
+    n, valves = machine.B.shape
+    block = expm(np.block([[machine.A, machine.B], [np.zeros((valves, n + valves))]]) * time)
     matrix = np.eye(places.size)
     matrix[:n, :n] = block[:n, :n]
     for held in places.held:
@@ -268,7 +271,7 @@ def _release(places: _Places, k: int) -> Array:
     matrix = np.eye(places.size)
     matrix[places.held[k]] = 0.0
     oldest = places.queues[k].stop
-    matrix[places.held[k], oldest - N_MOUNTS : oldest] = np.eye(N_MOUNTS)
+    matrix[places.held[k], oldest - places.valves : oldest] = np.eye(places.valves)
     return matrix
 
 
@@ -276,18 +279,16 @@ def _sample(
     places: _Places, parts: Sequence[Controller], sampled: list[int], outputs: Rows, advance: Rows | None
 ) -> Array:
     """Laws compute: their outputs join those that wait (without delay: are held), their states advance."""
-    matrix = np.eye(places.size)
+    matrix, valves = np.eye(places.size), places.valves
     for k in sampled:
         queue = places.queues[k]
-        target = slice(queue.start, queue.start + N_MOUNTS) if parts[k].latency > 0 else places.held[k]
-        for place in range(queue.stop - N_MOUNTS, queue.start, -N_MOUNTS):
-            matrix[place : place + N_MOUNTS] = 0.0
-            matrix[place : place + N_MOUNTS, place - N_MOUNTS : place] = np.eye(N_MOUNTS)
-        matrix[target] = 0.0
-        for columns, factor in outputs(k):
-            matrix[target, columns] += factor
-        if advance is not None:
-            matrix[places.laws[k]] = 0.0
-            for columns, factor in advance(k):
-                matrix[places.laws[k], columns] += factor
+        target = slice(queue.start, queue.start + valves) if parts[k].latency > 0 else places.held[k]
+        for place in range(queue.stop - valves, queue.start, -valves):
+            matrix[place : place + valves] = 0.0
+            matrix[place : place + valves, place - valves : place] = np.eye(valves)
+        rows = [(target, outputs(k))] + ([] if advance is None else [(places.laws[k], advance(k))])
+        for own, terms in rows:
+            matrix[own] = 0.0
+            for columns, factor in terms:
+                matrix[own, columns] += factor
     return matrix

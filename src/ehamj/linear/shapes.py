@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control.channels import point_row
 from ehamj.linear.elements import Elements, Oil, Values
 from ehamj.plant.axes import AXES, DOFS, JOINTS
+from ehamj.plant.levers import lever
 from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -25,7 +24,7 @@ FAR = 1e4
 
 def at_point(shape: ComplexArray, point: Sequence[float]) -> ComplexArray:
     """Motion of a point of the machine, (3,) [m], from that of the mount plane's centre (6,) [m, rad]."""
-    return np.array([point_row(tuple(point), axis) @ shape for axis in range(len(AXES))])
+    return np.asarray(lever(point) @ shape)
 
 
 def weights(machine: Machine) -> Array:
@@ -115,7 +114,7 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     values = Values.of(plant)
     index = {name: k for k, name in enumerate(states)}
     parts = Elements.of(values, equilibrium[[index["displacement rx"], index["displacement ry"]]])
-    joints = [*JOINTS, *(f"plate {m}" for m, a in zip(MOUNTS, plant.actuators, strict=True) if not a.rigid_foot)]
+    joints = [*JOINTS, *(f"plate {m}" for m, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)]
     at = [index[f"displacement {joint}"] for joint in joints]
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
     mounts = values.mounts
@@ -134,8 +133,8 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
         }
 
     spring, lost = held(q, "stiffness", k_foot), held(qd, "damping", c_foot)
-    if f"pressure_1 {MOUNTS[0]}" in index:
-        columns = [[index[f"pressure_{chamber} {mount}"] for mount in MOUNTS] for chamber in (1, 2)]
+    if f"pressure_1 {plant.mounts[0]}" in index:
+        columns = [[index[f"pressure_{chamber} {mount}"] for mount in plant.mounts] for chamber in (1, 2)]
         one, two = (vector[column] for column in columns)
         oil = Oil.of(values, up @ equilibrium[at], tuple(equilibrium[column] for column in columns))  # type: ignore[arg-type]
         # Where walls give way a piston sweeps w times its area: what the oil takes up counts over w.
@@ -151,12 +150,12 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     total = moving + strained - float(np.real(q.conj() @ parts.toppling @ q))
     return Energies(
         {name: float(share) for name, share in kinetic.items()},
-        _each(np.sum(list(spring.values()), axis=0) / strained),
+        _each(plant, np.sum(list(spring.values()), axis=0) / strained),
         {name: float(part.sum()) / strained for name, part in spring.items()},
-        _each(np.sum(list(lost.values()), axis=0) / (omega * total)),
+        _each(plant, np.sum(list(lost.values()), axis=0) / (omega * total)),
         {name: float(part.sum()) / (omega * total) for name, part in lost.items()},
     )
 
 
-def _each(values: Array) -> dict[str, float]:
-    return dict(zip(MOUNTS, values.tolist(), strict=True))
+def _each(plant: Plant, values: Array) -> dict[str, float]:
+    return dict(zip(plant.mounts, values.tolist(), strict=True))

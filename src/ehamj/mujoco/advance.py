@@ -1,65 +1,31 @@
 """The stepping loop, compiled: inputs in, one Runge–Kutta step of the engine, a row out now and then."""
 
 import ctypes
-import math
 from functools import cache
 from typing import Any, Final, NamedTuple
 
 import mujoco
 import numba
 import numpy as np
-from numba import carray, types
+from numba import carray
 from numpy.typing import NDArray
 
-from ehamj.compiled import kernel
-from ehamj.control.channels import N_SIGNALS
-from ehamj.control.compiled.loop import (
-    AT_ONCE,
-    FAILED,
-    NO_LOOP,
-    Loop,
-    convert_held,
-    gather,
-    read_sensors,
-    release,
-    take_sample,
-)
-from ehamj.isolator.valve import play, spool_target
-from ehamj.memory import (
-    CUBICS,
-    LOAD,
-    LOADED,
-    METERING,
-    N_INPUTS,
-    N_STATES,
-    STAGE_COMMAND,
-    STAGE_DRAWN,
-    STAGE_FLOW,
-    STAGE_GROUND,
-    STEP_RATE,
-    STEP_START,
-)
-from ehamj.mujoco.cache import compiled_here
-from ehamj.mujoco.callbacks import (
-    DRIVE_LIMIT,
-    END_STOPS,
-    FREQUENCY,
-    HYSTERESIS,
-    N_PARAMETERS,
-    SPOOL_STROKE,
-    VALVE_GAIN,
-    VAPOUR_PRESSURE,
-    VOLTAGE_LIMIT,
-    VOLUME_1,
-    VOLUME_2,
-    chamber_volumes,
-    supply_of,
-)
+from ehamj.compiled import compiled_here, kernel
+from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
+from ehamj.control.compiled.sensing import read_sensors
+from ehamj.control.compiled.signals import gather
+from ehamj.control.loop import Loop, no_loop
+from ehamj.isolator.cylinder import chamber_volumes
+from ehamj.isolator.equations import settled
+from ehamj.isolator.spool import limits_reached
+from ehamj.memory import COMMAND, inputs, isolator_of, mounts_of, options_of, put_cubic, state_of
+from ehamj.mujoco.callbacks import feed_from
 from ehamj.mujoco.hold import library
 from ehamj.mujoco.offsets import offsets
-from ehamj.mujoco.pointers import call_on_state, call_runge_kutta, doubles_at, store_double
+from ehamj.mujoco.pointers import address_at, call_on_state, call_runge_kutta, doubles_at, store_double
+from ehamj.mujoco.rows import Recording, Rows, Tally
+from ehamj.mujoco.views import isolator_states, isolators_at, loads_at, mounts_at, step_at
 from ehamj.plant.axes import DOFS
-from ehamj.plant.mounts import N_MOUNTS
 
 Array = NDArray[np.float64]
 
@@ -68,12 +34,6 @@ NOT_FINITE: Final = 1
 CHAMBER_1_EMPTY: Final = 2
 CHAMBER_2_EMPTY: Final = 3
 LAW_FAILED: Final = 4
-
-TALLY: Final = ("command", "spool", "spool_drive", "cavitation")
-"""What is counted per step and mount; then come the sums of supply flow, its peak, and supply power."""
-TALLY_FLOW: Final = len(TALLY) * N_MOUNTS
-N_TALLY: Final = TALLY_FLOW + 3
-
 
 NOT_LOADED: Final = (np.zeros((0, len(DOFS), 2)), np.zeros((0, len(DOFS), 2)))
 """No force on the machine itself."""
@@ -87,120 +47,185 @@ class Stopped(NamedTuple):
     mount: int
 
 
-@kernel
-def write_inputs(shared, time, rate, start, end):  # type: ignore[no-untyped-def]
-    """Hand a step its inputs: (n_inputs, …) values and slopes·step at its start and end."""
-    shared[STEP_START] = time
-    shared[STEP_RATE] = rate
-    for channel in range(N_INPUTS):
-        offset = CUBICS + 4 * channel
-        shared[offset], shared[offset + 1] = start[channel, 0], start[channel, 1]
-        shared[offset + 2], shared[offset + 3] = end[channel, 0], end[channel, 1]
+class Engine(NamedTuple):
+    """Addresses of mj_forward, mj_RungeKutta, the model and its data, and sizes of the state."""
+
+    forward: int
+    runge_kutta: int
+    model: int
+    data: int
+    nq: int
+    nv: int
+    na: int
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel, data: mujoco.MjData) -> "Engine":
+        """Of a model and its data."""
+        return cls(*_functions(), model._address, data._address, model.nq, model.nv, model.na)
+
+
+class Stretch(NamedTuple):
+    """Steps to take: number of the first, how many, whether the state after them is evaluated too, and their h [s]."""
+
+    first: int
+    steps: int
+    last: bool
+    timestep: float
+
+
+class Driving(NamedTuple):
+    """Inputs and load at the start and at the end of each step, read-only."""
+
+    start: Array
+    end: Array
+    pushed: Array
+    released: Array
+
+    @classmethod
+    def of(cls, given: tuple[Array, Array], load: tuple[Array, Array]) -> "Driving":
+        """The arrays as the loop takes them."""
+        parts = [np.ascontiguousarray(part).view() for part in (*given, *load)]
+        for part in parts:
+            part.flags.writeable = False
+        return cls(*parts)
+
+
+class Machine(NamedTuple):
+    """The records and arrays of a model and its data."""
+
+    isolators: Any
+    mounts: Any
+    step: Any
+    loads: Any
+    states: Any
+    rates: Any
+    qpos: Any
+    qvel: Any
+    qacc: Any
+    act: Any
+    control: Any
+    length: Any
+    velocity: Any
 
 
 @kernel
-def write_load(shared, start, end):  # type: ignore[no-untyped-def]
+def machine_of(engine, at):  # type: ignore[no-untyped-def]
+    """Views of everything that the loop touches."""
+    model, data = engine.model, engine.data
+    isolators = isolators_at(model, at)
+    n = isolators.size
+    return Machine(
+        isolators,
+        mounts_at(data, at, n),
+        step_at(data, at),
+        loads_at(data, at),
+        isolator_states(address_at(data, at.act), n),
+        isolator_states(address_at(data, at.act_dot), n),
+        carray(doubles_at(data, at.qpos), engine.nq),
+        carray(doubles_at(data, at.qvel), engine.nv),
+        carray(doubles_at(data, at.qacc), engine.nv),
+        carray(doubles_at(data, at.act), engine.na),
+        carray(doubles_at(data, at.ctrl), n),
+        carray(doubles_at(data, at.actuator_length), n),
+        carray(doubles_at(data, at.actuator_velocity), n),
+    )
+
+
+@kernel
+def write_inputs(machine, time, rate, start, end):  # type: ignore[no-untyped-def]
+    """Hand a step its inputs: (mount, input, order) at its start and end."""
+    step = machine.step[0]
+    step.start, step.rate = time, rate
+    for k in range(machine.mounts.size):
+        mount = machine.mounts[k]
+        put_cubic(mount.ground_x, start[k, 0], end[k, 0])
+        put_cubic(mount.ground_y, start[k, 1], end[k, 1])
+        put_cubic(mount.ground_z, start[k, 2], end[k, 2])
+        put_cubic(mount.open_loop, start[k, COMMAND], end[k, COMMAND])
+
+
+@kernel
+def write_load(machine, start, end):  # type: ignore[no-untyped-def]
     """Hand a step the force on the machine: (dof, 2) value and slope·step at its start and end."""
-    shared[LOADED] = 1.0
-    for dof in range(len(DOFS)):
-        offset = LOAD + 4 * dof
-        shared[offset], shared[offset + 1] = start[dof, 0], start[dof, 1]
-        shared[offset + 2], shared[offset + 3] = end[dof, 0], end[dof, 1]
+    machine.step[0].loaded = 1.0
+    for dof in range(machine.loads.size):
+        put_cubic(machine.loads[dof], start[dof], end[dof])
 
 
 @kernel
-def check(act, act_dot, qacc, length, shared, table):  # type: ignore[no-untyped-def]
+def excess(values):  # type: ignore[no-untyped-def]
+    """Zero where all values are finite: a NaN or an infinity is the only number that is not itself minus itself."""
+    total = 0.0
+    for value in values:
+        total += value - value
+    return total
+
+
+@kernel
+def check(machine):  # type: ignore[no-untyped-def]
     """Status and mount of the present state: everything finite, no chamber empty (of several the emptiest)."""
     least, status, where = 0.0, DONE, -1
-    for mount in range(N_MOUNTS):
-        own = N_PARAMETERS * mount
-        total = 0.0
-        for k in range(N_STATES * mount, N_STATES * (mount + 1)):
-            total += act[k] - act[k] + act_dot[k] - act_dot[k]
-        if total != 0.0:  # a NaN or an infinity is the only number that is not itself minus itself
-            return NOT_FINITE, mount
-        volume_1, volume_2 = chamber_volumes(length[mount] - shared[STAGE_GROUND + mount], table, own)
-        share_1, share_2 = volume_1 / table[own + VOLUME_1], volume_2 / table[own + VOLUME_2]
+    for k in range(machine.mounts.size):
+        if excess(state_of(machine.states[k])) + excess(state_of(machine.rates[k])) != 0.0:
+            return NOT_FINITE, k
+        own = isolator_of(machine.isolators[k]).cylinder
+        volume_1, volume_2 = chamber_volumes(machine.length[k] - machine.mounts[k].ground, own)
+        share_1, share_2 = volume_1 / own.volume_1, volume_2 / own.volume_2
         if share_1 <= least:
-            least, status, where = share_1, CHAMBER_1_EMPTY, mount
+            least, status, where = share_1, CHAMBER_1_EMPTY, k
         if share_2 <= least:
-            least, status, where = share_2, CHAMBER_2_EMPTY, mount
-    for k in range(qacc.size):
-        if qacc[k] - qacc[k] != 0.0:
-            return NOT_FINITE, -1
+            least, status, where = share_2, CHAMBER_2_EMPTY, k
+    if excess(machine.qacc) != 0.0:
+        return NOT_FINITE, -1
     return status, where
 
 
 @kernel
-def count_limits(act, control, shared, table, tally):  # type: ignore[no-untyped-def]
+def count_limits(machine, act, tally):  # type: ignore[no-untyped-def]
     """Add the present state to the tally of limits reached, and of oil drawn."""
     drawn, power = 0.0, 0.0
-    for mount in range(N_MOUNTS):
-        own, first = N_PARAMETERS * mount, N_STATES * mount
-        command = control[mount] + shared[STAGE_COMMAND + mount]
-        target = spool_target(command, table[own + VALVE_GAIN], table[own + VOLTAGE_LIMIT])
-        drive = table[own + FREQUENCY] ** 2 * (target - act[first])
-        vapour = table[own + VAPOUR_PRESSURE]
-        tally[mount] += abs(command) >= table[own + VOLTAGE_LIMIT]
-        tally[N_MOUNTS + mount] += abs(act[first]) >= table[own + SPOOL_STROKE]
-        tally[2 * N_MOUNTS + mount] += abs(drive) >= table[own + DRIVE_LIMIT]
-        tally[3 * N_MOUNTS + mount] += act[first + 2] <= vapour or act[first + 3] <= vapour
-        flow = shared[STAGE_DRAWN + mount]
-        drawn += flow
-        power += flow * supply_of(act, table, own)
-    tally[TALLY_FLOW] += drawn
-    tally[TALLY_FLOW + 1] = max(tally[TALLY_FLOW + 1], drawn)
-    tally[TALLY_FLOW + 2] += power
+    for k in range(machine.mounts.size):
+        mount, state, counted = machine.mounts[k], machine.states[k], tally.limits[k]
+        own = isolator_of(machine.isolators[k])
+        command, spool, drive = limits_reached(machine.control[k] + mount.command, state.spool, own.spool)
+        vapour = own.fluid.vapour_pressure
+        counted.command += command
+        counted.spool += spool
+        counted.spool_drive += drive
+        counted.cavitation += state.pressure_1 <= vapour or state.pressure_2 <= vapour
+        drawn += mount.drawn
+        power += mount.drawn * feed_from(machine.isolators[k], machine.isolators[0], act).supply_pressure
+    total = tally.drawn[0]
+    total.flow += drawn
+    total.peak_flow = max(total.peak_flow, drawn)
+    total.power += power
 
 
 @kernel
-def settle_valves(act, shared, table):  # type: ignore[no-untyped-def]
-    """What a step leaves to be put right at its end: where hysteresis holds the edges, and spools at their stops."""
-    for mount in range(N_MOUNTS):
-        own, first = N_PARAMETERS * mount, N_STATES * mount
-        if table[own + END_STOPS] != 0.0 and abs(act[first]) >= table[own + SPOOL_STROKE]:
-            act[first] = math.copysign(table[own + SPOOL_STROKE], act[first])
-            if act[first] * act[first + 1] > 0.0:
-                act[first + 1] = 0.0
-        if table[own + HYSTERESIS] != 0.0:
-            shared[METERING + mount] = play(shared[METERING + mount], act[first], table[own + HYSTERESIS])
+def settle_valves(machine):  # type: ignore[no-untyped-def]
+    """What a step leaves to be put right at its end: spools at their stops, and where hysteresis holds the edges."""
+    for k in range(machine.mounts.size):
+        mount, state, record = machine.mounts[k], machine.states[k], machine.isolators[k]
+        state.spool, state.spool_rate, mount.metering = settled(
+            state_of(state), mount.metering, options_of(machine.act, record), isolator_of(record)
+        )
 
 
-class Columns(NamedTuple):
-    """Where each quantity lies in a recorded row, as (first, end)."""
-
-    qpos: tuple[int, int]
-    qvel: tuple[int, int]
-    qacc: tuple[int, int]
-    act: tuple[int, int]
-    command: tuple[int, int]
-    flow: tuple[int, int]
-    drawn: tuple[int, int]
-    states: tuple[int, int]
-    """States of the digital controller."""
-    readings: tuple[int, int]
-    """What its sensors last read."""
-
-
-def compile_loop() -> None:
-    """Compile the stepping loop now, or take it from the cache, so that no simulation's timing contains it."""
-    _advance()
-
-
-def columns(model: mujoco.MjModel, loop: Loop = NO_LOOP) -> Columns:
-    """Row layout for a model and its controller."""
-    sizes = (model.nq, model.nv, model.nv, model.na, N_MOUNTS, 2 * N_MOUNTS, N_MOUNTS, loop.states, loop.readings)
-    ends = np.cumsum(sizes)
-    return Columns(*((int(end - size), int(end)) for size, end in zip(sizes, ends, strict=True)))
-
-
-def row_size(model: mujoco.MjModel, loop: Loop = NO_LOOP) -> int:
-    """Length of a recorded row."""
-    return columns(model, loop).readings[1]
+@kernel
+def write_row(machine, rows, row, values, readings):  # type: ignore[no-untyped-def]
+    """Record the present state."""
+    rows.qpos[row], rows.qvel[row], rows.qacc[row] = machine.qpos, machine.qvel, machine.qacc
+    rows.act[row] = machine.act
+    for k in range(machine.mounts.size):
+        mount = machine.mounts[k]
+        rows.command[row, k] = machine.control[k] + mount.command
+        rows.flow[row, k, 0], rows.flow[row, k, 1] = mount.into_1, mount.into_2
+    rows.states[row] = values[: rows.states.shape[1]]
+    rows.readings[row] = readings
 
 
 @cache
-def _engine() -> tuple[int, int]:
+def _functions() -> tuple[int, int]:
     """Addresses of mj_forward and mj_RungeKutta."""
     forward, runge_kutta = library().mj_forward, library().mj_RungeKutta
     return tuple(ctypes.cast(f, ctypes.c_void_p).value for f in (forward, runge_kutta))  # type: ignore[return-value]
@@ -208,116 +233,78 @@ def _engine() -> tuple[int, int]:
 
 @cache
 def _advance() -> Any:
+    """The loop, compiled for the types of a stretch without anything in it."""
     at = offsets()
-    time_at, user_at, shared_at, ctrl_at, length_at = (
-        at.time,
-        at.actuator_user,
-        at.userdata,
-        at.ctrl,
-        at.actuator_length,
-    )
-    velocity_at = at.actuator_velocity
-    qpos_at, qvel_at, qacc_at, act_at, act_dot_at = at.qpos, at.qvel, at.qacc, at.act, at.act_dot
 
-    def advance(  # type: ignore[no-untyped-def]
-        forward, runge_kutta, model, data, nq, nv, na, nuserdata, first, steps, h, last, start, end, every, rows, tally,
-        pushed, released,
-        parts, matrices, inputs_of, terms, weights, filters, feedthrough, zeroed, grid, converter, base, n_states,
-        readings_at, memory, noise, noise_first,
-    ):  # fmt: skip
-        shared = carray(doubles_at(data, shared_at), nuserdata)
-        table = carray(doubles_at(model, user_at), N_MOUNTS * N_PARAMETERS)
-        control = carray(doubles_at(data, ctrl_at), N_MOUNTS)
-        length = carray(doubles_at(data, length_at), N_MOUNTS)
-        velocity = carray(doubles_at(data, velocity_at), N_MOUNTS)
-        qpos, qvel = carray(doubles_at(data, qpos_at), nq), carray(doubles_at(data, qvel_at), nv)
-        qacc = carray(doubles_at(data, qacc_at), nv)
-        act, act_dot = carray(doubles_at(data, act_at), na), carray(doubles_at(data, act_dot_at), na)
-        channels, filtered = terms.shape[0], filters.shape[1] > 0
-        states = memory[:n_states]
-        readings, rest = memory[readings_at : readings_at + channels], memory[readings_at + channels :][:channels]
-        filter_states = memory[readings_at + 2 * channels :]
-        signals, raw, analogue = np.zeros(N_SIGNALS), np.zeros(channels), np.zeros(channels)
-        scratch, measured, totals = np.zeros(memory.size), np.zeros(inputs_of.size), np.zeros((2, N_MOUNTS))
-        row = 0
-        for k in range(steps + last):
-            number = first + k
+    def advance(engine, stretch, driving, recording, laws, memory, sensing, readings, noise, first_noise):  # type: ignore[no-untyped-def]
+        machine, h, every = machine_of(engine, at), stretch.timestep, recording.every
+        model, data = engine.model, engine.data
+        act = address_at(data, at.act)
+        signals, row = np.zeros(sensing.layout.size), 0
+        motion = (machine.qpos, machine.qvel, machine.qacc)
+        for k in range(stretch.steps + stretch.last):
+            number = stretch.first + k
             time = number * h
-            store_double(data, time_at, time)
-            write_inputs(shared, time, 1.0 / h, start[k], end[k])
-            if pushed.shape[0] > 0:
-                write_load(shared, pushed[k], released[k])
-            release(number, parts, converter, memory, control)
-            call_on_state(forward, model, data)
-            status, mount = check(act, act_dot, qacc, length, shared, table)
+            store_double(data, at.time, time)
+            write_inputs(machine, time, 1.0 / h, driving.start[k], driving.end[k])
+            if driving.pushed.shape[0] > 0:
+                write_load(machine, driving.pushed[k], driving.released[k])
+            release(number, laws, memory, machine.control)
+            call_on_state(engine.forward, model, data)
+            status, mount = check(machine)
             if status != DONE:
                 return k, status, mount, row
-            sampled = base > 0 and number % base == 0
-            if sampled or filtered:
-                gather(signals, qpos, qvel, qacc, act, length, velocity, start[k], 1.0 / h)
-                sample = number // base - noise_first if sampled else -1
-                read_sensors(
-                    number, sample, terms, weights, filters, feedthrough, zeroed, grid, noise, signals, raw, analogue,
-                    scratch[: filter_states.size], rest, filter_states, readings,
-                )  # fmt: skip
+            sampled = laws.base > 0 and number % laws.base == 0
+            if sampled or sensing.filters.shape[1] > 0:
+                length, velocity = machine.length, machine.velocity
+                gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.start[k], 1.0 / h)
+                sample = number // laws.base - first_noise if sampled else -1
+                read_sensors(number, sample, sensing, noise, signals, readings)
             if sampled:
-                answer = take_sample(
-                    number, time, parts, matrices, inputs_of, converter, readings, memory, measured, scratch, totals
-                )
+                answer = take_sample(number, time, laws, readings.readings, memory)
                 if answer == FAILED:
                     return k, LAW_FAILED, -1, row
                 if answer == AT_ONCE:
-                    convert_held(parts, converter, memory, control)
-                    call_on_state(forward, model, data)
-            count_limits(act, control, shared, table, tally)
+                    convert_held(laws, memory, machine.control)
+                    call_on_state(engine.forward, model, data)
+            count_limits(machine, act, recording.tally)
             if number % every == 0:
-                out = rows[row]
+                write_row(machine, recording.rows, row, memory.values, readings.readings)
                 row += 1
-                column = 0
-                for part in (qpos, qvel, qacc, act):
-                    out[column : column + part.size] = part
-                    column += part.size
-                for mount in range(N_MOUNTS):
-                    out[column + mount] = control[mount] + shared[STAGE_COMMAND + mount]
-                column += N_MOUNTS
-                out[column : column + 3 * N_MOUNTS] = shared[STAGE_FLOW : STAGE_FLOW + 3 * N_MOUNTS]
-                column += 3 * N_MOUNTS
-                out[column : column + n_states] = states
-                out[column + n_states :] = readings
-            if k < steps:
-                call_runge_kutta(runge_kutta, model, data, 4)
-                settle_valves(act, shared, table)
-        return steps, DONE, -1, row
+            if k < stretch.steps:
+                call_runge_kutta(engine.runge_kutta, model, data, 4)
+                settle_valves(machine)
+        return stretch.steps, DONE, -1, row
 
-    floats1, floats2, floats3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
-    inputs3, integers2 = types.Array(types.float64, 3, "C", readonly=True), types.int64[:, ::1]
-    signature = (
-        *(types.intp,) * 4,
-        *(types.int64,) * 6,
-        types.float64,
-        types.int64,
-        *(inputs3,) * 2,
-        types.int64,
-        floats2,
-        floats1,
-        *(inputs3,) * 2,
-        integers2,
-        floats1,
-        types.int64[::1],
-        integers2,
-        floats2,
-        floats3,
-        floats1,
-        floats1,
-        floats2,
-        floats1,
-        *(types.int64,) * 3,
-        floats1,
-        floats2,
-        types.int64,
-    )
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    loop = no_loop(0)
+    nothing = (inputs(0, 0), inputs(0, 0))
+    recording = Recording(1, Rows(*(np.zeros((0,) * n) for n in (2, 2, 2, 2, 2, 3, 2, 2))), Tally.of(0))
+    example = _arguments(Engine.of(model, mujoco.MjData(model)), Stretch(0, 0, False, 1.0), nothing, recording, loop)
     with compiled_here() as kept:
+        signature = tuple(numba.typeof(argument) for argument in example)
         return numba.njit([signature], nogil=True, error_model="numpy", cache=kept)(advance)
+
+
+def _arguments(
+    engine: Engine,
+    stretch: Stretch,
+    given: tuple[Array, Array],
+    recording: Recording,
+    loop: Loop,
+    noise: Array | None = None,
+    load: tuple[Array, Array] = NOT_LOADED,
+) -> tuple[Any, ...]:
+    """What the compiled loop takes."""
+    silent = np.zeros((0, loop.sensing.channels))
+    tables = (loop.laws, loop.law_memory, loop.sensing, loop.readings)
+    heard = silent if noise is None else np.ascontiguousarray(noise)
+    return (engine, stretch, Driving.of(given, load), recording, *tables, heard, loop.samples(*stretch[:2])[0])
+
+
+def compile_loop() -> None:
+    """Compile the stepping loop now, or take it from the cache, so that no simulation's timing contains it."""
+    _advance()
 
 
 def advance(
@@ -325,12 +312,10 @@ def advance(
     data: mujoco.MjData,
     first: int,
     steps: int,
-    inputs: tuple[Array, Array],
-    every: int,
-    rows: Array,
-    tally: Array,
+    given: tuple[Array, Array],
+    recording: Recording,
     last: bool = False,
-    loop: Loop = NO_LOOP,
+    loop: Loop | None = None,
     noise: Array | None = None,
     load: tuple[Array, Array] = NOT_LOADED,
 ) -> tuple[Stopped, int]:
@@ -341,12 +326,10 @@ def advance(
         data: its state, which is advanced.
         first: number of the first step; its time is first·timestep.
         steps: how many.
-        inputs: value, slope·timestep and second derivative at the start and at the end of each step,
-            (steps (+1), n_inputs, 3) each.
-        every: record each step whose number is a multiple of this.
-        rows: where rows go, (n, row_size).
-        tally: counts of limits, see `TALLY`; added to.
-        last: also evaluate (and record) the state after the last step; ``inputs`` then have one row more.
+        given: value, slope·timestep and second derivative at the start and at the end of each step, (steps (+1),
+            mount, input, 3) each; see `ehamj.memory.inputs`.
+        recording: where rows and counts go.
+        last: also evaluate (and record) the state after the last step; ``given`` then has one row more.
         loop: digital controller, whose memory is advanced.
         noise: noise of its readings at the samples among these steps (`Loop.samples`), (samples, channels).
         load: force on the machine itself, value and slope·timestep at the start and at the end of each step,
@@ -355,43 +338,7 @@ def advance(
     Returns:
         How it stopped, and the number of rows recorded.
     """
-    start, end, pushed, released = (np.ascontiguousarray(part) for part in (*inputs, *load))
-    for part in (start, end, pushed, released):
-        part.flags.writeable = False
-    steps_done, status, mount, recorded = _advance()(
-        *_engine(),
-        model._address,
-        data._address,
-        model.nq,
-        model.nv,
-        model.na,
-        model.nuserdata,
-        first,
-        steps,
-        model.opt.timestep,
-        int(last),
-        start,
-        end,
-        every,
-        rows,
-        tally,
-        pushed,
-        released,
-        loop.parts,
-        loop.matrices,
-        loop.inputs_of,
-        loop.terms,
-        loop.weights,
-        loop.filters,
-        loop.feedthrough,
-        loop.zeroed,
-        loop.grid,
-        loop.converter,
-        loop.base,
-        loop.states,
-        loop.readings_at,
-        loop.memory,
-        np.zeros((0, loop.readings)) if noise is None else np.ascontiguousarray(noise),
-        loop.samples(first, steps)[0],
-    )
-    return Stopped(steps_done, status, mount), recorded
+    engine, stretch = Engine.of(model, data), Stretch(int(first), int(steps), bool(last), float(model.opt.timestep))
+    loop = no_loop(mounts_of(model)) if loop is None else loop
+    done, status, mount, recorded = _advance()(*_arguments(engine, stretch, given, recording, loop, noise, load))
+    return Stopped(done, status, mount), recorded

@@ -1,27 +1,19 @@
 """The compiled model as a state equation: its rates, its static equilibrium, its Jacobian.
 
 The state is (qpos, qvel, activations); the inputs are ground displacement and velocity per mount and axis, and the
-four commands. Call everything here with the hydraulics installed (`ehamj.mujoco.hydraulics`).
+commands of the valves. Call everything here with the hydraulics installed (`ehamj.mujoco.hydraulics`).
 """
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.memory import (
-    COLUMN,
-    CUBICS,
-    N_INPUTS,
-    N_STATES,
-    N_USERDATA,
-    STEP_RATE,
-    STEP_START,
-    SUPPLY_PARAMETERS,
-    SUPPLY_STATES,
-)
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.isolator.supply import SupplyState, SupplyValues
+from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
+from ehamj.plant.axes import AXES
 
 Array = NDArray[np.float64]
 
@@ -39,23 +31,20 @@ class Inputs:
     command: Array
 
     @classmethod
-    def rest(cls) -> "Inputs":
+    def rest(cls, model: mujoco.MjModel) -> "Inputs":
         """Ground at rest, valves centred."""
-        return cls(np.zeros((N_MOUNTS, 3)), np.zeros((N_MOUNTS, 3)), np.zeros(N_MOUNTS))
+        mounts = mounts_of(model)
+        return cls(np.zeros((mounts, len(AXES))), np.zeros((mounts, len(AXES))), np.zeros(mounts))
 
     def write(self, data: mujoco.MjData) -> None:
         """Hand the inputs to the callbacks as the start of a step of one second."""
-        shared = np.zeros(N_USERDATA)
-        shared[STEP_START], shared[STEP_RATE] = data.time, 1.0
-        cubics = shared[CUBICS : CUBICS + 4 * N_INPUTS].reshape(N_INPUTS, 4)
-        cubics[:12, 0], cubics[:12, 1] = self.displacement.ravel(), self.velocity.ravel()
-        cubics[12:, 0] = self.command
-        data.userdata[:N_USERDATA] = shared
-
-
-def state_of(data: mujoco.MjData) -> Array:
-    """The state as one vector."""
-    return np.concatenate([data.qpos, data.qvel, data.act])
+        data.userdata[:] = 0.0
+        begun, mounts = step(data), exchange(data, self.command.size)
+        begun["start"], begun["rate"] = data.time, 1.0
+        for axis, name in enumerate(AXES):
+            cubic = mounts[f"ground_{name}"]
+            cubic["value"], cubic["slope"] = self.displacement[:, axis], self.velocity[:, axis]
+        mounts["open_loop"]["value"] = self.command
 
 
 def rates(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
@@ -72,27 +61,35 @@ def scales(model: mujoco.MjModel) -> Array:
 
     Of the shared supply 100 Pa and 10 mm³/s; the ledger's states act on nothing, and take any step.
     """
-    valves = np.tile([1e-2, 10.0, 1e2, 1e2], N_MOUNTS)
-    others = np.ones(model.na - valves.size)
-    if supply_states(model):
-        others[: len(SUPPLY_STATES)] = 1e2, 1e-8, 1e2
-    return np.concatenate([np.full(model.nq, 1e-7), np.full(model.nv, 1e-4), valves, others])
-
-
-def supply_states(model: mujoco.MjModel) -> bool:
-    """Whether the supply has states of its own."""
-    return bool(model.actuator_user[0, COLUMN["shared_supply"]])
+    small = np.concatenate([np.full(model.nq, 1e-7), np.full(model.nv, 1e-4), np.ones(model.na)])
+    parts = activations(model, small[model.nq + model.nv :])
+    parts.isolators[:] = (1e-2, 10.0, 1e2, 1e2)
+    parts.options[:] = option_scales(model)
+    parts.supply[:] = tuple(SupplyState(1e2, 1e-8, 1e2))
+    return small
 
 
 def jacobian(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
     """∂rates/∂state by central differences, shape (n, n)."""
     columns = []
-    for k, step in enumerate(scales(model)):
+    for k, small in enumerate(scales(model)):
         shift = np.zeros_like(state)
-        shift[k] = step
+        shift[k] = small
         ahead, behind = (rates(model, data, state + s * shift, inputs) for s in (1.0, -1.0))
-        columns.append((ahead - behind) / (2.0 * step))
+        columns.append((ahead - behind) / (2.0 * small))
     return np.array(columns).T
+
+
+class _Balance(NamedTuple):
+    """Newton's problem: where to begin, which states are unknown and which rates vanish, and how exactly."""
+
+    state: Array
+    unknown: Array
+    balance: Array
+    unit: Array
+    """A motion of each unknown, for the solver's scaling."""
+    tolerance: Array
+    """Of each rate."""
 
 
 def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> Array:
@@ -105,28 +102,8 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     Raises:
         EquilibriumError: if Newton's method does not converge.
     """
-    table = model.actuator_user[:N_MOUNTS]
-    mid = 0.5 * (table[:, COLUMN["supply_pressure"]] + table[:, COLUMN["tank_pressure"]])
-    limit = table[:, COLUMN["voltage_limit"]]
-    state = np.zeros(model.nq + model.nv + model.na)
-    first = model.nq + model.nv
-    act = state[first : first + N_MOUNTS * N_STATES].reshape(N_MOUNTS, N_STATES)
-    act[:, 0] = table[:, COLUMN["valve_gain"]] * np.clip(inputs.command, -limit, limit)
-    act[:, 2:] = mid[:, None]
-    pressures = first + np.arange(N_MOUNTS * N_STATES).reshape(N_MOUNTS, N_STATES)[:, 2:].ravel()
-    supply = first + N_MOUNTS * N_STATES + np.arange(len(SUPPLY_STATES) if supply_states(model) else 0)
-    if supply.size:  # begin where the pump controls, between no flow and all of it
-        row = dict(zip(SUPPLY_PARAMETERS, model.actuator_user[N_MOUNTS], strict=False))
-        middle = row["set_pressure"] - 0.5 * row["pump_flow"] / row["pump_conductance"]
-        state[supply] = middle, 0.5 * row["pump_flow"], middle
-    unknown = np.concatenate([np.arange(model.nq), pressures, supply])
-    balance = np.concatenate([model.nq + np.arange(model.nv), pressures, supply])
+    state, unknown, balance, unit, tolerance = _balance(model, inputs)
     still = Inputs(inputs.displacement, np.zeros_like(inputs.velocity), inputs.command)
-    unit = np.concatenate([np.full(model.nq, 1e-5), np.repeat(mid, 2), np.array([1e6, 1e-5, 1e6])[: supply.size]])
-    stiffness = table[:, COLUMN["bulk_modulus"]] / table[:, COLUMN["volume_1"]]
-    flow = table[:, COLUMN["flow_gain"]] * table[:, COLUMN["spool_stroke"]]
-    fine = np.repeat(1e-9 * stiffness * flow, 2)
-    tolerance = np.concatenate([np.full(model.nv, 1e-7), fine, np.array([1.0, 1e-9, 1.0])[: supply.size] * fine[0]])
 
     def residual(at: Array) -> Array:
         return rates(model, data, at, still)[balance] / tolerance
@@ -134,7 +111,7 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     error = residual(state)
     for _ in range(60):
         if np.abs(error).max() <= 1.0:
-            _check_strokes(data, table, inputs)
+            _check_strokes(model, data, inputs)
             return state
         matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
         change = np.linalg.lstsq(matrix, -error, rcond=1e-10)[0] * unit
@@ -151,15 +128,54 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")
 
 
-def _check_strokes(data: mujoco.MjData, table: Array, inputs: Inputs) -> None:
+def _balance(model: mujoco.MjModel, inputs: Inputs) -> _Balance:
+    """The problem of a static equilibrium: positions against forces, every other unknown against its own rate.
+
+    Where valves have states of their own, these and the spools are unknown too.
+    """
+    nq, nv, own = model.nq, model.nv, isolators(model)
+    state = np.zeros(nq + nv + model.na)
+    parts = activations(model, state[nq + nv :])
+    number = activations(model, np.arange(nq + nv, state.size, dtype=float))
+    mid = 0.5 * (own["supply_pressure"] + own["tank_pressure"])
+    limit = own["voltage_limit"]
+    parts.isolators["spool"] = own["valve_gain"] * np.clip(inputs.command, -limit, limit)
+    parts.isolators["pressure_1"] = parts.isolators["pressure_2"] = mid
+    fine = 1e-9 * (own["bulk_modulus"] / own["volume_1"]) * (own["flow_gain"] * own["spool_stroke"])
+    pressures = _both(number.isolators["pressure_1"], number.isolators["pressure_2"])
+    # For each kind of unknown: which, what balances it, its unit, and the tolerance of that balance.
+    kinds = [
+        (np.arange(nq), nq + np.arange(nv), np.full(nq, 1e-5), np.full(nv, 1e-7)),
+        (pressures, pressures, np.repeat(mid, 2), np.repeat(fine, 2)),
+    ]
+    if number.options.size:
+        small = option_scales(model)
+        kinds.append((number.isolators["spool"], number.isolators["spool_rate"], np.ones(own.size), np.ones(own.size)))
+        kinds.append((number.options, number.options, 1e3 * small, small))
+    shared = supply(model)
+    if shared is not None:
+        parts.supply[0] = tuple(SupplyValues(*shared).middle)
+        places = number.supply.view(float)
+        kinds.append((places, places, np.array([1e6, 1e-5, 1e6]), np.array([1.0, 1e-9, 1.0]) * fine[0]))
+    unknown, balance, unit, tolerance = (np.concatenate(parts) for parts in zip(*kinds, strict=True))
+    return _Balance(state, unknown.astype(int), balance.astype(int), unit, tolerance)
+
+
+def _both(one: Any, other: Any) -> Array:
+    """Values of both chambers, mount by mount."""
+    return np.column_stack([one, other]).ravel()
+
+
+def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> None:
     """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
-    stroke = data.actuator_length[:N_MOUNTS] - inputs.displacement[:, 2]
-    moved = table[:, COLUMN["moving_volume"]] * stroke
-    volume_1 = table[:, COLUMN["volume_1"]] + table[:, COLUMN["piston_area"]] * moved
-    volume_2 = table[:, COLUMN["volume_2"]] - table[:, COLUMN["piston_area_2"]] * moved
+    own, mounts = isolators(model), mounts_of(model)
+    stroke = data.actuator_length[:mounts] - inputs.displacement[:, AXES.index("z")]
+    moved = own["moving_volume"] * stroke
+    volume_1 = own["volume_1"] + own["piston_area"] * moved
+    volume_2 = own["volume_2"] - own["piston_area_2"] * moved
     worst = int(np.argmin(np.minimum(volume_1, volume_2)))
     if min(volume_1[worst], volume_2[worst]) <= 0.0:
         raise EquilibriumError(
             "no static equilibrium: the machine cannot stand under these loads and commands, "
-            f"at {MOUNTS[worst]} the stroke would be {stroke[worst]:.3g} m, which empties a chamber"
+            f"at {model.actuator(worst).name} the stroke would be {stroke[worst]:.3g} m, which empties a chamber"
         )

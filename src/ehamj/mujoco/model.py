@@ -15,20 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.isolator.actuator import Actuator
-from ehamj.memory import (
-    CURVE_POINTS,
-    LEDGER,
-    LEDGER_STATES,
-    MACHINE_BODY,
-    N_STATES,
-    N_USERDATA,
-    PARAMETERS,
-    SUPPLY,
-    SUPPLY_PARAMETERS,
-    SUPPLY_STATES,
-    VALVE,
-)
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.memory import ISOLATOR, MACHINE_BODY, Row, rows, size, userdata_size
 from ehamj.plant.plant import Plant
 from ehamj.settings import Position2
 
@@ -37,11 +24,6 @@ PLATE_HALF_HEIGHT = 0.03
 PAD_HALF_HEIGHT = 0.12
 PAD_HEIGHT = -2 * PLATE_HALF_HEIGHT - PAD_HALF_HEIGHT
 """Heights of the drawing [m]."""
-
-HUGE = 1e300
-"""MJCF has no infinity."""
-
-OVERLAPS = ("overlap_supply_1", "overlap_1_tank", "overlap_supply_2", "overlap_2_tank")
 
 CONSTRAINT_SOFTENING = 1e-3
 """Factor on the compliance of the rigid-foot constraint.
@@ -61,37 +43,6 @@ def template() -> Path:
     raise FileNotFoundError(f"machine.xml is in none of {', '.join(map(str, candidates))}; reinstall ehamj")
 
 
-def parameter_row(actuator: Actuator, position: Position2, plant: Plant) -> list[float]:
-    """One actuator as a row of the model's actuator_user (`ehamj.memory.PARAMETERS`)."""
-    tied = plant.plates == "tied"
-    places, flows = zip(*actuator.flow_curve, strict=True) if actuator.flow_curve else ((0.0, 1.0), (0.0, 1.0))
-    values = {
-        "kind": VALVE,
-        "piston_area_2": actuator.area_ratio * actuator.piston_area,
-        "volume_1": actuator.volume_share * actuator.chamber_volume,
-        "volume_2": (1.0 - actuator.volume_share) * actuator.chamber_volume,
-        "wall_compliance": 1.0 / actuator.wall_modulus,
-        "rated_pressure": plant.supply.rating_pressure,
-        "shared_supply": float(plant.supply.dynamic),
-        "end_stops": float(actuator.end_stops),
-        "lapped": float(any(actuator.overlap)),
-        **dict(zip(OVERLAPS, actuator.overlap, strict=True)),
-        "curved": float(bool(actuator.flow_curve)),
-        **{f"flow_curve_{k}": float(np.interp(k / (CURVE_POINTS - 1), places, flows)) for k in range(CURVE_POINTS)},
-        "moving_volume": float(actuator.moving_volume),
-        "edge_leakage": actuator.edge_leakage,
-        "cross_leakage": actuator.cross_leakage,
-        "supply_pressure": plant.supply.pressure,
-        "tank_pressure": plant.supply.tank_pressure,
-        "spool_drive_limit": min(actuator.spool_drive_limit, HUGE),
-        "mount_x": position[0],
-        "mount_y": position[1],
-        # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.
-        "weight": -actuator.plate_mass * plant.gravity if tied else 0.0,
-    }
-    return [values[name] if name in values else getattr(actuator, name) for name in PARAMETERS]
-
-
 def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjSpec:
     """The model as an editable MjSpec.
 
@@ -107,29 +58,28 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     spec = mujoco.MjSpec.from_file(str(template()))
     spec.option.timestep = timestep
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
-    spec.nuserdata = N_USERDATA
-    spec.nuser_actuator = len(PARAMETERS)
+    spec.nuserdata = userdata_size(len(plant.mounts))
+    spec.nuser_actuator = size(ISOLATOR)
     _set_machine(spec, plant)
     _add_lateral_membranes(spec, plant)
-    for name, position, actuator in zip(MOUNTS, plant.positions, plant.actuators, strict=True):
+    table = rows(plant)
+    isolators, others = table[: len(plant.mounts)], table[len(plant.mounts) :]
+    for row, position, actuator in zip(isolators, plant.positions, plant.actuators, strict=True):
         stroke = _add_tied_plate if plant.plates == "tied" else _add_sliding_plate
-        target, transmission = stroke(spec, name, position, actuator, timestep)
+        target, transmission = stroke(spec, row.name, position, actuator, timestep)
         spec.add_actuator(
-            name=name,
+            name=row.name,
             target=target,
             trntype=transmission,
             dyntype=mujoco.mjtDyn.mjDYN_USER,
-            actdim=N_STATES,
+            actdim=row.states,
             gaintype=mujoco.mjtGain.mjGAIN_FIXED,
             gainprm=[0.0] * 10,
             biastype=mujoco.mjtBias.mjBIAS_USER,
-            userdata=parameter_row(actuator, position, plant),
+            userdata=row.values,
         )
-    if plant.supply.dynamic:
-        _add_states(spec, "supply", SUPPLY_STATES, supply_row(plant))
-    if plant.bookkeeping:
-        begins = N_MOUNTS * N_STATES + (len(SUPPLY_STATES) if plant.supply.dynamic else 0)
-        _add_states(spec, "ledger", LEDGER_STATES, [LEDGER, float(begins)])
+    for row in others:
+        _add_states(spec, row)
     if plant.plates == "tied" or not any(actuator.rigid_foot for actuator in plant.actuators):
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     if drawn:
@@ -148,9 +98,9 @@ def drawn_xml(plant: Plant, timestep: float) -> str:
     """
     spec = build_spec(plant, timestep, drawn=True)
     tree = ElementTree.fromstring(spec.to_xml())
-    rows = {actuator.name: actuator.userdata for actuator in spec.actuators}
+    written = {actuator.name: actuator.userdata for actuator in spec.actuators}
     for element in tree.iterfind("actuator/general"):
-        element.set("user", " ".join(repr(float(value)) for value in rows[element.get("name", "")]))
+        element.set("user", " ".join(repr(float(value)) for value in written[element.get("name", "")]))
     return ElementTree.tostring(tree, encoding="unicode")
 
 
@@ -170,39 +120,24 @@ def reduced(plant: Plant) -> Plant:
     return replace(plant, plates="tied") if rigid else plant
 
 
-def supply_row(plant: Plant) -> list[float]:
-    """The shared supply as a row of the model's actuator_user (`ehamj.memory.SUPPLY_PARAMETERS`)."""
-    supply = plant.supply
-    values = {
-        "kind": SUPPLY,
-        "set_pressure": supply.pressure,
-        "pump_conductance": supply.pump_flow / supply.pump_droop,
-        "gas_volume": supply.accumulator_volume,
-        "precharge": supply.accumulator_precharge,
-        "polytropic_exponent": supply.accumulator_exponent,
-        "bulk_modulus": supply.oil_modulus,
-    }
-    return [values[name] if name in values else getattr(supply, name) for name in SUPPLY_PARAMETERS]
-
-
-def _add_states(spec: mujoco.MjSpec, name: str, states: tuple[str, ...], row: list[float]) -> None:
+def _add_states(spec: mujoco.MjSpec, row: Row) -> None:
     """States without a force of their own, as an actuator on the heave joint with no gear."""
     spec.add_actuator(
-        name=name,
+        name=row.name,
         target="z",
         trntype=mujoco.mjtTrn.mjTRN_JOINT,
         gear=[0.0] * 6,
         dyntype=mujoco.mjtDyn.mjDYN_USER,
-        actdim=len(states),
+        actdim=row.states,
         gaintype=mujoco.mjtGain.mjGAIN_FIXED,
         gainprm=[0.0] * 10,
         biastype=mujoco.mjtBias.mjBIAS_NONE,
-        userdata=row + [0.0] * (len(PARAMETERS) - len(row)),
+        userdata=row.values,
     )
 
 
 def _check_plates(plant: Plant) -> None:
-    for name, actuator in zip(MOUNTS, plant.actuators, strict=True):
+    for name, actuator in zip(plant.mounts, plant.actuators, strict=True):
         if plant.plates == "tied" and not actuator.rigid_foot:
             raise ValueError(
                 f"plates = 'tied' needs rigid feet, but the actuator of {name} has foot_stiffness = "
@@ -304,7 +239,7 @@ def _draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
-    for name, position in zip(MOUNTS, plant.positions, strict=True):
+    for name, position in zip(plant.mounts, plant.positions, strict=True):
         machine.add_geom(
             spec.find_default("steel"),
             name=f"foot {name}",
@@ -317,12 +252,3 @@ def _draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset)
         pad = spec.worldbody.add_body(name=f"pad {name}", pos=[*position, PAD_HEIGHT], mocap=True)
         pad.add_geom(spec.find_default("pad"), name=f"pad {name}")
-
-
-def foot_compliances(model: mujoco.MjModel) -> NDArray[np.float64]:
-    """Rest compliance [m/N] of each rigid-foot constraint as compiled: R·τ²·d², R = (1 − d)/d · inverse weight."""
-    found = []
-    for k in range(model.neq):
-        tau, d = model.eq_solref[k, 0], model.eq_solimp[k, 0]
-        found.append((1 - d) / d * model.tendon_invweight0[model.eq_obj1id[k]] * (tau * d) ** 2)
-    return np.array(found)

@@ -26,6 +26,26 @@ def doubles_at(typing_context: Any, struct: Any, offset: Any) -> Any:
 
 
 @intrinsic
+def address_at(typing_context: Any, struct: Any, offset: Any) -> Any:
+    """The address stored ``offset`` bytes into the struct at address ``struct``."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(_field(builder, cgutils.intp_t, *arguments))
+
+    return types.intp(types.intp, types.intp), codegen
+
+
+@intrinsic
+def pointer(typing_context: Any, address: Any) -> Any:
+    """An address as a pointer, for ``numba.carray``."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), codegen
+
+
+@intrinsic
 def load_double(typing_context: Any, struct: Any, offset: Any) -> Any:
     """The double stored ``offset`` bytes into the struct at address ``struct``."""
 

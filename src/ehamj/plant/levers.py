@@ -39,3 +39,8 @@ def warp(positions: Sequence[Sequence[float]]) -> Array:
     """Pattern of forces at four mounts that moves nothing, (mount,), of length two: + − − + on a rectangle."""
     pattern = np.linalg.svd(plane(positions).T)[2][-1]
     return np.asarray(2.0 * pattern * np.sign(pattern[0]))
+
+
+def slab_fit(positions: Sequence[Sequence[float]]) -> Array:
+    """Motion of the rigid slab that fits the mounts' displacements best, (6, 3 mounts): the inverse of `levers`."""
+    return np.asarray(np.linalg.pinv(levers(positions)))

@@ -13,7 +13,7 @@ from ehamj.pages import Page, Picture, Section, Table, write_page
 from ehamj.pages.words import AXIS_NAMES, decibel, exact, number
 from ehamj.plots import Response
 from ehamj.rig.comparison import COHERENT, Comparison, own_output
-from ehamj.rig.measured import Measurement
+from ehamj.rig.measurement import Measurement
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"

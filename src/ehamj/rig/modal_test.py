@@ -150,7 +150,7 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
     if realisations < 1:
         raise InputError(f"realisations = {realisations}: must be at least 1")
     still = _still(scenario)
-    model = linear_model(still)
+    model = linear_model(still.plant)
     growth = float(np.linalg.eigvals(model.A).real.max())
     if growth > GROWS:
         raise InputError(f"the machine is unstable with its valves held, it moves away as exp({growth:.3g} t): no test")

@@ -4,15 +4,12 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ehamj.errors import InputError
-from ehamj.mujoco.advance import DONE, N_TALLY, NOT_LOADED, Stopped, advance, compile_loop, row_size
+from ehamj.mujoco.advance import DONE, NOT_LOADED, Stopped, advance, compile_loop
+from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.run.inputs import sample_inputs, sample_load
 from ehamj.run.prepare import Prepared
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 STRETCH = 2048
@@ -23,8 +20,8 @@ STRETCH = 2048
 class Driven:
     """What the stepping loop left: recorded rows, the tally of limits, how it ended, seconds spent in the loop."""
 
-    rows: Array = field(repr=False)
-    tally: Array
+    rows: Rows = field(repr=False)
+    tally: Tally
     stopped: Stopped
     seconds: float
 
@@ -40,7 +37,7 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         InputError: if the rows do not fit in memory.
     """
     compile_loop()
-    rows, tally = _room(prepared), np.zeros(N_TALLY)
+    recording = _room(prepared)
     loop, load, timestep = prepared.loop, prepared.load, prepared.timestep
     done, recorded, seconds = 0, 0, 0.0
     stopped = Stopped(0, DONE, -1)
@@ -52,22 +49,21 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
         began = clock.perf_counter()
         stopped, count = advance(
-            prepared.model, prepared.data, done, steps, inputs, prepared.every, rows[recorded:], tally, last, loop,
-            noise, pushed,
+            prepared.model, prepared.data, done, steps, inputs, recording.after(recorded), last, loop, noise, pushed
         )  # fmt: skip
         seconds += clock.perf_counter() - began
         done += stopped.steps
         recorded += count
         if progress is not None:
             progress(done / prepared.steps)
-    return Driven(rows[:recorded], tally, stopped._replace(steps=done), seconds)
+    return Driven(recording.rows.part(slice(recorded)), recording.tally, stopped._replace(steps=done), seconds)
 
 
-def _room(prepared: Prepared) -> Array:
+def _room(prepared: Prepared) -> Recording:
     """Memory for the rows of the whole run."""
     count = prepared.steps // prepared.every + 1
     try:
-        return np.empty((count, row_size(prepared.model, prepared.loop)))
+        return Recording.of(prepared.model, prepared.loop, prepared.every, count)
     except MemoryError:
         s = prepared.scenario
         raise InputError(

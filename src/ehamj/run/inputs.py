@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ehamj.forces import Load
 from ehamj.ground import Motion
+from ehamj.memory import COMMAND, inputs
 from ehamj.signals import Signal
 
 Array = NDArray[np.float64]
@@ -13,25 +14,24 @@ Array = NDArray[np.float64]
 def sample_inputs(
     motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
 ) -> tuple[Array, Array]:
-    """Inputs of some steps: value, slope·timestep, second derivative at start and end, (steps, n_inputs, 3) each.
+    """Inputs of some steps at start and end: value, slope·timestep, second derivative, (steps, mount, input, 3) each.
 
-    The channels are the ground's x, y, z at each mount [m], mount-major, then a command per mount [V].
+    The inputs of a mount are the ground's x, y, z [m], then its command [V] (`ehamj.memory.INPUTS`).
     """
     times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
-    grounds = 3 * len(commands)
-    points = np.zeros((steps + 1, grounds + len(commands), 3))
+    points = inputs(steps + 1, len(commands))
     if not motion.at_rest:
         for order, part in enumerate(motion.sample(times)):
-            points[:, :grounds, order] = part.reshape(-1, grounds)
+            points[:, :, :COMMAND, order] = part
     starts = points[:-1].copy()
     ends = points[1:]
-    for channel, signal in enumerate(commands, start=grounds):
+    for mount, signal in enumerate(commands):
         now = signal.sample(times[:-1])
         then = signal.sample(times[1:], left=True)
-        starts[:, channel, 0], starts[:, channel, 1] = now.value, now.slope
-        ends[:, channel, 0], ends[:, channel, 1] = then.value, then.slope
-    starts[:, :, 1] *= timestep
-    ends[:, :, 1] *= timestep
+        starts[:, mount, COMMAND, 0], starts[:, mount, COMMAND, 1] = now.value, now.slope
+        ends[:, mount, COMMAND, 0], ends[:, mount, COMMAND, 1] = then.value, then.slope
+    starts[..., 1] *= timestep
+    ends[..., 1] *= timestep
     return starts, ends
 
 

@@ -8,14 +8,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.ground import Motion
-from ehamj.memory import LEDGER_STATES, N_STATES, SUPPLY_STATES
-from ehamj.mujoco.advance import columns
+from ehamj.isolator.chambers import Chambers
+from ehamj.memory import LEDGER, activations
+from ehamj.mujoco.rows import Rows
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.result import make_dataset
-from ehamj.run.chambers import Chambers
 from ehamj.run.prepare import Prepared
 from ehamj.scenario.model import Scenario
 
@@ -25,12 +25,11 @@ Channels = dict[str, Array]
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
-def observe(prepared: Prepared, rows: Array) -> xr.Dataset:
-    """Everything that a result holds, from the recorded rows (n, row_size)."""
+def observe(prepared: Prepared, rows: Rows) -> xr.Dataset:
+    """Everything that a result holds, from the recorded rows."""
     scenario, plant = prepared.scenario, prepared.scenario.plant
-    times = np.arange(rows.shape[0], dtype=np.float64) / scenario.record_rate
-    part = {name: rows[:, slice(*where)] for name, where in columns(prepared.model, prepared.loop)._asdict().items()}
-    displacement, velocity, acceleration = (part[name][:, list(DOF_OF_JOINT)] for name in ("qpos", "qvel", "qacc"))
+    times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
+    displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
     mounts = len(plant.mounts)
     places = [*((*position, 0.0) for position in plant.positions), plant.machine.cg, *scenario.points.values()]
     moved = points_motion(displacement, velocity, acceleration, places)
@@ -38,19 +37,19 @@ def observe(prepared: Prepared, rows: Array) -> xr.Dataset:
     channels |= {"machine_displacement": displacement, "machine_velocity": velocity}
     channels |= _together("foot", moved[:mounts])
     channels |= {f"cg_{motion}": values for motion, values in zip(MOTIONS, moved[mounts], strict=True)}
-    channels |= _strokes(plant, part, channels)
-    channels |= _oil(plant, part, channels["stroke"])
+    channels |= _strokes(plant, rows, channels)
+    channels |= _oil(prepared, rows, channels["stroke"])
     channels |= _together("point", moved[mounts + 1 :])
     channels |= _relative(scenario, channels)
     if not prepared.load.absent:
         channels["external_force"] = prepared.load.sample(times)[0]
-    if prepared.loop.readings:
-        channels["measured"] = part["readings"]
+    if prepared.loop.sensing.channels:
+        channels["measured"] = rows.readings
     if prepared.loop.states:
         # Single precision: they are looked at, not calculated with, and may be many.
-        channels["controller_state"] = part["states"].astype(np.float32)
+        channels["controller_state"] = rows.states.astype(np.float32)
     if plant.bookkeeping:
-        channels |= _ledger(plant, part, channels["stroke"])
+        channels |= _ledger(prepared, rows, channels["stroke"])
     return make_dataset(times, channels, {"title": scenario.name}, _labels(prepared))
 
 
@@ -80,10 +79,10 @@ def _together(what: str, moved: Sequence[tuple[Array, Array, Array]]) -> Channel
     }
 
 
-def _strokes(plant: Plant, part: Channels, channels: Channels) -> Channels:
+def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
     """Plates relative to the ground: joints of their own if they slide, the machine's plane if they are tied."""
     if plant.plates == "sliding":
-        plate, velocity = (part[name][:, len(DOF_OF_JOINT) :] for name in ("qpos", "qvel"))
+        plate, velocity = (part[:, len(DOF_OF_JOINT) :] for part in (rows.qpos, rows.qvel))
     else:
         heights = np.array([lever((*position, 0.0))[2] for position in plant.positions])
         plate, velocity = (channels[f"machine_{name}"] @ heights.T for name in MOTIONS[:2])
@@ -93,29 +92,29 @@ def _strokes(plant: Plant, part: Channels, channels: Channels) -> Channels:
     }
 
 
-def _oil(plant: Plant, part: Channels, stroke: Array) -> Channels:
+def _oil(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
     """Valves, chambers and supply."""
-    chambers, mounts = Chambers.of(plant), len(plant.mounts)
-    states = _isolator_states(plant, part)
-    pressure = chambers.pressure(states[:, :, 2:])
+    plant = prepared.scenario.plant
+    chambers, parts = Chambers.of(plant.actuators), activations(prepared.model, rows.act)
+    states = _pressure_states(parts.isolators)
+    pressure = chambers.pressure(states)
     supply = np.full(stroke.shape[0], plant.supply.pressure)
     if plant.supply.dynamic:
-        supply = part["act"][:, mounts * N_STATES + SUPPLY_STATES.index("supply_pressure")]
+        supply = parts.supply["supply_pressure"][:, 0]
     return {
-        "spool": states[:, :, 0],
-        "valve_command": part["command"],
+        "spool": parts.isolators["spool"],
+        "valve_command": rows.command,
         "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
         "chamber_pressure": pressure,
-        "chamber_void": chambers.void(states[:, :, 2:], stroke),
-        "chamber_flow": part["flow"].reshape(-1, mounts, 2),
+        "chamber_void": chambers.contents(states, stroke).void,
+        "chamber_flow": rows.flow,
         "supply_pressure": supply,
     }
 
 
-def _isolator_states(plant: Plant, part: Channels) -> Array:
-    """States of the isolators, (time, mount, state)."""
-    mounts = len(plant.mounts)
-    return part["act"][:, : mounts * N_STATES].reshape(-1, mounts, N_STATES)
+def _pressure_states(states: Any) -> Array:
+    """Pressure states of the chambers, (time, mount, chamber)."""
+    return np.stack([states["pressure_1"], states["pressure_2"]], axis=-1)
 
 
 def _relative(scenario: Scenario, channels: Channels) -> Channels:
@@ -139,15 +138,13 @@ def _relative(scenario: Scenario, channels: Channels) -> Channels:
     }
 
 
-def _ledger(plant: Plant, part: Channels, stroke: Array) -> Channels:
+def _ledger(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
     """What crossed the chambers' borders since the start, and what they hold."""
-    chambers, mounts = Chambers.of(plant), len(plant.mounts)
-    pressures = _isolator_states(plant, part)[:, :, 2:]
-    ledger = part["act"][:, -len(LEDGER_STATES) :]
-    border = dict(zip(LEDGER_STATES[2 * mounts :], ledger[:, 2 * mounts :].T, strict=True))
+    parts = activations(prepared.model, rows.act)
+    held = Chambers.of(prepared.scenario.plant.actuators).contents(_pressure_states(parts.isolators), stroke)
     return {
-        "oil_in": ledger[:, : 2 * mounts].reshape(-1, mounts, 2),
-        **border,
-        "oil_held": chambers.mass(pressures, stroke),
-        "oil_energy": chambers.energy(pressures, stroke).sum(axis=(1, 2)),
+        "oil_in": np.stack([parts.oil["oil_in_1"], parts.oil["oil_in_2"]], axis=-1),
+        **{name: parts.ledger[name][:, 0] for name in LEDGER.names or ()},
+        "oil_held": held.mass,
+        "oil_energy": held.energy.sum(axis=(1, 2)),
     }

@@ -7,7 +7,7 @@ import numpy as np
 
 from ehamj.control import AnyController, LinearController, PythonController
 from ehamj.control.commands import Passive
-from ehamj.control.compiled.loop import Loop, make_loop
+from ehamj.control.loop import Loop, make_loop
 from ehamj.control.noise import ReadingNoise
 from ehamj.errors import InputError
 from ehamj.forces import Load
@@ -87,6 +87,6 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
         )
     noise = None
     if controller is not None:
-        made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.base * timestep)
+        made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.laws.base * timestep)
         noise = None if made.silent else made
     return Prepared(scenario, model, data, motion, commands, load, controller, loop, noise, every, steps)

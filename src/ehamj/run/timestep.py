@@ -87,7 +87,8 @@ def _modes(plant: Plant) -> NDArray[np.complex128]:
     model = compiled(reduced(replace(plant, actuators=stiff)), 1e-4)
     data = mujoco.MjData(model)
     with hydraulics():
-        matrix = jacobian(model, data, equilibrium(model, data, Inputs.rest()), Inputs.rest())
+        rest = Inputs.rest(model)
+        matrix = jacobian(model, data, equilibrium(model, data, rest), rest)
     return np.linalg.eigvals(matrix).astype(complex)
 
 

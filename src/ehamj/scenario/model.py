@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 import tomli_w
@@ -26,7 +26,7 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
-from ehamj.settings import Settings, Vector3
+from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
 
 
@@ -65,9 +65,7 @@ class Output(Settings):
     replay: bool = Field(True, description="write replay.rrd")
     report: bool = Field(True, description="write report.html and figures/")
     bookkeeping: bool = Field(False, description="balance oil and energy in states of their own, and report them")
-    exaggeration: Annotated[float, Field(gt=0)] | Literal["auto"] = Field(
-        "auto", description="factor on the motions drawn in the replay"
-    )
+    exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
 
 
 class Scenario(Settings):
@@ -78,7 +76,7 @@ class Scenario(Settings):
     duration: float = Field(10.0, gt=0, description="simulated time [s]")
     seed: int = Field(0, ge=0, description="seed of everything random")
     gravity: float = Field(9.80665, ge=0, description="gravitational acceleration, downwards [m/s²]")
-    timestep: Annotated[float, Field(gt=0)] | Literal["auto"] = Field(
+    timestep: Positive | Literal["auto"] = Field(
         "auto", description="integration step [s]; auto resolves the fastest mode"
     )
     record_rate: float = Field(1000.0, gt=0, description="rows of the result per second [Hz]")

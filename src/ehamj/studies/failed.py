@@ -13,13 +13,14 @@ from pydantic import Field
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import rigid_floor
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.rest import static_forces
 from ehamj.studies.study import WholeHertz, among, study
@@ -120,7 +121,7 @@ OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displ
 
 def residual(model: LinearModel, loop: Loop | None, hertz: Array) -> ComplexArray:
     """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
-    return floor_response(model, loop, hertz, OUTPUTS, rigid_floor(model.plant, "z"))
+    return rigid_floor(model, hertz, loop, OUTPUTS, ("z",)).response[:, :, 0]
 
 
 def simulated_residual(
@@ -171,16 +172,16 @@ def simulated_event(
 )
 def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Progress) -> Outcome:
     """A machine with a failed actuator that has no operating point is refused."""
-    loop, mount = Loop.of(scenario), at_mount(scenario, settings.mount)
+    loop, mount = Loop.of(scenario, scenario.controller()), at_mount(scenario, settings.mount)
     models, answers = {}, {}
     for case in ("sound", *settings.failures):
         progress(f"{case}: linear model and run")
         machine = failed(scenario, case, mount)
-        models[case] = linear_model(machine)
+        models[case] = linear_model(machine.plant)
         linear = residual(models[case], loop, np.array(settings.lines))
         answers[case] = (linear, simulated_residual(machine, loop, settings))
     progress("a valve runs away")
-    static = static_forces(linear_model(failed(scenario, STUCK_OPEN, mount)))
+    static = static_forces(linear_model(failed(scenario, STUCK_OPEN, mount).plant))
     event = simulated_event(scenario, STUCK, mount)
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)

@@ -7,13 +7,13 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.control.sensors import IDEAL
+from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import feeds_back
 from ehamj.linear.modes import eigen_of, modes
 from ehamj.plots.charts import Line, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.position_loop import highest_factor, inertial_position, scaled
 from ehamj.studies.study import Positive, study
@@ -49,8 +49,7 @@ def root_locus(model: LinearModel, loop: Loop, factors: Array) -> ComplexArray:
     """Poles [1/s] of the sampled loop in continuous time, (factor, pole); NaN for delays, gone after a sample."""
     found = []
     for factor in factors:
-        one = scaled(loop, float(factor))
-        found.append(eigen_of(model, one.law, sensors=one.sensors, seed=one.seed)[0].values)
+        found.append(eigen_of(model, scaled(loop, float(factor)))[0].values)
     most = max(map(len, found))
     return np.array([np.append(poles, np.full(most - len(poles), np.nan + 0j)) for poles in found])
 
@@ -64,9 +63,9 @@ def root_locus(model: LinearModel, loop: Loop, factors: Array) -> ComplexArray:
 def loop_gains(scenario: Scenario, settings: GainSettings, progress: Progress) -> Outcome:
     """A loop that is unstable even with a thousandth of its gain is refused."""
     progress("root locus")
-    model, own = linear_model(scenario), Loop.of(scenario)
+    model, own = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
     ours = own is None or not feeds_back(own.law)
-    loop = Loop(inertial_position(scenario.plant, settings.crossover)) if own is None or ours else own
+    loop = Loop(inertial_position(scenario.plant, settings.crossover), IDEAL, 0) if own is None or ours else own
     limit = highest_factor(model, loop)
     bounded = bool(np.isfinite(limit))
     highest = settings.highest or (1.25 * limit if bounded else 3.0)
@@ -109,8 +108,7 @@ def _modes_over_gain(model: LinearModel, loop: Loop, factors: Array) -> xr.Datas
     """Frequency [Hz] and damping of the machine's own modes over the factor, by name."""
     steps = []
     for factor in factors:
-        one = scaled(loop, float(factor))
-        found = modes(model, one.law, sensors=one.sensors, seed=one.seed)
+        found = modes(model, scaled(loop, float(factor)))
         steps.append({mode.name: mode for mode in found if mode.machine_moves})
     names = list(dict.fromkeys(name for step in steps for name in step))
     frequency, damping = np.full((2, len(factors), len(names)), np.nan)

@@ -7,17 +7,15 @@ import numpy as np
 
 from ehamj.control import Controller
 from ehamj.errors import InputError
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
-from ehamj.linear.modes import sampled_loop
+from ehamj.linear.sampled import STABLE, spectral_radius
 from ehamj.plant.plant import Plant
-from ehamj.studies.floors import Loop
 
 PERIOD: Final = 1e-4
 """Sampling period of the study's own law [s]."""
 LEAK: Final = 0.05
 """Corner below which its integrators forget [Hz]."""
-STABLE: Final = 1.0 + 1e-9
-"""Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
 UNLIMITED: Final = 1e4
 """Factor on the gain beyond which no limit is looked for."""
 
@@ -41,11 +39,6 @@ def scaled(loop: Loop, factor: float) -> Loop:
     return replace(loop, law=loop.law.scaled(factor))
 
 
-def radius(model: LinearModel, loop: Loop) -> float:
-    """Spectral radius of the sampled loop: stable below one."""
-    return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop.law, loop.sensors, loop.seed).A)).max())
-
-
 def highest_factor(model: LinearModel, loop: Loop) -> float:
     """Factor on the law's gain at which the loop becomes unstable, to 1e-3; infinite beyond `UNLIMITED`.
 
@@ -53,14 +46,14 @@ def highest_factor(model: LinearModel, loop: Loop) -> float:
         InputError: if even a thousandth of the gain is unstable.
     """
     low = 1e-3
-    if radius(model, scaled(loop, low)) > STABLE:
+    if spectral_radius(model, scaled(loop, low)) > STABLE:
         raise InputError("control: the loop is unstable even with a thousandth of its gain")
     high = low
-    while radius(model, scaled(loop, high)) <= STABLE:
+    while spectral_radius(model, scaled(loop, high)) <= STABLE:
         low, high = high, 3.0 * high
         if high > UNLIMITED:
             return float("inf")
     while high / low > 1.0 + 1e-3:
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
+        low, high = (middle, high) if spectral_radius(model, scaled(loop, middle)) <= STABLE else (low, middle)
     return float(np.sqrt(low * high))

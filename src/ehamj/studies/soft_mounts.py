@@ -17,7 +17,9 @@ from scipy.optimize import brentq
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import rigid_floor
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
@@ -26,7 +28,6 @@ from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.floors import Loop, floor_response, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.tables import modes_table, table
@@ -110,7 +111,7 @@ def lean(scenario: Scenario, actuator: Actuator) -> float:
 
 def growth(scenario: Scenario) -> float:
     """Largest real part of the machine's eigenvalues that is not rounding [1/s]; positive: it tips over."""
-    values = np.linalg.eigvals(linear_model(scenario).A)
+    values = np.linalg.eigvals(linear_model(scenario.plant).A)
     clear = values.real[np.abs(values) > 1e-9 * np.abs(values).max()]
     return float(clear.max())
 
@@ -236,9 +237,10 @@ Systems = Mapping[str, tuple[LinearModel, Loop | None]]
 
 def compared_systems(scenario: Scenario, presets: Sequence[str] = MOUNTS_COMPARED) -> Systems:
     """The machine on each kind of soft mount and on its own actuators: valves held, and under its control if any."""
-    passive, own, loop = still(scenario), linear_model(scenario), Loop.of(scenario)
+    passive, own, loop = still(scenario), linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
     found: dict[str, tuple[LinearModel, Loop | None]] = {
-        name: (linear_model(still(passive, **with_every_actuator(passive, preset(name)))), None) for name in presets
+        name: (linear_model(still(passive, **with_every_actuator(passive, preset(name))).plant), None)
+        for name in presets
     }
     found["its own, valves held"] = (own, None)
     if loop is not None:
@@ -251,8 +253,7 @@ def transmissibility_table(systems: Systems, hertz: Array | None = None) -> xr.D
     f = np.geomspace(0.3, 300.0, 301) if hertz is None else hertz
 
     def gain(model: LinearModel, loop: Loop | None, axis: str) -> Array:
-        floor = rigid_floor(model.plant, axis)
-        return np.abs(floor_response(model, loop, f, (f"cg_displacement {axis}",), floor)[:, 0])
+        return np.abs(rigid_floor(model, f, loop, (f"cg_displacement {axis}",), (axis,)).response[:, 0, 0])
 
     return table(
         "floor to machine",

@@ -84,7 +84,7 @@ def confirmed_loads(scenario: Scenario, settings: UnequalSettings) -> xr.Dataset
     simulated = []
     for place in at.tolist():
         cg = (*place, scenario.machine.cg[2])
-        forces = static_forces(linear_model(still(scenario, **resized(scenario, cg))))
+        forces = static_forces(linear_model(still(scenario, **resized(scenario, cg)).plant))
         simulated.append(forces["oil"] + forces["membrane"])
     return table(
         "random offsets, confirmed by the simulator",

@@ -7,15 +7,16 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.control.sensors import IDEAL
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.floors import Loop
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.position_loop import highest_factor, inertial_position
 from ehamj.studies.study import Positive, among, study
@@ -93,8 +94,8 @@ def fastest_loops(scenario: Scenario, settings: ValveOilSettings, progress: Prog
         progress(f"loops: {name}")
         for j, factor in enumerate(factors):
             one = _scaled(scenario, name, factor)
-            loop = Loop(inertial_position(one.plant, TRIED))
-            crossover[i, j] = TRIED * highest_factor(linear_model(one), loop)
+            loop = Loop(inertial_position(one.plant, TRIED), IDEAL, 0)
+            crossover[i, j] = TRIED * highest_factor(linear_model(one.plant), loop)
     return table(
         "fastest position loop",
         {"parameter": (list(settings.looped), "", "parameter"), "factor": (factors, "1", "factor")},

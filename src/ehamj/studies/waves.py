@@ -13,13 +13,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.response import ground_response, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots.charts import Line, direction_chart, map_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.floors import Loop, floor_response, ground_to, rigid_floor
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, WholeHertz, study
 from ehamj.studies.tables import table
@@ -78,7 +79,7 @@ def rocking(
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
     f, places = np.array(settings.frequencies), np.array(model.plant.positions)
     k = AXES.index(settings.axis)
-    transfer = ground_to(model, loop, f, TURNS)[:, :, k :: len(AXES)]  # (frequency, output, mount)
+    transfer = ground_response(model, f, TURNS, loop)[:, :, k :: len(AXES)]  # (frequency, output, mount)
     found = np.empty((len(settings.directions), len(settings.speeds), f.size))
     for i, direction in enumerate(settings.directions):
         for j, speed in enumerate(settings.speeds):
@@ -97,7 +98,7 @@ def rocking(
 def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Outcome:
     """A machine that has no operating point is refused."""
     progress("linear response")
-    model, loop = linear_model(scenario), Loop.of(scenario)
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
     systems: dict[str, Loop | None] = {HELD: None} | ({} if loop is None else {"controlled": loop})
     found = rocking_table(settings, {name: rocking(model, one, settings) for name, one in systems.items()})
     worst = {name: worst_wave(found, name) for name in systems}
@@ -192,9 +193,7 @@ def _largest(found: xr.Dataset) -> xr.Dataset:
 def coupling_table(model: LinearModel, hertz: Array) -> xr.Dataset:
     """Largest gain at ``hertz`` from each motion of a rigid floor to each of the machine's mount plane, 6 by 6."""
     outputs = tuple(f"machine_displacement {dof}" for dof in DOFS)
-    gains = [
-        np.abs(floor_response(model, None, hertz, outputs, rigid_floor(model.plant, dof))).max(axis=0) for dof in DOFS
-    ]
+    gains = np.abs(rigid_floor(model, hertz, None, outputs).response).max(axis=0).T
     return table(
         "what a rigid floor's motions move",
         {"floor": (list(DOFS), "", "floor"), "machine": (list(DOFS), "", "machine")},

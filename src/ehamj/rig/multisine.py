@@ -1,35 +1,35 @@
-"""Transmissibility measured from nonlinear simulations: with multisines in all directions at once, or from a run.
+"""Transmissibility measured with multisines in all directions at once.
 
-Multisine: the floor moves in its q degrees of freedom together, in q experiments whose phases make the inputs
-orthogonal at every line (Dobrowiecki, Schoukens & Guillaume, IEEE Trans. Instrum. Meas. 55, 2006: phases of a Fourier
-matrix), and again for each realisation of random phases. What differs between realisations is distortion and noise.
+The floor moves in its q degrees of freedom together, in q experiments whose phases make the inputs orthogonal at every
+line (Dobrowiecki, Schoukens & Guillaume, IEEE Trans. Instrum. Meas. 55, 2006: phases of a Fourier matrix), and again
+for each realisation of random phases. What differs between realisations is distortion and noise.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.control import LinearController
-from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
-from ehamj.estimate.spectra import Estimate, Estimator, Spectra, estimate, segments
-from ehamj.judge import settled
+from ehamj.estimate.spectra import Estimator, Spectra, estimate
+from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.linear.response import TURNS, lever_scale, machine_channels, slab_pattern
 from ehamj.plant.axes import DOFS
 from ehamj.result import Result
-from ehamj.rig.lines import PERIOD, channel, excited, line_amplitudes, lines
+from ehamj.rig.measurement import Measurement, channel
 from ehamj.run.simulate import simulate_many
+from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+PERIOD: Final = 1.0
+"""Period of the exciting multisines [s]; their lines are its multiples."""
 REMAINS: Final = 1e-6
 """Share of the beginning's oscillations that may be left when the evaluation begins."""
 LONGEST_SETTLING: Final = 30.0
@@ -45,32 +45,12 @@ PERIODS: Final = 2
 """Periods that are averaged; the drift between them is taken out."""
 LEVEL: Final = 1e-6
 """RMS velocity of each line [m/s]; of a rotation, at the mounts' mean distance from their centre."""
-SEGMENTS: Final = 16
-"""Segments, before overlapping, that a run is divided into where no segment is given, unless they would be longer than
-`LONGEST_SEGMENT`."""
-LONGEST_SEGMENT: Final = 4.0
-"""[s]"""
-FAINT: Final = 1e-3
-"""Amplitude of an input in a line, over the floor's strongest, below which it counts as at rest: there it shows leakage
-and rounding alone. Rotations count as motion at the mounts' mean distance."""
 
 
-@dataclass(frozen=True)
-class Measurement:
-    """A measured transmissibility: its estimate, outputs (channels) and inputs (degrees of freedom of the floor)."""
-
-    outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
-    estimate: Estimate
-    method: str
-    """How it was measured, in words."""
-
-    def within(self, first: float, last: float) -> "Measurement":
-        """The part of it from ``first`` to ``last`` [Hz]."""
-        e = self.estimate
-        kept = (e.frequency >= first) & (e.frequency <= last)
-        arrays = {name: getattr(e, name)[kept] for name in ("frequency", "response", "radius", "multiple", "ordinary")}
-        return replace(self, estimate=replace(e, **arrays))
+def lines(first: float = 1.0, last: float = 300.0, count: int = 40) -> Array:
+    """About ``count`` frequencies [Hz] between ``first`` and ``last``, spaced evenly in logarithm, on the line grid."""
+    grid = np.unique(np.round(np.geomspace(first, last, count) * PERIOD))
+    return grid[grid > 0] / PERIOD
 
 
 def by_multisine(
@@ -87,7 +67,7 @@ def by_multisine(
 
     Args:
         scenario: what is excited; its ground is replaced.
-        outputs: channels of displacement.
+        outputs: channels (`ehamj.control.channels`).
         dofs: of the floor, excited together.
         frequency: excited lines [Hz], multiples of 1/`PERIOD`; `lines` without.
         realisations: of the random phases, at least 2.
@@ -101,9 +81,10 @@ def by_multisine(
     if realisations < 2:
         raise InputError(f"realisations = {realisations}: must be at least 2, whose differences tell the coherence")
     f = lines() if frequency is None else np.asarray(frequency, float)
-    model, controller = linear_model(scenario), scenario.controller()
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    model.rows(outputs)  # says which channels there are
     slab_pattern(model.plant, dofs)  # says which degrees of freedom there are
-    fade_in, settling = settling_time(model, controller, scenario.sensors)
+    fade_in, settling = settling_time(model, loop)
     q, length = len(dofs), lever_scale(model.plant)
     levels = [velocity / length if dof in TURNS else velocity for dof in dofs]
     phases = np.concatenate([_phases(scenario.seed, k, q, f.size) for k in range(realisations)])
@@ -121,9 +102,7 @@ def by_multisine(
     return Measurement(tuple(outputs), tuple(dofs), found, words)
 
 
-def settling_time(
-    model: LinearModel, controller: LinearController | None = None, sensors: Sensors = IDEAL
-) -> tuple[float, float]:
+def settling_time(model: LinearModel, loop: Loop | None) -> tuple[float, float]:
     """Time over which multisines begin, and time in which every oscillation has then decayed to `REMAINS`.
 
     Slow modes (`SLOW`) need not decay; they make the beginning longer.
@@ -134,7 +113,7 @@ def settling_time(
     Raises:
         InputError: if an oscillation takes longer than `LONGEST_SETTLING`, or one grows.
     """
-    found = modes(model, controller, sensors=sensors)
+    found = modes(model, loop)
     counting = [mode for mode in found if mode.frequency >= SLOW or mode.damping_ratio <= 0.0]
     fade_in = FADE_IN if len(counting) == len(found) else SLOW_FADE_IN
     slowest = min(counting, key=lambda mode: mode.damping_ratio * mode.frequency)
@@ -180,55 +159,20 @@ def _answers(run: Result, outputs: Sequence[str], frequency: Array, begin: float
     return np.array(found).T
 
 
-def by_welch(
-    result: Result,
-    pairs: Sequence[tuple[Sequence[str], Sequence[str]]],
-    segment: float | None = None,
-    per_octave: float = 24.0,
-    estimator: Estimator = "h1",
-    confidence: float = 0.95,
-) -> list[Measurement]:
-    """Measure from a stored run, whatever moved its floor; a rigid slab is fitted to the mounts' motion.
-
-    Args:
-        result: of a simulation.
-        pairs: outputs (channels of displacement) and inputs (degrees of freedom of the floor), each estimated by
-            itself: several inputs are told apart only where they move independently.
-        segment: length of the Welch segments [s]; without, a `SEGMENTS`-th of the run, at most `LONGEST_SEGMENT`.
-        per_octave: bins per octave in which neighbouring lines are averaged.
-        estimator: see `estimate`.
-        confidence: see `estimate`.
+def excited(scenario: Scenario, change: Mapping[str, Any], frequency: Array, duration: float) -> Scenario:
+    """The scenario with tables of ``change`` replaced, for ``duration`` [s], recorded fast enough for ``frequency``.
 
     Raises:
-        InputError: if the run is too short for the segment, or an argument is not allowed.
+        InputError: if a line is no multiple of 1/`PERIOD`.
     """
-    if result.dataset.time.size < 2:
-        raise InputError("result: nothing was recorded, so that there is nothing to measure")
-    rate, duration = result.scenario.record_rate, float(result.dataset.time[-1])
-    part = result.dataset.sel(time=slice(settled(duration) - 1e-9, None))
-    length = part.time.size / rate
-    if segment is None:
-        segment = min(LONGEST_SEGMENT, length / SEGMENTS)
-    pattern = slab_pattern(result.scenario.plant)
-    # Velocities: their spectra are flatter than those of displacements, and leak less; the ratio is the same.
-    slab = part["ground_velocity"].values.reshape(part.time.size, -1) @ np.linalg.pinv(pattern).T
-    channels = list(dict.fromkeys(name for outputs, _ in pairs for name in outputs))
-    answers = np.array([channel(part, name.replace("_displacement ", "_velocity ")) for name in channels]).T
-    record = segments(np.hstack([slab, answers]), rate, segment)
-    lever = np.where(np.isin(DOFS, TURNS), lever_scale(result.scenario.plant), 1.0)
-    power = (np.abs(record.lines[:, :, : len(DOFS)]) ** 2).mean(axis=0) * lever**2
-    moves = power > FAINT**2 * power.max(initial=0.0)
-    found = []
-    for outputs, inputs in pairs:
-        columns = [DOFS.index(dof) for dof in inputs]
-        rows = [len(DOFS) + channels.index(name) for name in outputs]
-        spectra = _only(Spectra.of_segments(record, columns, rows), moves[:, columns]).merged(per_octave)
-        words = f"Welch, {record.averages:.0f} averages of {segment:.3g} s or more, {estimator.upper()}"
-        found.append(Measurement(tuple(outputs), tuple(inputs), estimate(spectra, estimator, confidence), words))
-    return found
+    if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
+        raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
+    rate = 1000.0 * float(np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0))
+    table = scenario.model_dump() | dict(change)
+    table |= {"duration": duration, "record_rate": rate, "compare": ()}
+    return parse_scenario(table)
 
 
-def _only(spectra: Spectra, moves: NDArray[np.bool_]) -> Spectra:
-    """The spectra with inputs set to zero where they do not move, (f, q)."""
-    xx = spectra.xx * (moves[:, :, None] & moves[:, None, :])
-    return replace(spectra, xx=xx, yx=spectra.yx * moves[:, None, :])
+def line_amplitudes(signal: Array, index: NDArray[np.int64]) -> ComplexArray:
+    """Complex amplitude of each line of a periodic signal, about its mean."""
+    return 2.0 / signal.size * np.fft.rfft(signal - signal.mean())[index]

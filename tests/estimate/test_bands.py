@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.estimate.third_octave import BAND_LOG_WIDTH, LEAST_BINS, Band, band_rms, bands
+from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
+from ehamj.estimate.periodogram import LEAST_BINS, band_rms
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

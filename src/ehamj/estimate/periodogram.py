@@ -1,56 +1,18 @@
-"""Third-octave bands of IEC 61260-1 (base ten, G = 10^0.3) and the RMS of a signal in each of them."""
+"""Hann-windowed periodogram of a whole record, and the RMS of a signal in frequency bands."""
 
 from dataclasses import dataclass, field
-from typing import Self
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import rfft
+from scipy.signal import periodogram
+
+from ehamj.estimate.bands import Band
 
 Array = NDArray[np.float64]
 
-G = 10.0**0.3
-BAND_LOG_WIDTH = float(np.log(G) / 3)
-"""ln of the ratio of a band's edges; a PSD of L²/(BAND_LOG_WIDTH·f) has the RMS L in every band."""
-
-NOMINAL = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
-LEAST_BINS = 4
+LEAST_BINS: Final = 4
 """Frequency lines that a band must hold for its RMS to be stated."""
-
-
-@dataclass(frozen=True)
-class Band:
-    """One band: exact centre f_m and edges f_m·G^(±1/6) [Hz]."""
-
-    index: int
-
-    @property
-    def centre(self) -> float:
-        """Exact mid-band frequency, 1000·G^(k/3) [Hz]."""
-        return float(1000.0 * G ** (self.index / 3))
-
-    @property
-    def nominal(self) -> float:
-        """Nominal centre frequency, as norms print their limits [Hz]."""
-        return float(self.name)
-
-    @property
-    def edges(self) -> tuple[float, float]:
-        """Lower and upper edge [Hz]."""
-        return self.centre * G ** (-1 / 6), self.centre * G ** (1 / 6)
-
-    @property
-    def name(self) -> str:
-        """Nominal centre frequency as people write it, in Hz: '31.5'."""
-        decade, place = divmod(self.index, 10)
-        value = NOMINAL[place] * 10.0 ** (decade + 3)
-        return np.format_float_positional(value, precision=3, fractional=False, trim="-")
-
-
-def bands(first: float, last: float) -> tuple[Band, ...]:
-    """The bands whose nominal centres lie from ``first`` to ``last`` [Hz]."""
-    low, high = (round(10.0 * np.log10(f / 1000.0)) for f in (first, last))
-    return tuple(Band(k) for k in range(int(low), int(high) + 1))
 
 
 @dataclass(frozen=True)
@@ -68,16 +30,10 @@ class PowerSpectrum:
     @classmethod
     def of(cls, signal: Array, rate: float) -> Self:
         """Spectrum of samples (n, channels) at ``rate`` [Hz]."""
-        samples = np.ascontiguousarray(np.asarray(signal, float).T)
-        n = samples.shape[1]
-        line = np.linspace(-1.0, 1.0, n)
-        samples = samples - samples.mean(axis=1, keepdims=True)
-        samples -= np.outer((samples @ line) / (line @ line), line)
-        window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n)
-        samples *= window
-        spectrum = rfft(samples, axis=1)
-        power = 2.0 * (spectrum.real**2 + spectrum.imag**2) / (n * (window**2).sum())
-        return cls(power.T, rate / n, rate)
+        samples = np.asarray(signal, float)
+        resolution = rate / samples.shape[0]
+        _, density = periodogram(samples, rate, "hann", detrend="linear", axis=0)
+        return cls(density * resolution, resolution, rate)
 
     def band_rms(self, chosen: tuple[Band, ...], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS in each band (bands, channels); bins that an edge divides count by their share.

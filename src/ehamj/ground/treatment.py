@@ -12,100 +12,21 @@ The order is deliberate, and the notes of the motion repeat it:
 8. transform back on a finer grid: band-limited resampling, dense enough for a quintic spline.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from math import ceil
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import next_fast_len, rfft
 
+from ehamj.ground.channel import Channel
+from ehamj.ground.quantities import ORDERS
+from ehamj.ground.resampling import resampled
 from ehamj.settings import Positive, Settings, Unlimited
-from ehamj.signals import Array, Sampled
+from ehamj.signals import Array, Sampled, rise
 
-Quantity = Literal["displacement", "velocity", "acceleration"]
-Place = Literal[
-    "x", "y", "z",
-    "front-left x", "front-left y", "front-left z",
-    "front-right x", "front-right y", "front-right z",
-    "rear-left x", "rear-left y", "rear-left z",
-    "rear-right x", "rear-right y", "rear-right z",
-]  # fmt: skip
-"""What a component moves: an axis of all mounts, or of one of them."""
-Response = Callable[[Array], NDArray[np.complex128]]
-
-INTEGRATIONS: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
-USABLE = 0.8
-"""Share of the Nyquist frequency up to which a record is believed; above it the anti-alias filter bites."""
-
-_DENSITY = 4  # least ratio of resampled to recorded rate: keeps the spline within 1e-3 up to the usable end
 _MEMORY = 6.0  # periods of the corner after which the high-pass has forgotten all but 1e-6
-_CLIPPED_RUN = 3  # equal samples in a row at the extreme value that look like clipping
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One recorded component: finite samples (n,) at ``time`` + k/``rate``.
-
-    The samples are SI of ``quantity``, or counts where ``response`` says how many counts one SI unit gives at
-    frequencies [Hz]. Raises ValueError where samples are not finite or fewer than 16.
-    """
-
-    axis: Place
-    name: str
-    rate: float
-    """Sampling rate [Hz]."""
-    quantity: Quantity
-    samples: Array = field(repr=False)
-    time: float = 0.0
-    """Time of the first sample, counted from the record's beginning [s]."""
-    response: Response | None = None
-
-    def __post_init__(self) -> None:
-        if self.samples.ndim != 1 or self.samples.size < 16:
-            raise ValueError(
-                f"ground.file: channel {self.name} holds {self.samples.size} samples; at least 16 are needed"
-            )
-        wrong = np.flatnonzero(~np.isfinite(self.samples))
-        if wrong.size:
-            where = f"sample {wrong[0] + 1} (at {self.time + wrong[0] / self.rate:g} s)"
-            raise ValueError(
-                f"ground.file: channel {self.name} holds {wrong.size} values that are not finite, the first is {where} "
-                f"= {self.samples[wrong[0]]}; every sample must be a finite number"
-            )
-
-    @property
-    def end(self) -> float:
-        """Time at which the last sample's interval ends [s]."""
-        return self.time + self.samples.size / self.rate
-
-    @property
-    def usable(self) -> float:
-        """Highest frequency that the channel is believed at [Hz]."""
-        return USABLE * self.rate / 2
-
-    def section(self, begin: float, end: float) -> "Channel":
-        """The part from ``begin`` to ``end`` [s], or as much of it as there is."""
-        first = max(0, int((begin - self.time) * self.rate))
-        last = min(self.samples.size, ceil((end - self.time) * self.rate) + 1)
-        time = self.time + first / self.rate
-        return Channel(self.axis, self.name, self.rate, self.quantity, self.samples[first:last], time, self.response)
-
-
-@dataclass(frozen=True)
-class Record:
-    """What a file holds: channels on one clock that begins where the last of them begins, and remarks on reading."""
-
-    name: str
-    channels: tuple[Channel, ...]
-    notes: tuple[str, ...] = ()
-
-    @property
-    def duration(self) -> float:
-        """Time that every channel covers [s]."""
-        return min(channel.end for channel in self.channels)
 
 
 class Treatment(Settings):
@@ -163,8 +84,7 @@ def weighted_trend(samples: Array, kind: Literal["none", "constant", "linear"]) 
 def fade(size: int, width: float) -> Array:
     """Window of ``size`` samples that rises and falls over ``width`` samples, smooth to the second derivative."""
     index = np.arange(size)
-    s = np.clip(np.minimum(index, size - 1 - index) / width, 0.0, 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    return rise(np.minimum(index, size - 1 - index) / width).value
 
 
 def highpass_gain(frequency: Array, corner: float) -> Array:
@@ -197,18 +117,6 @@ def held_frequencies(channel: Channel, treatment: Treatment) -> Array:
     frequency = np.geomspace(max(treatment.highpass, 1e-3), channel.usable, 500)
     size = np.abs(channel.response(frequency))
     return frequency[size < size.max() * 10.0 ** (-treatment.water_level / 20.0)]
-
-
-def clipped_samples(samples: Array) -> int:
-    """Samples that stand at the largest or smallest value several times in a row, which clipping looks like."""
-    count = 0
-    for extreme in {float(samples.max()), float(samples.min())}:
-        if extreme == 0 or np.ptp(samples) == 0:
-            continue
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], samples == extreme, [False]]).astype(int)))
-        runs = edges[1::2] - edges[::2]
-        count += int(runs[runs >= _CLIPPED_RUN].sum())
-    return count
 
 
 def check(channel: Channel, treatment: Treatment) -> None:
@@ -252,16 +160,10 @@ def displacement(channel: Channel, treatment: Treatment, begin: float, duration:
     if part.response is not None:
         inverse = inverse_response(part.response(frequency), treatment.water_level)
         spectrum = spectrum * inverse * band_gain(frequency, treatment.band(part))
-    spectrum[1:] /= (2j * np.pi * frequency[1:]) ** INTEGRATIONS[part.quantity]
-    if INTEGRATIONS[part.quantity]:
+    spectrum[1:] /= (2j * np.pi * frequency[1:]) ** ORDERS[part.quantity]
+    if ORDERS[part.quantity]:
         spectrum[0] = 0.0
-    if size % 2 == 0:
-        # On a finer grid the Nyquist bin splits into a positive and a negative frequency.
-        spectrum[-1] *= 0.5
-
-    finer = max(_DENSITY, ceil(treatment.rate / part.rate))
-    rate = finer * part.rate
-    values = irfft(spectrum, finer * size) * finer
+    values, rate = resampled(spectrum, size, part.rate, treatment.rate)
     first_time = part.time - pad / part.rate - begin
     # A few samples beyond both ends keep the spline's boundaries out of what is simulated.
     first = max(0, int(-first_time * rate) - 16)

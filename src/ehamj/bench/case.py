@@ -1,0 +1,63 @@
+"""The benchmark case by the engine with its callbacks, against the same equations without any multibody engine."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.bench.ceiling import ceiling
+from ehamj.bench.clock import interleaved
+from ehamj.control.loop import no_loop
+from ehamj.mujoco import hydraulics
+from ehamj.mujoco.advance import advance
+from ehamj.mujoco.equilibrium import Inputs, equilibrium
+from ehamj.mujoco.model import build_model
+from ehamj.mujoco.rows import Recording
+from ehamj.run.inputs import sample_inputs
+from ehamj.run.simulate import simulate
+from ehamj.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+
+
+def benchmark_case(scenario: Scenario, step: float, repetitions: int) -> dict[str, float]:
+    """The benchmark case recorded at 1 kHz, against the same equations in bare compiled RK4 at the same step."""
+    steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
+    model = build_model(scenario.plant, step)
+    inputs = sample_inputs(scenario.motion(), scenario.commands(), 0, steps + 1, step)
+    loop = no_loop(len(scenario.plant.mounts))
+    recording = Recording.of(model, loop, every, steps // every + 1)
+    with hydraulics():
+        start = mujoco.MjData(model)
+        equilibrium(model, start, Inputs.rest(model))
+
+        def engine() -> None:
+            data = mujoco.MjData(model)
+            data.qpos[:], data.act[:] = start.qpos, start.act
+            advance(model, data, 0, steps, inputs, recording, last=True, loop=loop)
+
+        times = interleaved({"engine": engine, "ceiling": lambda: ceiling(scenario, step)}, repetitions)
+    engine_time, ceiling_time = (float(np.median(each)) for each in times.values())
+    reference = ceiling(scenario, step / 24)
+    return {
+        "step_s": step,
+        "simulated_s_per_wall_s": scenario.duration / engine_time,
+        "engine_us_per_step": 1e6 * engine_time / steps,
+        "ceiling_us_per_step": 1e6 * ceiling_time / steps,
+        "rate_over_ceiling": ceiling_time / engine_time,
+        "error": deviation(channels(simulate(scenario)), reference),
+        "ceiling_error": deviation(ceiling(scenario, step), reference),
+    }
+
+
+def channels(result: Any) -> Array:
+    """The compared channels of a result as of `ceiling`: x, y, z, rx, ry and the load pressures, (n, 5 + mount)."""
+    motion = result.dataset["machine_displacement"].values[:, :5]
+    pressure = result.dataset["chamber_pressure"].values
+    return np.hstack([motion, pressure[:, :, 0] - pressure[:, :, 1]])
+
+
+def deviation(found: Array, reference: Array) -> float:
+    """Largest deviation over time, over that channel's peak, worst channel."""
+    return float((np.abs(found - reference).max(axis=0) / np.abs(reference).max(axis=0)).max())

@@ -1,0 +1,178 @@
+"""A controller made ready for the stepping loop: its laws and sensors as the tables that compiled code works on."""
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.control import AnyController, Controller, PythonController
+from ehamj.control.channels import STATIC, quantity_of
+from ehamj.control.compiled.converter import Converter
+from ehamj.control.compiled.laws import LAW, LawMemory, Laws
+from ehamj.control.compiled.sensing import Readings, Sensing
+from ehamj.control.compiled.signals import Layout
+from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.plant.plant import Plant
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A controller and its sensors as the stepping loop runs them, for one simulation, with all that they remember."""
+
+    laws: Laws
+    law_memory: LawMemory
+    sensing: Sensing
+    readings: Readings
+    states: int = 0
+    """Of all laws; they come first in ``law_memory``."""
+    functions: tuple[Any, ...] = ()
+    """Python laws as C functions; kept alive here."""
+    failures: list[Exception] = field(default_factory=list)
+
+    def samples(self, first: int, count: int) -> tuple[int, int]:
+        """Of ``count`` steps from ``first``: the number of the first sample among them, and how many there are."""
+        base = self.laws.base
+        if base == 0:
+            return 0, 0
+        begin, end = -(-first // base), -(-(first + count) // base)
+        return begin, end - begin
+
+
+def _empty(*shape: int) -> Array:
+    return np.zeros(shape)
+
+
+def _loop(laws: Laws, memory: int, sensing: Sensing, mounts: int, **others: Any) -> Loop:
+    return Loop(laws, LawMemory.of(memory, laws.inputs_of.size, mounts), sensing, Readings.of(sensing), **others)
+
+
+def no_loop(mounts: int) -> Loop:
+    """No controller and nothing to read."""
+    laws = Laws(np.zeros(0, LAW), _empty(0), np.zeros(0, np.int64), Converter(0.0, 0.0, 0.0, 0.0), 0)
+    terms = np.zeros((0, 0), np.int64)
+    sensing = Sensing(
+        Layout.of(mounts), terms, _empty(0, 0), _empty(3, 0, 0), _empty(0), _empty(0), _empty(0), _empty(0)
+    )
+    return _loop(laws, 0, sensing, mounts)
+
+
+def make_loop(
+    controller: AnyController | None, plant: Plant, timestep: float, sensors: Sensors = IDEAL, seed: int = 0
+) -> Loop:
+    """A controller made ready for a step that divides its periods and delays, at the beginning of a simulation.
+
+    Raises:
+        InputError: if a sensor does not measure what the controller reads.
+    """
+    mounts = len(plant.mounts)
+    if controller is None:
+        return no_loop(mounts)
+    channels = tuple(controller.inputs)
+    failures: list[Exception] = []
+    parts: Sequence[Controller | PythonController] = controller.parts
+    functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
+    table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
+    terms, weights = _terms(sensors.rows(channels, plant, seed))
+    filters, feedthrough, grid = _instruments(channels, sensors, timestep)
+    statics = [controller.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
+    converter = Converter.of(controller.voltage_limit, controller.bits, controller.switch_on, controller.fade)
+    return _loop(
+        Laws(table, matrices, inputs_of, converter, int(np.gcd.reduce(table["every"]))),
+        size,
+        Sensing(Layout.of(mounts), terms, weights, filters, feedthrough, np.array(statics, float), *grid),
+        mounts,
+        states=controller.states,
+        functions=tuple(functions.values()),
+        failures=failures,
+    )
+
+
+def _terms(rows: Array) -> tuple[Integers, Array]:
+    """Rows over the vector of signals as short sums: which signals (channels, terms), and their factors."""
+    count = int((rows != 0).sum(axis=1).max(initial=0))
+    terms = np.argsort(rows == 0, axis=1, kind="stable")[:, :count]
+    return np.ascontiguousarray(terms, np.int64), np.ascontiguousarray(np.take_along_axis(rows, terms, axis=1))
+
+
+def _instruments(
+    channels: tuple[str, ...], sensors: Sensors, timestep: float
+) -> tuple[Array, Array, tuple[Array, Array]]:
+    """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter."""
+    exact = Discrete(_empty(0, 0), _empty(0), _empty(0), 1.0, _empty(0))
+    found = [sensors.of(name) for name in channels]
+    discrete = [exact if sensor is None else discretise(sensor, timestep) for sensor in found]
+    n = max((d.A.shape[0] for d in discrete), default=0)
+    filters = np.zeros((n + 3, n, len(channels)))
+    for c, d in enumerate(discrete):
+        own = d.A.shape[0]
+        filters[:own, :own, c] = d.A
+        filters[n, :own, c], filters[n + 1, :own, c], filters[n + 2, :own, c] = d.B, d.C, d.settled
+    ranges = np.array([np.inf if s is None else s.range for s in found], float)
+    resolutions = np.array([0.0 if s is None else s.resolution for s in found], float)
+    return filters, np.array([d.D for d in discrete], float), (ranges, resolutions)
+
+
+def _laws(
+    parts: Sequence[Controller | PythonController],
+    channels: tuple[str, ...],
+    timestep: float,
+    functions: dict[int, Any],
+    mounts: int,
+) -> tuple[Any, Array, Integers, int]:
+    """Table of laws, their matrices and channels, and the size of their memory."""
+    table = np.zeros(len(parts), LAW)
+    matrices: list[Array] = []
+    inputs_of: list[int] = []
+    offset, states, size = 0, 0, sum(part.states for part in parts)
+    for k, (law, part) in enumerate(zip(table, parts, strict=True)):
+        law["states"], law["inputs"] = part.states, len(part.inputs)
+        law["every"], law["delay"] = round(part.period / timestep), round(part.latency / timestep)
+        law["matrices"], law["windup"], law["states_at"], law["inputs_at"] = offset, -1, states, len(inputs_of)
+        law["latest"], law["held"], law["taken"] = size + mounts * np.arange(3)
+        law["ring"], law["places"] = size + 3 * mounts, law["delay"] // law["every"] + 1
+        if k in functions:
+            law["function"] = ctypes.cast(functions[k], ctypes.c_void_p).value or 0
+        if isinstance(part, Controller):
+            own = [part.A, part.B, part.C, part.D]
+            if part.anti_windup is not None:
+                law["windup"] = offset + sum(matrix.size for matrix in own)
+                own.append(part.anti_windup)
+            matrices += [matrix.T.ravel() for matrix in own]
+            offset += sum(matrix.size for matrix in own)
+        inputs_of += [channels.index(name) for name in part.inputs]
+        states += part.states
+        size = int(law["ring"] + mounts * law["places"])
+    flat = np.concatenate(matrices) if matrices else _empty(0)
+    return table, flat, np.array(inputs_of, np.int64), size
+
+
+def _function(law: PythonController, failures: list[Exception], valves: int) -> Any:
+    """A Python law as a C function; what it raises goes to ``failures``."""
+    law.reset()
+
+    def call(time: float, measured: int, taken: int, result: int) -> int:
+        try:
+            inputs, limited_by = _vector(measured, len(law.inputs)), _vector(taken, valves)
+            _vector(result, valves)[:] = law.wanted(time, inputs, limited_by)
+        except Exception as error:
+            failures.append(error)
+            return 1
+        return 0
+
+    return _FUNCTION(call)
+
+
+def _vector(address: int, size: int) -> Array:
+    """The numbers at an address, not copied."""
+    if size == 0:
+        return np.zeros(0)
+    return np.ctypeslib.as_array((ctypes.c_double * size).from_address(address))

@@ -1,0 +1,123 @@
+"""What a component of an isolator declares, and an option of its valve.
+
+A component is a class of settings; `ehamj.isolator.actuator.Actuator` inherits them all, and everything else follows
+from that list: the keys of the user's table, the fields in memory (`ehamj.memory`) and the compiled equations
+(`ehamj.isolator.equations`).
+"""
+
+from collections.abc import Iterable
+from typing import Any, ClassVar, NamedTuple
+
+from ehamj.compiled import kernel
+from ehamj.settings import Parameters
+
+HUGE = 1e300
+"""Stands for infinity in memory, which the engine's files do not have."""
+
+
+class Component(Parameters):
+    """Settings of one component, and what its kernels take of them.
+
+    ``Values`` is a named tuple of floats. Each of its fields is a field of the isolator's record in memory, under that
+    name, and is filled from the setting of the same name, or from ``derived``.
+    """
+
+    Values: ClassVar[Any] = None
+
+    def derived(self) -> dict[str, float]:
+        """Values that are no settings themselves."""
+        return {}
+
+    @classmethod
+    def values_of(cls, isolator: Any) -> Any:
+        """``Values`` of an isolator that has this component."""
+        derived = cls.derived(isolator)
+        values = (derived[name] if name in derived else getattr(isolator, name) for name in cls.Values._fields)
+        return cls.Values(*(min(float(value), HUGE) for value in values))
+
+
+class At(NamedTuple):
+    """Where the valve stands: position x [mA] and rate ẋ [mA/s] of the spool, and what its options ask for."""
+
+    position: float
+    rate: float
+    stroke: float
+    """Position at which the edges are fully open, x_max [mA]."""
+    held: float
+    """Where the metering edges stood at the end of the last step [mA]."""
+
+
+STAGES = {
+    "target": "position that the spool is driven to [mA], from the command's",
+    "error": "what drives the spool [mA], from the distance to its target",
+    "motion": "rate [mA/s] and acceleration [mA/s²] of the spool, a pair",
+    "metering": "position of the metering edges [mA], from the spool's; is kept until the next step",
+    "opening": "opening of the edges [mA], from their position",
+    "flow": "opening [mA], no further than the full stroke, of the linear valve that would have this valve's flow",
+    "settled": "position [mA] and rate [mA/s] of the spool at the end of a step, a pair",
+}
+"""Stages of a valve's signal path at which an option can have a kernel: what goes in and what comes out."""
+
+
+class Option(Component):
+    """Something that a valve may have and by default has not.
+
+    ``path`` holds its kernels by stage (`STAGES`): (value, at: `At`, own: Values) → value. An option with states has
+    one kernel, (value, at, own, state: State) → (value, rates), with rates a plain tuple; its states exist in a model,
+    and the kernel is called, only for the isolators that have it ``on``.
+    """
+
+    path: ClassVar[dict[str, Any]] = {}
+    State: ClassVar[Any] = None
+    scales: ClassVar[tuple[float, ...]] = ()
+    """A small motion of each state, as a step for differences."""
+
+    def on(self) -> bool:
+        """Whether the isolator has these states."""
+        return False
+
+
+@kernel
+def _begin(value, at, isolator, states):  # type: ignore[no-untyped-def]
+    return value, ()
+
+
+def in_turn(stage: str, components: Iterable[type[Component]]) -> Any:
+    """The kernels of all components at a stage as one, in their order: (value, at, isolator, states) → (value, rates).
+
+    ``isolator`` and ``states`` are the tuples of `ehamj.isolator.equations`; rates are those of the states of the
+    options that take part, one after the other.
+    """
+    composed = _begin
+    number = 0
+    for place, component in enumerate(components):
+        if not issubclass(component, Option):
+            continue
+        if stage in component.path:
+            follows = _then if component.State is None else _then_with_states
+            composed = follows(composed, component.path[stage], place, number, len(component.scales))
+        number += component.State is not None
+    return composed
+
+
+def _then(before: Any, own: Any, place: int, number: int, size: int) -> Any:
+    @kernel
+    def both(value, at, isolator, states):  # type: ignore[no-untyped-def]
+        value, rates = before(value, at, isolator, states)
+        return own(value, at, isolator[place]), rates
+
+    return both
+
+
+def _then_with_states(before: Any, own: Any, place: int, number: int, size: int) -> Any:
+    still = (0.0,) * size
+
+    @kernel
+    def both(value, at, isolator, states):  # type: ignore[no-untyped-def]
+        value, rates = before(value, at, isolator, states)
+        own_rates = still
+        if isolator.places[number] > 0.0:
+            value, own_rates = own(value, at, isolator[place], states[number])
+        return value, rates + own_rates
+
+    return both

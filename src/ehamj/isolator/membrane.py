@@ -1,0 +1,54 @@
+"""The membrane that carries the machine: vertical and lateral springs, the pressure plate, and the machine's foot."""
+
+import math
+from typing import Any, ClassVar, NamedTuple
+
+from ehamj.compiled import kernel
+from ehamj.isolator.component import Component
+from ehamj.settings import Unlimited, quantity
+
+
+class MembraneValues(NamedTuple):
+    """K_L [N/m], C [N s/m], and the lateral k_h, c_h."""
+
+    membrane_stiffness: float
+    membrane_damping: float
+    lateral_stiffness: float
+    lateral_damping: float
+
+
+class Membrane(Component):
+    """Membrane, plate and foot; the engine's model has their springs, dampers and masses."""
+
+    membrane_stiffness: float = quantity(
+        6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0
+    )
+    membrane_damping: float = quantity(3900.0, "N s/m", "C", "vertical viscous damping", "paper", ge=0)
+    lateral_stiffness: float = quantity(2e8, "N/m", "k_h", "lateral stiffness, each direction", "assumed", ge=0)
+    lateral_damping: float = quantity(2e4, "N s/m", "c_h", "lateral damping, each direction", "assumed", ge=0)
+    plate_mass: float = quantity(14.0, "kg", "m_p", "mass of the moving pressure plate", "assumed", ge=0)
+    foot_stiffness: Unlimited = quantity(
+        math.inf, "N/m", "k_f", "stiffness plate to machine (inf: rigid)", "assumed", gt=0
+    )
+    foot_damping: float = quantity(
+        0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0
+    )
+
+    Values: ClassVar[Any] = MembraneValues
+
+    @property
+    def rigid_foot(self) -> bool:
+        """Whether the plate is rigidly bound to the machine."""
+        return math.isinf(self.foot_stiffness)
+
+
+@kernel
+def lift(ground: float, rate: float, own: MembraneValues) -> tuple[float, float]:
+    """Forces on the plate [N] by the ground below the membrane at height [m] and rate [m/s]: of spring and damper."""
+    return own.membrane_stiffness * ground, own.membrane_damping * rate
+
+
+@kernel
+def pull(ground: float, rate: float, own: MembraneValues) -> float:
+    """Lateral force on the machine by ground that moved, in one direction [N]."""
+    return own.lateral_stiffness * ground + own.lateral_damping * rate
