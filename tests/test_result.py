@@ -12,7 +12,7 @@ import xarray as xr
 
 import ehamj
 from ehamj.errors import InputError, SimulationFailed
-from ehamj.judge.summary import levels
+from ehamj.judge.extremes import peak_and_rms
 from ehamj.result import Result, load_result, written_whole
 from ehamj.run.failures import Incomplete
 from ehamj.run.simulate import simulate, simulate_many
@@ -249,7 +249,7 @@ def test_oil_of_a_steady_run_is_steady() -> None:
 def test_levels_of_what_is_not_finite_are_null() -> None:
     values = np.array([[0.0, 0.0], [1.0, np.nan], [2.0, np.nan]])
     dataset = xr.Dataset({"stroke": (("time", "mount"), values)}, {"mount": ["front-left", "front-right"]})
-    peak, rms = levels(dataset.isel(time=[0, 1]).assign(spool=("time", [0.0, np.inf])))
+    peak, rms = peak_and_rms(dataset.isel(time=[0, 1]).assign(spool=("time", [0.0, np.inf])))
     assert peak["stroke"]["front-left"] == 1.0
     assert peak["spool"] is None
     assert rms["spool"] is None
@@ -323,6 +323,33 @@ def test_a_damaged_result_is_refused(folder: Path, tmp_path: Path, name: str) ->
         (tmp_path / path.name).write_bytes(content[: len(content) // 2] if path.name == name else content)
     with pytest.raises(InputError, match="is damaged"):
         load_result(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda summary: summary.pop("oil"), "summary.json: oil: is missing"),
+        (lambda summary: summary.update(old=1), "summary.json: old: is no key of it"),
+        (lambda summary: summary["timing"].update(steps="many"), r"summary.json: timing.steps: .*integer"),
+        (lambda summary: summary["criterion"]["floor"]["x"].pop("class"), "criterion.floor.x.class: is missing"),
+    ],
+)
+def test_a_summary_of_another_make_is_refused(folder: Path, tmp_path: Path, spoil: Any, said: str) -> None:
+    for path in folder.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    spoil(summary)
+    (tmp_path / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    with pytest.raises(InputError, match=said):
+        load_result(tmp_path)
+
+
+def test_a_summary_reads_by_attribute_and_by_key(result: Result) -> None:
+    summary = result.summary
+    assert summary["timing"]["steps"] == summary.timing.steps
+    assert summary["criterion"]["machine"]["z"]["class"] == summary.criterion.machine.z.met
+    assert {**summary} == summary == summary.changed()
+    assert ("failure" in summary, summary.get("failure"), summary.failure) == (False, None, None)
 
 
 def half_written(path: Path, interruption: BaseException) -> None:

@@ -13,6 +13,7 @@ import xarray as xr
 
 from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
+from ehamj.judge.summary import Summary
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import load_scenario
@@ -89,14 +90,14 @@ class Result:
 
     scenario: Scenario
     dataset: xr.Dataset
-    summary: dict[str, Any]
+    summary: Summary
     model_xml: str = field(repr=False, default="")
     controller: LinearController | None = field(repr=False, default=None)
 
     @property
     def complete(self) -> bool:
         """Whether the simulation reached its end."""
-        return bool(self.summary["complete"])
+        return self.summary.complete
 
     def save(self, folder: Path) -> None:
         """Write the result's files into an existing folder, each renamed into place when it is whole."""
@@ -111,14 +112,14 @@ class Result:
             # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
             self.dataset.to_netcdf(path, engine="h5netcdf")
         with written_whole(folder / "summary.json") as path:
-            path.write_text(json.dumps(self.summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            path.write_text(json.dumps(self.summary.to_dict(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def load_result(folder: str | Path) -> Result:
     """Read a result folder.
 
     Raises:
-        InputError: if the folder is not a result, or damaged.
+        InputError: if the folder is not a result, damaged, or its summary is not one of today's.
     """
     folder = Path(folder)
     missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
@@ -134,7 +135,7 @@ def load_result(folder: str | Path) -> Result:
     return Result(
         scenario=load_scenario(folder / "scenario.toml"),
         dataset=dataset,
-        summary=summary,
+        summary=Summary.read(summary, f"result {str(folder)!r}: summary.json"),
         model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
         controller=load_controller(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
     )

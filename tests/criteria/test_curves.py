@@ -4,24 +4,27 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from ehamj.criteria import iso2631, nist, vc
-from ehamj.criteria.curves import CANDIDATES, Norm, judge, rounded
+from ehamj.criteria.curves import CANDIDATES, WHOLE, Limit, Norm, rounded
+from ehamj.criteria.norms import NORMS as REGISTERED
 from ehamj.criteria.settings import CriteriaSettings
+from ehamj.errors import InputError
 from ehamj.estimate.bands import bands
 from ehamj.estimate.periodogram import band_rms
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
 
-NORMS = (vc.norm("classic"), vc.norm("flat"), nist.NORM, iso2631.NORM)
+NORMS = (vc.CLASSIC, vc.FLAT, nist.NORM, iso2631.NORM)
 QUANTITIES = ("displacement", "velocity", "acceleration")
 norms = st.sampled_from(NORMS)
 axes = st.sampled_from("xyz")
 
 
 def at_rest() -> dict:
-    return {quantity: np.zeros(len(CANDIDATES)) for quantity in QUANTITIES}
+    return {(quantity, "rms"): np.zeros(len(CANDIDATES)) for quantity in QUANTITIES}
 
 
 def limited(norm: Norm, name: str, axis: str) -> list[int]:
@@ -42,11 +45,11 @@ def test_a_level_exactly_at_a_limit_meets_the_class_and_the_next_double_does_not
     limit = norm.limit(name, axis, CANDIDATES[row])
     assert limit is not None
     levels = at_rest()
-    levels[limit.quantity][row] = limit.value
-    at = judge(norm, axis, levels, CANDIDATES)
+    levels[limit.kind][row] = limit.value
+    at = norm.judge(axis, levels, CANDIDATES)
     assert (at.met, at.margin_db) == (name, 0.0)
-    levels[limit.quantity][row] = np.nextafter(limit.value, np.inf)
-    above = judge(norm, axis, levels, CANDIDATES)
+    levels[limit.kind][row] = np.nextafter(limit.value, np.inf)
+    above = norm.judge(axis, levels, CANDIDATES)
     assert above.met == coarser(norm, name)
     assert (above.next_class, above.next_band) == (name, CANDIDATES[row].name)
 
@@ -61,8 +64,8 @@ def test_margin_and_excess_are_the_distances_to_the_two_nearest_limits(
     assert limit is not None
     levels = at_rest()
     level = limit.value * 10 ** (off / 20)
-    levels[limit.quantity][row] = level
-    found = judge(norm, axis, levels, CANDIDATES)
+    levels[limit.kind][row] = level
+    found = norm.judge(axis, levels, CANDIDATES)
     if found.met is not None:
         own = norm.limit(found.met, axis, CANDIDATES[row])
         if own is not None:  # by the flat practice a stricter class may have a limit where a coarser one has none
@@ -76,7 +79,7 @@ def test_margin_and_excess_are_the_distances_to_the_two_nearest_limits(
 
 @pytest.mark.parametrize("norm", NORMS, ids=lambda norm: norm.title)
 def test_a_class_that_no_stricter_one_follows_has_no_excess(norm: Norm) -> None:
-    found = judge(norm, "z", at_rest(), CANDIDATES)
+    found = norm.judge("z", at_rest(), CANDIDATES)
     assert (found.met, found.next_class, found.excess_db) == (norm.classes[-1], None, None)
 
 
@@ -85,7 +88,7 @@ def test_bands_that_are_not_known_are_named_if_the_norm_needs_them(norm: Norm, a
     levels = at_rest()
     for table in levels.values():
         table[[CANDIDATES.index(band) for band in unknown]] = np.nan
-    found = judge(norm, axis, levels, CANDIDATES)
+    found = norm.judge(axis, levels, CANDIDATES)
     assert set(found.undecided) == {band.name for band in unknown & set(norm.needed(axis))}
 
 
@@ -106,7 +109,7 @@ def test_limits_are_the_decimals_that_people_write() -> None:
 
 def test_the_first_norm_chosen_comes_first() -> None:
     chosen = CriteriaSettings(norms=("iso-2631-2", "vc"), low_frequency="flat").chosen()
-    assert list(chosen.values()) == [iso2631.NORM, vc.norm("flat")]
+    assert list(chosen.values()) == [iso2631.NORM, vc.FLAT]
 
 
 # --- NIST-A -------------------------------------------------------------------------------------------------------
@@ -139,9 +142,10 @@ def test_below_20_hz_a_line_counts_by_its_own_displacement(frequency: float) -> 
         velocity = wave * np.sqrt(2) * share * 25e-9 * 2 * np.pi * frequency
         measured = bands(1.0, 100.0)
         levels = {
-            q: band_rms(velocity, 500.0, measured, order) for q, order in zip(QUANTITIES, (-1, 0, 1), strict=True)
+            (q, "rms"): band_rms(velocity, 500.0, measured, order)
+            for q, order in zip(QUANTITIES, (-1, 0, 1), strict=True)
         }
-        found = judge(nist.NORM, "z", levels, measured)
+        found = nist.NORM.judge("z", levels, measured)
         assert (found.met, found.deciding_band) == (met, "16")
 
 
@@ -178,8 +182,60 @@ def test_coarse_vc_classes_are_multiples_of_the_vertical_base_curve_above_8_hz()
 
 def test_the_factor_is_the_multiple_of_the_base_curve() -> None:
     levels = at_rest()
-    levels["acceleration"][CANDIDATES.index(bands(5.0, 5.0)[0])] = 3.3 * 5e-3
-    found = judge(iso2631.NORM, "z", levels, CANDIDATES)
+    levels["acceleration", "rms"][CANDIDATES.index(bands(5.0, 5.0)[0])] = 3.3 * 5e-3
+    found = iso2631.NORM.judge("z", levels, CANDIDATES)
     assert (found.met, found.deciding_band) == ("office", "5")
     assert found.factor == pytest.approx(3.3, rel=1e-12)
-    assert judge(vc.norm(), "z", levels, CANDIDATES).factor is None
+    assert vc.CLASSIC.judge("z", levels, CANDIDATES).factor is None
+
+
+# --- peaks of the whole history -------------------------------------------------------------------------------------
+
+FLOORS = Norm("floors", ("line 1", "line 3"), whole=lambda name, axis: Limit(LINES[name], statistic="peak"))
+LINES = {"line 1": 20e-3, "line 3": 10e-3}
+
+
+def test_a_limit_of_the_peak_is_held_against_the_peak() -> None:
+    levels = at_rest() | {("velocity", "rms"): np.full(len(CANDIDATES), 1e-3)}
+    found = FLOORS.judge("z", levels | {("velocity", "peak"): np.array([12.2e-3])}, CANDIDATES)
+    assert (found.met, found.next_class, found.deciding_band, found.decided) == ("line 1", "line 3", WHOLE, True)
+    assert found.margin_db == pytest.approx(20 * np.log10(20 / 12.2), abs=1e-9)
+    assert found.excess_db == pytest.approx(20 * np.log10(12.2 / 10), abs=1e-9)
+
+
+@pytest.mark.parametrize(("norm", "given"), [(FLOORS, ("velocity", "rms")), (vc.CLASSIC, ("velocity", "peak"))])
+def test_levels_of_another_kind_are_refused(norm: Norm, given: tuple) -> None:
+    wanted = "peak" if given[1] == "rms" else "rms"
+    with pytest.raises(InputError, match=f"limits {wanted} of velocity; the levels are {given[1]} of velocity"):
+        norm.judge("z", {given: np.ones(len(CANDIDATES))}, CANDIDATES)
+
+
+def test_a_peak_that_is_not_known_decides_nothing() -> None:
+    found = FLOORS.judge("z", {("velocity", "peak"): np.array([np.nan])}, CANDIDATES)
+    assert (found.met, found.deciding_band, found.undecided, found.decided) == (None, None, (WHOLE,), False)
+
+
+def test_a_limit_of_the_peak_in_a_band_is_refused() -> None:
+    norm = Norm("odd", ("all",), lambda name, axis, band: Limit(1.0, statistic="peak"))
+    with pytest.raises(ValueError, match="a limit in a band must be rms"):
+        norm.needed("z")
+
+
+@pytest.mark.parametrize("name", REGISTERED)
+def test_every_registered_norm_judges(name: str) -> None:
+    """What rests meets its strictest class along every axis, and a hundred times its coarsest limits not even that."""
+    (norm,) = CriteriaSettings(norms=(name,)).chosen().values()
+    for axis in "xyz":
+        quiet, loud = {}, {}
+        for quantity, statistic in norm.kinds:
+            places = CANDIDATES if statistic == "rms" else (None,)
+            limits = [norm.limit(norm.classes[0], axis, band) for band in places]
+            quiet[quantity, statistic] = np.zeros(len(places))
+            loud[quantity, statistic] = np.array([100.0 * limit.value if limit else 0.0 for limit in limits])
+        assert norm.judge(axis, quiet, CANDIDATES).met == norm.classes[-1]
+        assert norm.judge(axis, loud, CANDIDATES).met is None
+
+
+def test_a_norm_that_is_not_registered_cannot_be_chosen() -> None:
+    with pytest.raises(ValidationError, match="'vc', 'nist-a' or 'iso-2631-2'"):
+        CriteriaSettings(norms=("din-4150-3",))

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.criteria.vc import CLASSES, judge, limit
+from ehamj.criteria.curves import Verdict
+from ehamj.criteria.vc import CLASSES, CLASSIC, FLAT, limit
 from ehamj.estimate.bands import bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall
@@ -29,13 +30,17 @@ NAMES = tuple(TABLE)
 MEASURED = bands(1.0, 100.0)
 NAMED = {band.name: band for band in MEASURED}
 INSIDE = tuple(band for band in MEASURED if 4.0 <= float(band.name) <= 80.0)
-FLAT = tuple(band for band in MEASURED if 8.0 <= float(band.name) <= 80.0)
+ABOVE_8_HZ = tuple(band for band in MEASURED if 8.0 <= float(band.name) <= 80.0)
 
 
 def levels(everywhere: float, **bands_at: float) -> np.ndarray:
     """RMS velocity per band: one everywhere, others in bands named as ``at_12_5``."""
     named = {name.removeprefix("at_").replace("_", "."): value for name, value in bands_at.items()}
     return np.array([named.get(band.name, everywhere) for band in MEASURED])
+
+
+def judge(velocity: np.ndarray, measured: tuple, flat_from_1_hz: bool = False) -> Verdict:
+    return (FLAT if flat_from_1_hz else CLASSIC).judge("z", {("velocity", "rms"): velocity}, measured)
 
 
 def just_above(value: float) -> float:
@@ -51,7 +56,7 @@ def test_the_classes_are_the_published_ones_coarsest_first() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("band", FLAT, ids=lambda band: band.name)
+@pytest.mark.parametrize("band", ABOVE_8_HZ, ids=lambda band: band.name)
 def test_a_class_is_flat_from_8_to_80_hz(name: str, band: object) -> None:
     assert limit(name, band) == pytest.approx(TABLE[name] * 1e-6, rel=1e-12)
 

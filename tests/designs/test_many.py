@@ -10,6 +10,8 @@ from oracles import linear
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, floor_response, modes_of, state_space
 from ehamj.errors import InputError
+from ehamj.isolator.actuator import Actuator
+from ehamj.linear.elements import ACTUATOR_VALUES
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import ground_response
 from ehamj.plant.axes import DOFS
@@ -294,6 +296,16 @@ def test_impossible_values_are_refused(vary: dict[str, Any], message: str) -> No
 def test_what_has_no_closed_form_is_refused(table: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="here"):
         one(table)
+
+
+def test_every_option_is_known_or_refused() -> None:
+    """A new option of the isolator is refused until its closed form is there; these have none."""
+    known = {*ACTUATOR_VALUES, "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit"}
+    changed = {"overlap": (0.1,) * 4, "null_offset": 0.1, "hysteresis": 0.1, "threshold": 0.1}
+    assert set(Actuator.model_fields) - known == {*changed, "sources"}
+    for name, value in changed.items():
+        with pytest.raises(InputError, match=rf"actuators\.isolator\.{name} = .*: must be .* here"):
+            one(**{name: value})
 
 
 def test_a_floor_must_be_a_direction_or_motions_of_the_mounts() -> None:

@@ -5,15 +5,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
+from ehamj.criteria.curves import Limit, Norm
 from ehamj.criteria.settings import CriteriaSettings, ResponseSpectrumSettings
+from ehamj.criteria.vc import CLASSES
 from ehamj.estimate.bands import bands
-from ehamj.judge import floor_and_machine, isolation, settled, worst_class
+from ehamj.judge import isolation, settled
+from ehamj.judge.levels import floor_and_machine, levels_of
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.verdicts import undecided
+from ehamj.judge.verdicts import by_norm, undecided, worst_class
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.result import Result, make_dataset
@@ -63,14 +67,17 @@ class Motion:
         rows: int | None = None,
         criteria: CriteriaSettings | None = None,
     ) -> Any:
+        found, left_open = isolation(self.dataset(rows), plant or plant_of(), RATE, usable_to, criteria)
+        return {**found.to_dict(), "undecided": left_open}
+
+    def dataset(self, rows: int | None = None) -> xr.Dataset:
         values = {"ground_velocity": self.ground, "foot_velocity": self.feet, "cg_velocity": self.cg}
         values["machine_velocity"] = self.machine
         labels = {}
         if self.points:
             values["point_velocity"] = np.stack(list(self.points.values()), axis=1)
             labels["point"] = list(self.points)
-        dataset = make_dataset(TIMES[:rows], {name: value[:rows] for name, value in values.items()}, {}, labels)
-        return isolation(dataset, plant or plant_of(), RATE, usable_to, criteria)
+        return make_dataset(TIMES[:rows], {name: value[:rows] for name, value in values.items()}, {}, labels)
 
 
 def decided(attenuation: dict[str, float | None]) -> dict[str, float]:
@@ -290,7 +297,7 @@ def test_the_verdict_names_vertical_apart_from_horizontal() -> None:
     ],
 )
 def test_the_worst_class_is_the_coarsest_and_none_is_worse_still(classes: list[str | None], worst: str | None) -> None:
-    assert worst_class(classes) == worst
+    assert worst_class(classes, tuple(CLASSES)) == worst
 
 
 # --- feet and points ----------------------------------------------------------------------------------------------
@@ -393,6 +400,22 @@ def test_bands_that_the_ground_leaves_out_are_the_grounds_to_explain() -> None:
     assert undecided(CriteriaSettings().chosen(), 60.0, 1000.0, 40.0) == []
 
 
+def test_a_norm_of_peaks_is_held_against_the_histories_peaks() -> None:
+    floors = Norm("floors", ("line 1", "line 3"), whole=lambda name, axis: Limit(LINES[name], statistic="peak"))
+    motion, wave = Motion(), np.sin(2 * np.pi * 15.85 * TIMES)
+    motion.ground[:, :, Z] = np.outer(wave, [0.012, 0.0122, 0.003, 0.0])  # 8.6 mm/s RMS at most
+    motion.cg[:, Z] = 0.009 * wave
+    motion.ground[0] = 1.0  # before levels are taken
+    levels = levels_of(motion.dataset().sel(time=slice(2.0, None)), plant_of(), RATE, bands(1.0, 200.0))
+    found = by_norm(floors, levels)
+    floor, machine = found.places["floor"].z, found.places["machine"].z
+    assert (floor.met, floor.next_class, machine.met) == ("line 1", "line 3", "line 3")
+    assert floor.margin_db == pytest.approx(20 * np.log10(20 / 12.2), abs=0.01)
+    assert found.verdict.vertical == "floor line 1, machine line 3 (actuated)"
+
+
+LINES = {"line 1": 20e-3, "line 3": 10e-3}
+
 # --- in the summary of a run --------------------------------------------------------------------------------------
 
 
@@ -414,7 +437,7 @@ def test_the_summary_has_what_a_person_asks_for_first(run: Result) -> None:
 
 
 def test_the_summary_is_plain_json(run: Result) -> None:
-    assert json.loads(json.dumps(run.summary, allow_nan=False)) == run.summary
+    assert json.loads(json.dumps(run.summary.to_dict(), allow_nan=False)) == run.summary
 
 
 @pytest.mark.parametrize(("name", "column"), [("x", 0), ("z", 2), ("ry", 4)])
@@ -480,7 +503,7 @@ def test_response_spectra_above_what_the_ground_is_known_say_nothing(knocked: Re
     found = response_spectra(knocked.dataset, 1000.0, 10.0, ResponseSpectrumSettings())
     known = [value is not None for value in found["velocity"]["machine"]["z"]]
     assert known == [f <= 10.0 for f in found["frequency_hz"]]
-    json.dumps(found, allow_nan=False)
+    json.dumps(found.to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("rows", [0, 1, 10])

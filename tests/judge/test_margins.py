@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ehamj import Controller, load_scenario, simulate
-from ehamj.judge.summary import UNSTABLE
 from ehamj.plant.mounts import MOUNTS
+from ehamj.run.summarise import UNSTABLE
 
 SHORT = ("duration=0.2", "plates=tied", "compare=[]", "ground={kind='rest'}")
 STROKES = tuple(f"stroke {mount}" for mount in MOUNTS)

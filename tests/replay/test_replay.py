@@ -46,7 +46,7 @@ def tied() -> Result:
 def changed(result: Result, rows: int | None = None, **summary: Any) -> Result:
     """The result with fewer rows and another summary."""
     dataset = result.dataset.isel(time=slice(0, rows))
-    return dataclasses.replace(result, dataset=dataset, summary={**result.summary, **summary})
+    return dataclasses.replace(result, dataset=dataset, summary=result.summary.changed(**summary))
 
 
 def entities(path: Path) -> set[str]:
@@ -219,7 +219,7 @@ def test_poses_end_where_numbers_do(sliding: Result, tmp_path: Path) -> None:
 def test_attenuation_is_drawn_where_a_summary_has_it(sliding: Result, tmp_path: Path) -> None:
     path = tmp_path / "replay.rrd"
     with_numbers = changed(sliding, attenuation_db={"z": {"1": 20.0, "10": None, "100": -3.0}, "x": {"1": None}})
-    write_replay(path, {"a": with_numbers, "b": changed(sliding, attenuation_db=None)})
+    write_replay(path, {"a": with_numbers, "b": changed(sliding, attenuation_db={})})
     curves = {name for name in entities(path) if "/curve/" in name}
     assert curves == {"/attenuation/z/curve/a", "/attenuation/z/curve/a/bands"}
 
@@ -304,7 +304,8 @@ def test_page_speaks_of_what_is_missing_without_nonsense(sliding: Result) -> Non
 
 
 def test_page_tells_the_verdicts(sliding: Result) -> None:
-    criterion = {"verdict": {"vertical": "quiet", "horizontal": "loud, undecided at 4, 5 Hz"}}
+    words = {"vertical": "quiet", "horizontal": "loud, undecided at 4, 5 Hz"}
+    criterion = {**sliding.summary.criterion, "verdict": words}
     written = page({"run": changed(sliding, criterion=criterion)}, factor=1.0, arrows=0.0, speed=1.0)
     assert "- run, vertical: quiet\n" in written
     assert "- run, horizontal: loud, undecided at 4, 5 Hz" in written

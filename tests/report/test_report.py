@@ -430,7 +430,7 @@ def test_margins_stand_as_the_summary_says_them(results: dict[str, Result]) -> N
 
 
 def with_summary(result: Result, **entries: Any) -> Result:
-    return replace(result, summary={**result.summary, **entries})
+    return replace(result, summary=result.summary.changed(**entries))
 
 
 # --- the page stands alone -----------------------------------------------------------------------------------------
@@ -543,7 +543,7 @@ def test_an_incomplete_run_says_so_loudly(failed: Result) -> None:
     assert text.startswith("Incomplete ")
     assert failed.summary["failure"] in text
     assert "history-stroke" in names_of(failed)
-    complete = replace(failed, summary={**failed.summary, "complete": True})
+    complete = replace(failed, summary=failed.summary.changed(complete=True))
     assert text_of({"run": complete}, headline).xpath('//*[@role="alert"]') == []
 
 
@@ -565,12 +565,16 @@ def test_an_incomplete_variant_is_named(failed: Result, results: dict[str, Resul
 @pytest.mark.parametrize("rows", [0, 1, 2, 17])
 def test_a_run_that_hardly_began_has_a_page(failed: Result, rows: int, tmp_path: Path) -> None:
     part = failed.dataset.isel(time=slice(0, rows))
-    undecided = {"class": None, "deciding_band_hz": None, "margin_db": None, "undecided_bands_hz": ["4", "5"]}
+    numbers = ("class", "deciding_band_hz", "margin_db", "next_class", "next_band_hz", "excess_db")
+    undecided = {**dict.fromkeys(numbers), "decided": False, "undecided_bands_hz": ["4", "5"]}
+    place = {**dict.fromkeys("xyz", undecided), "worst": None, "deciding_axis": None}
     verdict = {"vertical": "floor worse than workshop, machine worse than workshop", "horizontal": "the same"}
-    criterion = {who: dict.fromkeys("xyz", undecided) for who in ("floor", "machine")} | {"verdict": verdict}
+    criterion = {"floor": place, "machine": place, "verdict": verdict}
     nothing = {axis: {"5": None, "10": None} for axis in ("x", "y", "z", "rx", "ry")}
-    summary = {**failed.summary, "peak": {}, "rms": {}, "criterion": criterion, "attenuation_db": nothing}
-    summary["third_octave_velocity"] = {who: {axis: {"5": None} for axis in "xyz"} for who in ("floor", "machine")}
+    levels = {who: {axis: {"5": None} for axis in "xyz"} for who in ("floor", "machine")}
+    summary = failed.summary.changed(
+        peak={}, rms={}, criterion=criterion, attenuation_db=nothing, third_octave_velocity=levels
+    )
     write_report(tmp_path, {"run": replace(failed, dataset=part, summary=summary)})
     seen = lxml_html.fromstring((tmp_path / "report.html").read_text(encoding="utf-8"))
     said = seen.xpath('//*[@id="verdict"]')[0].text_content()
@@ -597,7 +601,7 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
     steps = "record R, in this order: linear trend subtracted"
     odd = "a warning that nobody thought of"
     runs = {
-        label: replace(result, summary={**result.summary, "warnings": [steps, shared, *extra]})
+        label: replace(result, summary=result.summary.changed(warnings=[steps, shared, *extra]))
         for (label, result), extra in zip(results.items(), ([odd], []), strict=True)
     }
     seen = text_of(runs, warnings, inputs)

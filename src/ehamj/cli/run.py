@@ -25,6 +25,7 @@ from ehamj.cli.frame import (
 )
 
 if TYPE_CHECKING:
+    from ehamj.judge import Summary
     from ehamj.result import Result
     from ehamj.scenario.model import Scenario
 
@@ -62,8 +63,8 @@ def run(
         write_run(target, results)
     summary = results[loaded.name].summary
     if as_json:
-        variants = {name: results[loaded.variant(name).name].summary for name in loaded.compare}
-        print_json({"folder": str(folder), "summary": summary, "variants": variants})
+        variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
+        print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
         _print_summary(summary, loaded.plant.mounts[0], folder)
     if failures:
@@ -93,21 +94,21 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
-def _print_summary(summary: dict[str, Any], mount: str, folder: Path) -> None:
+def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    timing = summary["timing"]
-    state = "complete" if summary["complete"] else "INCOMPLETE"
-    times = f"{timing['simulated_s']:g} s simulated in {timing['wall_s']:.2g} s"
-    out.print(f"[bold]{escape(summary['name'])}[/]: {times}, {state}", highlight=False)
-    if summary["peak"]:
+    timing, verdict = summary.timing, summary.criterion.verdict
+    state = "complete" if summary.complete else "INCOMPLETE"
+    times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
+    out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
+    if summary.peak:
         _print_levels(summary, mount)
-    for direction in ("vertical", "horizontal"):
-        say(f"vibration class, {direction}: {summary['criterion']['verdict'][direction]}")
-    quiet = {band: dB for band, dB in summary["attenuation_db"]["z"].items() if dB is not None and band in SHOWN_BANDS}
+    say(f"vibration class, vertical: {verdict.vertical}")
+    say(f"vibration class, horizontal: {verdict.horizontal}")
+    quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
     if quiet:
         words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
         say(f"vertical attenuation, floor to machine: {words}")
-    for warning in summary["warnings"]:
+    for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")
     for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
@@ -115,7 +116,7 @@ def _print_summary(summary: dict[str, Any], mount: str, folder: Path) -> None:
             say(f"{text}: {folder / name}")
 
 
-def _print_levels(summary: dict[str, Any], mount: str) -> None:
+def _print_levels(summary: "Summary", mount: str) -> None:
     """Peaks and RMS values of the motions, strokes and spools at one mount."""
     rows: list[tuple[Any, ...]] = []
     for axis in "xyz":
@@ -125,12 +126,9 @@ def _print_levels(summary: dict[str, Any], mount: str) -> None:
     rows.append((f"stroke ({mount})", "µm", 1e6, ("stroke", mount)))
     rows.append((f"spool ({mount})", "mA", 1.0, ("spool", mount)))
 
-    def level(kind: str, factor: float, keys: tuple[str, ...]) -> str:
-        value = reduce(lambda table, key: table[key], keys, summary[kind])
-        return "nan" if value is None else f"{factor * value:.3g}"
+    def level(levels: dict[str, Any], factor: float, keys: tuple[str, ...]) -> str:
+        value = reduce(lambda table, key: table[key], keys, levels)
+        return "nan" if value is None else f"{factor * float(value):.3g}"
 
-    heads = ("motion", "unit", "peak", "RMS")
-    cells = [
-        (name, unit, *(level(kind, factor, keys) for kind in ("peak", "rms"))) for name, unit, factor, keys in rows
-    ]
-    print_table("about equilibrium", heads, cells)
+    cells = [(name, unit, level(summary.peak, *of), level(summary.rms, *of)) for name, unit, *of in rows]
+    print_table("about equilibrium", ("motion", "unit", "peak", "RMS"), cells)

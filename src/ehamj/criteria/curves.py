@@ -1,17 +1,26 @@
 """What the norms share: a limit per class, axis and third-octave band, and the decision which class is met."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cache
-from typing import Literal
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, bands
+from ehamj.findings import Finding
+from ehamj.plant.axes import AXES
 
 Array = NDArray[np.float64]
 Quantity = Literal["displacement", "velocity", "acceleration"]
+Statistic = Literal["rms", "peak"]
+"""``rms``: of a third-octave band; ``peak``: largest absolute value of the whole history, all frequencies together."""
+Kind = tuple[Quantity, Statistic]
+ByKind = Mapping[Kind, Array]
+"""Levels of one place along one axis by kind, SI, NaN where unknown: ``rms`` per band (bands,), ``peak`` (1,)."""
 
 ORDERS: dict[Quantity, int] = {"displacement": -1, "velocity": 0, "acceleration": 1}
 """Order of each quantity as a time derivative of velocity."""
@@ -19,17 +28,31 @@ ORDERS: dict[Quantity, int] = {"displacement": -1, "velocity": 0, "acceleration"
 CANDIDATES = bands(0.5, 200.0)
 """Bands in which any norm here has a limit."""
 
+WHOLE: Final = "all"
+"""What stands for a band where the whole history decides."""
+
 
 @dataclass(frozen=True)
 class Limit:
-    """Largest RMS allowed in a band: of displacement [m], velocity [m/s] or acceleration [m/s²]."""
+    """Largest level allowed: of displacement [m], velocity [m/s] or acceleration [m/s²]."""
 
     value: float
     quantity: Quantity = "velocity"
+    statistic: Statistic = "rms"
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of levels that it limits."""
+        return self.quantity, self.statistic
 
     def as_velocity(self, band: Band) -> float:
         """The same limit for a line at the band's nominal centre [m/s], as charts of criteria draw it."""
         return self.value / float(2 * np.pi * band.nominal) ** ORDERS[self.quantity]
+
+
+def where(bands: Sequence[str]) -> str:
+    """Bands of a verdict in words: "at 4, 5 Hz"."""
+    return "over all frequencies" if WHOLE in bands else f"at {', '.join(bands)} Hz"
 
 
 def rounded(value: float) -> float:
@@ -37,96 +60,140 @@ def rounded(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-@dataclass(frozen=True)
-class Norm:
-    """A criterion: its classes, coarsest first, and the limit of each, by class, axis (x, y, z) and band.
+class Verdict(Finding):
+    """The strictest class met in the bands that are known (None: not even the coarsest).
 
-    The rule gives None where the norm says nothing.
+    A level exactly at its limit meets the class. ``margin_db`` is what the class met leaves in its deciding band, the
+    one with the least; None where nothing moves or no class is met. ``excess_db`` is by how much the next stricter
+    class is exceeded at worst, in ``next_band``. ``decided``: every band of the norm is known, or even the coarsest
+    class is not met. A band is named `WHOLE` where a limit of the whole history decides.
+    """
+
+    met: str | None = Field(alias="class")
+    decided: bool
+    deciding_band: str | None = Field(alias="deciding_band_hz")
+    margin_db: float | None
+    next_class: str | None
+    next_band: str | None = Field(alias="next_band_hz")
+    excess_db: float | None
+    undecided: tuple[str, ...] = Field(alias="undecided_bands_hz")
+    """Bands of the criterion in which the level is not known."""
+    factor: float | None = None
+    """Largest level over the norm's base curve, for a norm that has one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Norm:
+    """A criterion: its classes, coarsest first, and the limits of each.
+
+    ``rule`` gives the RMS limit of a class along an axis (x, y, z) in a band, ``whole`` that of the whole history's
+    peak; None where the norm says nothing.
     """
 
     title: str
     classes: tuple[str, ...]
-    rule: Callable[[str, str, Band], Limit | None]
+    rule: Callable[[str, str, Band], Limit | None] = lambda name, axis, band: None
+    whole: Callable[[str, str], Limit | None] = lambda name, axis: None
     base: str | None = None
     """Class whose curve a factor counts from, for a norm that thinks in multiples of one curve."""
+    practices: Mapping[str, "Norm"] = field(default_factory=dict)
+    """The same norm by each practice at low frequency, where the field has several."""
 
-    def limit(self, name: str, axis: str, band: Band) -> Limit | None:
-        """Limit of a class along an axis in a band, None where the norm says nothing."""
-        return _table(self, name, axis).get(band)
+    @cached_property
+    def _limits(self) -> dict[tuple[str, str], dict[Band | None, Limit]]:
+        """By class and axis: the limit in each band, and of the whole history (None)."""
+        found: dict[tuple[str, str], dict[Band | None, Limit]] = {}
+        for name in self.classes:
+            for axis in AXES:
+                table = {band: self.rule(name, axis, band) for band in CANDIDATES} | {None: self.whole(name, axis)}
+                found[name, axis] = {band: limit for band, limit in table.items() if limit is not None}
+                if any((limit.statistic == "peak") != (band is None) for band, limit in found[name, axis].items()):
+                    raise ValueError(f"norm {self.title!r}, {name}: a limit in a band must be rms, of the whole peak")
+        return found
+
+    def limit(self, name: str, axis: str, band: Band | None) -> Limit | None:
+        """Limit of a class along an axis in a band (None: of the whole history), None where the norm says nothing."""
+        return self._limits[name, axis].get(band)
 
     def needed(self, axis: str) -> tuple[Band, ...]:
         """The bands that must be known for a decision: those in which any class has a limit."""
         return tuple(band for band in CANDIDATES if any(self.limit(name, axis, band) for name in self.classes))
 
+    @cached_property
+    def kinds(self) -> frozenset[Kind]:
+        """Kinds of levels that the norm limits."""
+        return frozenset(limit.kind for table in self._limits.values() for limit in table.values())
 
-@cache
-def _table(norm: Norm, name: str, axis: str) -> dict[Band, Limit]:
-    found = {band: norm.rule(name, axis, band) for band in CANDIDATES}
-    return {band: limit for band, limit in found.items() if limit is not None}
+    def judge(self, axis: str, levels: ByKind, measured: tuple[Band, ...]) -> Verdict:
+        """The class that levels meet.
 
+        Args:
+            axis: x, y or z.
+            levels: of each kind that the norm limits.
+            measured: the bands.
 
-@dataclass(frozen=True)
-class Verdict:
-    """The strictest class met in the bands that are known (None: not even the coarsest).
+        Raises:
+            InputError: if a kind of levels that the norm limits is not among them.
+        """
+        if missing := self.kinds - levels.keys():
+            wanted, given = (", ".join(f"{s} of {q}" for q, s in sorted(kinds)) for kinds in (missing, levels))
+            raise InputError(f"norm {self.title!r}: limits {wanted}; the levels are {given}")
+        of_band = _by_band(levels, measured)
+        needed = [band for band in (*CANDIDATES, None) if any(self.limit(name, axis, band) for name in self.classes)]
+        undecided = tuple(_name(band) for band in needed if not of_band.get(band))
+        met, deciding, margin = None, None, None
+        following, following_band, excess = None, None, None
+        for name in self.classes:
+            shares = self._shares(name, axis, of_band)
+            if not shares:
+                break
+            worst = max(shares, key=lambda band: shares[band][1])
+            kept, share = all(kept for kept, _ in shares.values()), shares[worst][1]
+            if not kept:
+                following, following_band, excess = name, _name(worst), _decibel(share)
+                deciding = deciding or _name(worst)
+                break
+            met, deciding = name, _name(worst)
+            margin = -_decibel(share) if share > 0 else None
+        verdict = Verdict(
+            met=met,
+            decided=deciding is not None and (met is None or not undecided),
+            deciding_band=deciding,
+            margin_db=margin,
+            next_class=following,
+            next_band=following_band,
+            excess_db=excess,
+            undecided=undecided,
+        )
+        if not self.base:
+            return verdict
+        base = [share for _, share in self._shares(self.base, axis, of_band).values()]
+        return verdict.model_copy(update={"factor": max(base, default=None)})
 
-    A level exactly at its limit meets the class. ``margin_db`` is what the class met leaves in its deciding band, the
-    one with the least; None where nothing moves or no class is met. ``excess_db`` is by how much the next stricter
-    class is exceeded at worst, in ``next_band``.
-    """
-
-    met: str | None
-    deciding_band: str | None
-    margin_db: float | None
-    undecided: tuple[str, ...]
-    """Bands of the criterion in which the level is not known."""
-    next_class: str | None = None
-    next_band: str | None = None
-    excess_db: float | None = None
-    factor: float | None = None
-    """Largest level over the norm's base curve, for a norm that has one."""
-
-
-def judge(norm: Norm, axis: str, levels: Mapping[Quantity, Array], measured: tuple[Band, ...]) -> Verdict:
-    """The class that band levels meet.
-
-    Args:
-        norm: the criterion.
-        axis: x, y or z.
-        levels: RMS per band of each quantity that the norm limits (SI), NaN where unknown.
-        measured: the bands.
-    """
-    of_band = {
-        band: {quantity: float(values[row]) for quantity, values in levels.items() if np.isfinite(values[row])}
-        for row, band in enumerate(measured)
-    }
-
-    def shares(name: str) -> dict[Band, tuple[bool, float]]:
+    def _shares(self, name: str, axis: str, of_band: "_ByBand") -> dict[Band | None, tuple[bool, float]]:
         """Whether the limit is kept, and the level over it, per band that is known and limited."""
         return {
-            band: (known[limit.quantity] <= limit.value, known[limit.quantity] / limit.value)
+            band: (known[limit.kind] <= limit.value, known[limit.kind] / limit.value)
             for band, known in of_band.items()
-            if (limit := norm.limit(name, axis, band)) is not None and limit.quantity in known
+            if (limit := self.limit(name, axis, band)) is not None and limit.kind in known
         }
 
-    needed = norm.needed(axis)
-    undecided = tuple(band.name for band in needed if not of_band.get(band))
-    met, deciding, margin = None, None, None
-    following, following_band, excess = None, None, None
-    for name in norm.classes:
-        found = shares(name)
-        if not found:
-            break
-        worst = max(found, key=lambda band: found[band][1])
-        kept, share = all(kept for kept, _ in found.values()), found[worst][1]
-        if not kept:
-            following, following_band, excess = name, worst.name, _decibel(share)
-            deciding = deciding or worst.name
-            break
-        met, deciding = name, worst.name
-        margin = -_decibel(share) if share > 0 else None
-    base = shares(norm.base) if norm.base else {}
-    factor = max((share for _, share in base.values()), default=None)
-    return Verdict(met, deciding, margin, undecided, following, following_band, excess, factor)
+
+_ByBand = dict[Band | None, dict[Kind, float]]
+
+
+def _by_band(levels: ByKind, measured: tuple[Band, ...]) -> _ByBand:
+    """The levels that are known in each band, and of the whole history (None)."""
+    found: _ByBand = {band: {} for band in (*measured, None)}
+    for kind, values in levels.items():
+        for band, value in zip(measured if kind[1] == "rms" else (None,), values, strict=True):
+            if np.isfinite(value):
+                found[band][kind] = float(value)
+    return found
+
+
+def _name(band: Band | None) -> str:
+    return WHOLE if band is None else band.name
 
 
 def _decibel(ratio: float) -> float:

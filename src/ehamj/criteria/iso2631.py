@@ -39,4 +39,4 @@ def _rule(name: str, axis: str, band: Band) -> Limit | None:
     return None if base is None else Limit(rounded(FACTORS[name] * base), "acceleration")
 
 
-NORM = Norm("ISO 2631-2 (1989) base curves", tuple(FACTORS), _rule, BASE)
+NORM = Norm("ISO 2631-2 (1989) base curves", tuple(FACTORS), _rule, base=BASE)

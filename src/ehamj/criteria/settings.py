@@ -1,14 +1,18 @@
 """What a user writes about criteria: the table [criteria] of a scenario."""
 
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ehamj.criteria import iso2631, nist, vc
+from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm
+from ehamj.criteria.norms import NORMS
 from ehamj.settings import Settings
 
-NormName = Literal["vc", "nist-a", "iso-2631-2"]
+if TYPE_CHECKING:
+    NormName = str
+else:
+    NormName = Literal[tuple(NORMS)]
 
 
 class ResponseSpectrumSettings(Settings):
@@ -49,5 +53,4 @@ class CriteriaSettings(Settings):
 
     def chosen(self) -> dict[str, Norm]:
         """The norms by name, the one of the verdict first."""
-        known = {"vc": vc.norm(self.low_frequency), "nist-a": nist.NORM, "iso-2631-2": iso2631.NORM}
-        return {name: known[name] for name in self.norms}
+        return {name: NORMS[name].practices.get(self.low_frequency, NORMS[name]) for name in self.norms}

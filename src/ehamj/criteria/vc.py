@@ -5,17 +5,11 @@ classic practice. By newer practice VC-C and stricter are flat from 1 to 80 Hz. 
 All three axes have the same limits.
 """
 
-from functools import cache
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ehamj.criteria import curves
-from ehamj.criteria.curves import Limit, Norm, Verdict
+from ehamj.criteria.curves import Limit, Norm, rounded
 from ehamj.estimate.bands import Band
 
-Array = NDArray[np.float64]
 LowFrequency = Literal["classic", "flat"]
 
 CLASSES: dict[str, float] = {
@@ -51,27 +45,18 @@ def limit(name: str, band: Band, flat_from_1_hz: bool = False) -> float | None:
         return CLASSES[name] if nominal >= 1.0 else None
     if nominal >= 8.0:
         return CLASSES[name]
-    return curves.rounded(CLASSES[name] * 8.0 / nominal) if nominal >= 4.0 else None
+    return rounded(CLASSES[name] * 8.0 / nominal) if nominal >= 4.0 else None
 
 
-@cache
-def norm(low_frequency: LowFrequency = "classic") -> Norm:
-    """The criterion by one of the two practices at low frequency."""
-
+def _norm(practice: LowFrequency, below: str, practices: dict[str, Norm]) -> Norm:
     def rule(name: str, axis: str, band: Band) -> Limit | None:
-        value = limit(name, band, low_frequency == "flat")
+        value = limit(name, band, practice == "flat")
         return None if value is None else Limit(value)
 
-    below = "constant acceleration from 4 to 8 Hz" if low_frequency == "classic" else "VC-C and stricter from 1 Hz"
-    return Norm(f"VC curves, {below}", tuple(CLASSES), rule)
+    return Norm(f"VC curves, {below}", tuple(CLASSES), rule, practices=practices)
 
 
-def judge(levels: Array, measured: tuple[Band, ...], flat_from_1_hz: bool = False) -> Verdict:
-    """The class that band levels meet.
-
-    Args:
-        levels: RMS velocity per band [m/s], NaN where unknown.
-        measured: the bands.
-        flat_from_1_hz: see `limit`.
-    """
-    return curves.judge(norm("flat" if flat_from_1_hz else "classic"), "z", {"velocity": levels}, measured)
+FLAT = _norm("flat", "VC-C and stricter from 1 Hz", {})
+"""By newer practice."""
+CLASSIC = _norm("classic", "constant acceleration from 4 to 8 Hz", {"flat": FLAT})
+"""By the classic practice."""

@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
 """Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""
 
+_WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
+"""Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""
+
 _SUPPLY: Final = ("pressure", "tank_pressure")
 _UNLIMITED: Final = ("wall_modulus", "foot_stiffness")
 """Values that may be infinite."""
@@ -156,16 +159,15 @@ def _check(scenario: Scenario, key: str, values: Array) -> None:
 
 
 def _check_plain(scenario: Scenario) -> None:
-    """Refuse what moves the operating point of a valve or adds states."""
+    """Refuse every option that the closed forms do not know: what adds states or moves a valve's operating point."""
     if scenario.supply.dynamic:
         raise InputError("supply.dynamic = true: must be false here; linear_model gives one such design")
     for name, actuator in scenario.actuators.items():
-        for option in ("overlap", "null_offset", "hysteresis", "threshold"):
-            if np.any(getattr(actuator, option)):
-                raise InputError(
-                    f"actuators.{name}.{option} = {getattr(actuator, option)}: must be zero here, "
-                    "where valves are linear about their centre"
-                )
+        for option, value in actuator.beyond((*ACTUATOR_VALUES, *_WITHOUT_EFFECT)).items():
+            raise InputError(
+                f"actuators.{name}.{option} = {value!r}: must be {Actuator.model_fields[option].default!r} here, "
+                "where valves are linear about their centre"
+            )
 
 
 def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array], key: str, value: Array) -> None:

@@ -1,29 +1,38 @@
 """Relative motions of a run: peak, RMS and third-octave levels."""
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from pydantic import Field
 
 from ehamj.estimate.periodogram import band_rms
-from ehamj.judge.levels import BANDS, LEAST_ROWS, named, settled
+from ehamj.findings import Finding
+from ehamj.judge.levels import BANDS, LEAST_ROWS, ByBand, named, settled
 from ehamj.plant.axes import AXES
 from ehamj.plant.points import Relative
 
 Array = NDArray[np.float64]
 
 
-def relative_motions(
-    dataset: xr.Dataset, relatives: tuple[Relative, ...], rate: float, usable_to: float
-) -> dict[str, Any]:
-    """Each relative displacement by name, as plain data.
+class RelativeMotion(Finding):
+    """How one place moves relative to another, per axis and in ``total``: the distance moved, all axes together."""
 
-    Returns:
-        ``from``, ``to``; ``peak`` and ``rms`` [m] per axis and ``total`` (of the distance moved), over the whole run
-        about its first value; ``third_octave_displacement`` per axis and ``total`` (of all axes together), band → RMS
-        [m], from where levels are taken.
-    """
+    origin: str = Field(alias="from")
+    to: str
+    peak: dict[str, float | None]
+    """About the first value, over the whole run [m]."""
+    rms: dict[str, float | None]
+    """About the first value, over the whole run [m]."""
+    third_octave_displacement: dict[str, ByBand]
+    """RMS [m], from where levels are taken."""
+
+
+def relative_motions(
+    dataset: xr.Dataset, relatives: Sequence[Relative], rate: float, usable_to: float
+) -> dict[str, RelativeMotion]:
+    """Each relative displacement by name; ``rate`` and ``usable_to`` [Hz] as in `ehamj.judge.isolation`."""
     if not relatives:
         return {}
     moved = dataset["relative_displacement"].values
@@ -32,18 +41,17 @@ def relative_motions(
     known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
     levels = np.full((len(known), *part.shape[1:]), np.nan)
     if part.shape[0] >= LEAST_ROWS:
-        flat = part.reshape(part.shape[0], -1)
-        levels = band_rms(flat, rate, known).reshape(levels.shape)
+        levels = band_rms(part.reshape(part.shape[0], -1), rate, known).reshape(levels.shape)
     return {
-        relative.name: {
-            "from": relative.origin,
-            "to": relative.to,
+        relative.name: RelativeMotion(
+            origin=relative.origin,
+            to=relative.to,
             **_peak_and_rms(moved[:, k]),
-            "third_octave_displacement": {
+            third_octave_displacement={
                 **{axis: named(levels[:, k, a], known) for a, axis in enumerate(AXES)},
                 "total": named(np.sqrt((levels[:, k] ** 2).sum(axis=1)), known),
             },
-        }
+        )
         for k, relative in enumerate(relatives)
     }
 

@@ -1,30 +1,42 @@
 """Response spectra of floor, machine and points of a run."""
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.criteria.response_spectrum import ResponseSpectrum, frequencies, response_spectrum
 from ehamj.criteria.settings import ResponseSpectrumSettings
+from ehamj.findings import Finding
 from ehamj.judge.levels import LEAST_ROWS, settled
 from ehamj.plant.axes import AXES
 
 Array = NDArray[np.float64]
 
 
+Peaks = dict[str, dict[str, list[float | None]]]
+"""Place → axis → one per natural frequency."""
+
+
+class ResponseSpectra(Finding):
+    """Peak responses of oscillators at each place, None where nothing is known."""
+
+    damping: float
+    """Damping ratio [-]."""
+    frequency_hz: list[float]
+    """Natural frequencies [Hz]."""
+    velocity: Peaks
+    """Peak pseudo-velocity [m/s]."""
+    acceleration: Peaks
+    """Peak absolute acceleration [m/s²]."""
+
+
 def response_spectra(
     dataset: xr.Dataset, rate: float, usable_to: float, settings: ResponseSpectrumSettings
-) -> dict[str, Any]:
-    """Response spectra as plain data: None where the ground is not known, or the run too short.
+) -> ResponseSpectra:
+    """Response spectra: None where the ground is not known, or the run too short.
 
     The oscillators start from rest with the run; their responses count from where levels are taken. Places are the
     floor (its worst mount at each frequency), the machine's CG and each point.
-
-    Returns:
-        ``damping``, ``frequency_hz``, and per place and axis the peak pseudo-velocity ``velocity`` [m/s] and the peak
-        absolute ``acceleration`` [m/s²], a list over the frequencies each.
     """
     natural = frequencies(settings.first, settings.last, settings.per_octave)
     known = natural <= usable_to
@@ -43,13 +55,14 @@ def response_spectra(
         spectrum: ResponseSpectrum = response_spectrum(columns, rate, natural[known], settings.damping, begin)
         found["velocity"][known], found["acceleration"][known] = spectrum.velocity, spectrum.acceleration
     ends = np.cumsum([part.shape[1] * len(AXES) for part in parts.values()])[:-1]
-    report: dict[str, Any] = {"damping": settings.damping, "frequency_hz": [float(f) for f in natural]}
-    for quantity, table in found.items():
-        report[quantity] = {
+    peaks: dict[str, Peaks] = {
+        quantity: {
             place: _by_axis(part.reshape(natural.size, -1, len(AXES)).max(axis=1))
             for place, part in zip(parts, np.split(table, ends, axis=1), strict=True)
         }
-    return report
+        for quantity, table in found.items()
+    }
+    return ResponseSpectra(damping=settings.damping, frequency_hz=[float(f) for f in natural], **peaks)
 
 
 def _by_axis(peaks: Array) -> dict[str, list[float | None]]:

@@ -1,66 +1,81 @@
 """What a norm says of each place: class per axis, the axis that decides, and the verdict in words."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ehamj.criteria import vc
-from ehamj.criteria.curves import Norm, Verdict, judge
+from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
 from ehamj.estimate.periodogram import LEAST_BINS
-from ehamj.judge.levels import Measured, settled
+from ehamj.findings import Finding
+from ehamj.judge.levels import Levels, settled
 from ehamj.plant.axes import AXES
 
 
-def judged(norm: Norm, measured: Measured) -> dict[str, Any]:
-    """Title of the norm, what it says of each place, and the verdict in words, as plain data.
+class AtPlace(Finding):
+    """What a norm says of one place."""
 
-    A class is ``decided`` if every band of the norm is known, or if even the coarsest class is not met.
-    """
+    x: Verdict
+    y: Verdict
+    z: Verdict
+    worst: str | None
+    """The coarsest class met; None where not even the coarsest is."""
+    deciding_axis: str | None
+
+    def along(self, axes: Sequence[str]) -> list[Verdict]:
+        """The verdicts along some axes."""
+        return [getattr(self, axis) for axis in axes]
+
+
+class InWords(Finding):
+    """The verdict of floor and machine in words, along z and across."""
+
+    vertical: str
+    horizontal: str
+
+
+class ByNorm(Finding):
+    """What one norm says of every place."""
+
+    title: str
+    places: dict[str, AtPlace]
+    verdict: InWords
+
+
+class Criterion(Finding):
+    """What the first norm says of floor and machine."""
+
+    floor: AtPlace
+    machine: AtPlace
+    verdict: InWords
+
+
+def by_norm(norm: Norm, levels: Levels) -> ByNorm:
+    """Title of the norm, what it says of each place, and the verdict in words."""
     places = {}
-    for place in measured.places["velocity"]:
+    for place in ("floor", "feet", "machine", *levels.points):
         verdicts = {}
         for k, axis in enumerate(AXES):
-            levels = {quantity: table[place][:, k] for quantity, table in measured.places.items()}
-            verdicts[axis] = judge(norm, axis, levels, measured.bands)
-        places[place] = {
-            **{axis: _plain(verdict, norm) for axis, verdict in verdicts.items()},
-            "worst": worst_class([verdict.met for verdict in verdicts.values()], norm.classes),
-            "deciding_axis": _deciding_axis(verdicts, norm),
-        }
-    verdict = {
-        "vertical": f"{_sentence(places, ('z',), norm)} (actuated)",
-        "horizontal": f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
-    }
-    return {"title": norm.title, "places": places, "verdict": verdict}
+            of_place = {kind: table[place][:, k] for kind, table in levels.places.items()}
+            verdicts[axis] = norm.judge(axis, of_place, levels.bands)
+        worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
+        places[place] = AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
+    words = InWords(
+        vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
+        horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
+    )
+    return ByNorm(title=norm.title, places=places, verdict=words)
 
 
-def _plain(verdict: Verdict, norm: Norm) -> dict[str, Any]:
-    plain = {
-        "class": verdict.met,
-        "decided": bool(verdict.deciding_band) and (verdict.met is None or not verdict.undecided),
-        "deciding_band_hz": verdict.deciding_band,
-        "margin_db": verdict.margin_db,
-        "next_class": verdict.next_class,
-        "next_band_hz": verdict.next_band,
-        "excess_db": verdict.excess_db,
-        "undecided_bands_hz": list(verdict.undecided),
-    }
-    return plain | ({"factor": verdict.factor} if norm.base else {})
-
-
-def worst_class(classes: list[str | None], order: Sequence[str] = tuple(vc.CLASSES)) -> str | None:
+def worst_class(classes: Sequence[str | None], order: Sequence[str]) -> str | None:
     """The coarsest of several classes; None (not even the coarsest is met) is worst of all.
 
     ``order`` is that of the norm's classes, coarsest first.
     """
-    if None in classes:
-        return None
-    return min((name for name in classes if name is not None), key=list(order).index)
+    return None if None in classes else min((name for name in classes if name is not None), key=list(order).index)
 
 
-def _deciding_axis(verdicts: dict[str, Verdict], norm: Norm) -> str | None:
+def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
     """The axis with the coarsest class, and of those the one nearest to the limit; None where nothing is known."""
 
     def rank(axis: str) -> tuple[int, float]:
@@ -73,17 +88,17 @@ def _deciding_axis(verdicts: dict[str, Verdict], norm: Norm) -> str | None:
     return min(known, key=rank, default=None)
 
 
-def _class_in_words(verdicts: list[dict[str, Any]], norm: Norm) -> str:
-    if any(verdict["deciding_band_hz"] is None for verdict in verdicts):
+def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:
+    if any(verdict.deciding_band is None for verdict in verdicts):
         return "undecided"
-    return worst_class([verdict["class"] for verdict in verdicts], norm.classes) or f"worse than {norm.classes[0]}"
+    return worst_class([verdict.met for verdict in verdicts], norm.classes) or f"worse than {norm.classes[0]}"
 
 
-def _sentence(places: dict[str, Any], axes: tuple[str, ...], norm: Norm) -> str:
-    before, after = (_class_in_words([places[who][axis] for axis in axes], norm) for who in ("floor", "machine"))
+def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
+    before, after = (_class_in_words(places[who].along(axes), norm) for who in ("floor", "machine"))
     words = f"floor {before}, machine {after}"
-    undecided = list(dict.fromkeys(band for axis in axes for band in places["machine"][axis]["undecided_bands_hz"]))
-    return words + (f", undecided at {', '.join(undecided)} Hz" if undecided else "")
+    missing = list(dict.fromkeys(band for verdict in places["machine"].along(axes) for band in verdict.undecided))
+    return words + (f", undecided {where(missing)}" if missing else "")
 
 
 def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: float) -> list[str]:
@@ -96,7 +111,7 @@ def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: fl
         usable_to: frequency above which the ground is not known [Hz]; such bands are the ground's to explain.
     """
     needed = {name: {band for axis in AXES for band in norm.needed(axis)} for name, norm in norms.items()}
-    known = sorted((band for band in set().union(*needed.values()) if band.edges[1] <= usable_to), key=_place)
+    known = sorted({band for own in needed.values() for band in own if band.edges[1] <= usable_to}, key=_centre)
     short = [band for band in known if _width(band) * seconds < LEAST_BINS]
     fast = [band for band in known if band.edges[1] > 0.5 * rate]
     found = []
@@ -111,8 +126,8 @@ def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: fl
     return found
 
 
-def _place(band: Band) -> int:
-    return band.index
+def _centre(band: Band) -> float:
+    return band.centre
 
 
 def _width(band: Band) -> float:

@@ -45,7 +45,7 @@ def _verdicts(results: Mapping[str, Result]) -> str:
     """The vibration classes that floor and machine meet, where a summary has them."""
     lines = []
     for label, result in results.items():
-        for direction, verdict in result.summary.get("criterion", {}).get("verdict", {}).items():
+        for direction, verdict in result.summary.criterion.verdict.items():
             lines.append(f"- {label}, {direction}: {verdict}")
     return "\n".join(lines)
 
@@ -84,7 +84,7 @@ def _figures(result: Result) -> dict[str, str]:
 
 def _limits(result: Result) -> str:
     """Share of time at each limit, of the mount that is there longest."""
-    saturation = result.summary.get("saturation", {})
+    saturation = result.summary.saturation
     worst = {limit.replace("_", " "): max(shares.values(), default=0.0) for limit, shares in saturation.items()}
     return ", ".join(f"{limit} {100 * share:.2g} %" for limit, share in worst.items() if share > 0.0) or "none"
 
@@ -105,8 +105,8 @@ def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
     said: dict[str, list[str]] = {}
     for label, result in results.items():
-        texts = [str(result.summary["failure"])] if "failure" in result.summary else []
-        texts += [str(warning) for warning in result.summary.get("warnings", [])]
+        summary = result.summary
+        texts = [*([] if summary.failure is None else [summary.failure]), *summary.warnings]
         for text in texts:
             said.setdefault(text, []).append(label)
     lines = [

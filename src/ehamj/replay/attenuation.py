@@ -36,17 +36,14 @@ def curves_of(results: Mapping[str, Result]) -> dict[str, dict[str, Curve]]:
     """Attenuation by axis and result, as far as the summaries have it; vertical first."""
     found: dict[str, dict[str, Curve]] = {}
     for label, result in results.items():
-        table = result.summary.get("attenuation_db")
-        for axis, bands in table.items() if isinstance(table, Mapping) else ():
+        for axis, bands in result.summary.attenuation_db.items():
             curve = _curve(bands)
             if curve is not None:
                 found.setdefault(axis, {})[label] = curve
     return dict(sorted(found.items(), key=lambda item: (item[0] != "z", len(item[0]), item[0])))
 
 
-def _curve(bands: Any) -> Curve | None:
-    if not isinstance(bands, Mapping):
-        return None
+def _curve(bands: Mapping[str, float | None]) -> Curve | None:
     points = sorted((float(centre), math.nan if value is None else float(value)) for centre, value in bands.items())
     frequency, decibel = np.array(points).reshape(-1, 2).T
     return Curve(frequency, decibel) if np.isfinite(decibel).any() else None

@@ -8,7 +8,6 @@ from typing import Any
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
 from ehamj.errors import InputError
-from ehamj.judge.summary import summarise
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.model import drawn_xml
 from ehamj.result import CONTROLLER_FILE, Result
@@ -16,6 +15,7 @@ from ehamj.run.drive import Progress, drive
 from ehamj.run.failures import Incomplete, failure
 from ehamj.run.observe import observe
 from ehamj.run.prepare import prepare
+from ehamj.run.summarise import summarise
 from ehamj.scenario.model import Scenario
 
 
@@ -39,25 +39,12 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: A
     dataset = observe(prepared, driven.rows)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
+    summary = summarise(prepared, driven, dataset, clock.perf_counter() - started, failed)
     law = prepared.law
-    summary = summarise(
-        scenario=scenario,
-        dataset=dataset,
-        tally=driven.tally,
-        steps=driven.stopped.steps,
-        timestep=prepared.timestep,
-        stepping_seconds=driven.seconds,
-        total_seconds=clock.perf_counter() - started,
-        complete=failed is None,
-        notes=prepared.notes,
-        usable_to=prepared.motion.usable_to,
-        law=law,
-    )
     if law is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
     result = Result(scenario, dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law)
     if failed is not None:
-        summary["failure"] = failed
         raise Incomplete(failed, result) from next(iter(prepared.loop.failures), None)
     return result
 

@@ -110,9 +110,9 @@ def level_table(laws: Sequence[str], chosen: Sequence[str], runs: Sequence[Resul
     attenuation = np.full((*shape, len(BANDS)), np.nan)
     clipped, command, warp = np.zeros((3, *shape))
     for at, run in zip(np.ndindex(*shape), runs, strict=True):
-        found = run.summary["attenuation_db"]["z"]
+        found = run.summary.attenuation_db["z"]
         attenuation[at] = [np.nan if found[band] is None else found[band] for band in BANDS]
-        clipped[at] = max(run.summary["saturation"]["command"].values())
+        clipped[at] = max(run.summary.saturation["command"].values())
         settled = run.dataset.sel(time=slice(SETTLED, None))
         command[at] = float(np.sqrt((settled["valve_command"].values ** 2).mean()))
         warp[at] = warp_share(run, settled)

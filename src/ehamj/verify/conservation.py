@@ -30,7 +30,7 @@ def rough(subject: Subject, step: float | str = "auto", duration: float = 10.0) 
     ]
     table = {"supply": {"pressure": 20e5}, "ground": {"kind": "sum", "parts": blows}, "duration": duration}
     result = subject.simulate(_balanced(10.0, step, **table))
-    saturation = result.summary["saturation"]
+    saturation = result.summary.saturation
     share = {name: max(saturation[name].values()) for name in ("spool", "cavitation")}
     void = 1e9 * float(result.dataset["chamber_void"].max())
     detail = (

@@ -94,7 +94,7 @@ def benchmark_reference() -> ReferenceRun:
 def benchmark(subject: Subject) -> Finding:
     """The benchmark case at the automatic step, compared as benchmark.md says."""
     result = subject.simulate(load_scenario("benchmark"))
-    steps = round(result.summary["timing"]["steps"] / 2.0)
+    steps = round(result.summary.timing.steps / 2.0)
     return Finding(motion_error(result, benchmark_reference()), f"{steps} steps per second")
 
 

@@ -1,0 +1,96 @@
+"""How well a run is isolated: attenuation and levels in third-octaves, and what the norms say of every place."""
+
+from collections.abc import Iterable
+
+import numpy as np
+import xarray as xr
+
+from ehamj.criteria.curves import ORDERS, Norm, Quantity
+from ehamj.criteria.settings import CriteriaSettings
+from ehamj.findings import Finding
+from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
+from ehamj.judge.levels import BANDS, ByBand, Levels, levels_of, named, settled
+from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided
+from ehamj.plant.axes import AXES
+from ehamj.plant.plant import Plant
+
+Places = dict[str, dict[str, ByBand]]
+"""Place → axis → band → level."""
+
+
+class Analysis(Finding):
+    """From when to when levels were taken [s], and up to where the ground is known [Hz] (None: everywhere)."""
+
+    from_s: float
+    to_s: float
+    usable_to_hz: float | None
+
+
+class Isolation(Finding):
+    """Attenuation and criteria of a run.
+
+    Places are the floor (its worst mount), the feet (the worst), the machine (its CG) and each named point.
+    """
+
+    attenuation_db: dict[str, ByBand]
+    """Per axis and for rx, ry, of the CG: band → dB, positive: quieter than the floor, None: undecided."""
+    attenuation_at_db: Places
+    """The same for x, y, z at the feet (worst of foot over its own ground) and each point."""
+    third_octave_velocity: Places
+    """RMS [m/s]."""
+    third_octave_displacement: Places | None = None
+    """RMS [m], where a norm limits it."""
+    third_octave_acceleration: Places | None = None
+    """RMS [m/s²], where a norm limits it."""
+    criterion: Criterion
+    """By the first norm."""
+    criteria: dict[str, ByNorm]
+    """By each norm."""
+    analysis: Analysis
+
+
+def isolation(
+    dataset: xr.Dataset,
+    plant: Plant,
+    rate: float,
+    usable_to: float = float("inf"),
+    criteria: CriteriaSettings | None = None,
+) -> tuple[Isolation, list[str]]:
+    """Attenuation and criteria of a run, and in words the bands that a longer run or a higher rate would decide.
+
+    Args:
+        dataset: of a result.
+        plant: what was simulated; the mounts' positions count.
+        rate: recording rate [Hz].
+        usable_to: frequency above which the ground is not known [Hz].
+        criteria: the norms that judge.
+    """
+    norms = (criteria or CriteriaSettings()).chosen()
+    end = float(dataset.time[-1]) if dataset.time.size else 0.0
+    begin = settled(end)
+    known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
+    levels = levels_of(dataset.sel(time=slice(begin, None)), plant, rate, known)
+    verdicts = {name: by_norm(norm, levels) for name, norm in norms.items()}
+    first = next(iter(verdicts.values()))
+    found = Isolation(
+        attenuation_db=attenuation_at_cg(levels, plant),
+        attenuation_at_db=attenuation_at_places(levels),
+        criterion=Criterion(floor=first.places["floor"], machine=first.places["machine"], verdict=first.verdict),
+        criteria=verdicts,
+        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=usable_to if np.isfinite(usable_to) else None),
+        **{f"third_octave_{quantity}": _tables(levels, quantity) for quantity in _wanted(norms.values())},
+    )
+    return found, undecided(norms, end - begin, rate, usable_to)
+
+
+def _wanted(norms: Iterable[Norm]) -> list[Quantity]:
+    """Velocity, and what else the norms limit in bands."""
+    limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms))
+    return [quantity for quantity in ORDERS if (quantity, "rms") in limited]
+
+
+def _tables(levels: Levels, quantity: Quantity) -> Places:
+    return {
+        place: {axis: named(found[:, k], levels.bands) for k, axis in enumerate(AXES)}
+        for place, found in levels.places[quantity, "rms"].items()
+    }

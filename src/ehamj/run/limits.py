@@ -1,0 +1,76 @@
+"""Limits that a run reached, by the tally of every step and by the recorded rows; and the oil that it drew."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ehamj.judge.summary import AtLimit, ByMount, Oil
+from ehamj.mujoco.rows import Tally
+from ehamj.plant.plant import Plant
+
+WORDS = {
+    "command": "the command was at its limit",
+    "spool": "the spool was fully open",
+    "spool_drive": "the spool's drive was at its limit",
+    "cavitation": "oil cavitated",
+}
+
+
+def saturation(tally: Tally, states: int, mounts: tuple[str, ...]) -> dict[str, ByMount]:
+    """Share of the ``states`` that were counted at each limit, per mount."""
+    shares = {name: tally.limits[name] / states for name in WORDS}
+    return {name: dict(zip(mounts, map(float, each), strict=True)) for name, each in shares.items()}
+
+
+def oil(tally: Tally, states: int, duration: float) -> Oil:
+    """What was drawn in ``duration`` [s]."""
+    drawn = {name: float(tally.drawn[name][0]) for name in ("flow", "peak_flow", "power")}
+    return Oil(
+        mean_flow_m3_s=drawn["flow"] / states,
+        peak_flow_m3_s=drawn["peak_flow"],
+        volume_m3=drawn["flow"] / states * duration,
+        mean_power_w=drawn["power"] / states,
+    )
+
+
+def warnings(shares: Mapping[str, ByMount]) -> list[str]:
+    """Limits that were reached, in words."""
+    worst = {name: max(of_mount.items(), key=lambda item: item[1]) for name, of_mount in shares.items()}
+    return [
+        f"{WORDS[name]} for up to {100 * share:.3g} % of the time ({mount})"
+        for name, (mount, share) in worst.items()
+        if share > 0
+    ]
+
+
+def at_limit(dataset: xr.Dataset, plant: Plant, rate: float) -> dict[str, AtLimit | None]:
+    """When each limit was reached, by the recorded rows at ``rate`` [Hz]; None where it was in none of them."""
+    command, spool = dataset["valve_command"].values, dataset["spool"].values
+    limit, stroke, gain, frequency, drive = (
+        np.array([getattr(actuator, name) for actuator in plant.actuators])
+        for name in ("voltage_limit", "spool_stroke", "valve_gain", "valve_frequency", "spool_drive_limit")
+    )
+    target = gain * np.clip(command, -limit, limit)
+    reached = {
+        "command": np.abs(command) >= limit,
+        "spool": np.abs(spool) >= stroke,
+        "spool_drive": np.abs(frequency**2 * (target - spool)) >= drive,
+        "cavitation": (dataset["chamber_void"].values > 0.0).any(axis=2),
+    }
+    return {name: _longest(states, rate, plant.mounts) for name, states in reached.items()}
+
+
+def _longest(states: NDArray[np.bool_], rate: float, mounts: tuple[str, ...]) -> AtLimit | None:
+    """First time and longest stretch of states (time, mount), None if they are never true."""
+    if not states.any():
+        return None
+    longest, where = 0, 0
+    for mount in range(states.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], states[:, mount].astype(int), [0]])))
+        lengths = edges[1::2] - edges[::2]
+        if lengths.size and int(lengths.max()) > longest:
+            longest, where = int(lengths.max()), mount
+    first = int(np.argmax(states.any(axis=1)))
+    return AtLimit(first_s=first / rate, longest_s=longest / rate, mount=mounts[where])

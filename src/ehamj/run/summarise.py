@@ -1,0 +1,89 @@
+"""From a run and its channels to its summary."""
+
+import platform
+from importlib.metadata import version
+from typing import Any
+
+import xarray as xr
+
+from ehamj.control import LinearController
+from ehamj.judge.extremes import peak_and_rms
+from ehamj.judge.isolation import isolation
+from ehamj.judge.relative import relative_motions
+from ehamj.judge.spectra import response_spectra
+from ehamj.judge.summary import LoopMargins, Summary, Timing
+from ehamj.linear.loop import Loop, feeds_back
+from ehamj.linear.machine import linear_model
+from ehamj.linear.margins import report
+from ehamj.run.drive import Driven
+from ehamj.run.limits import at_limit, oil, saturation, warnings
+from ehamj.run.prepare import Prepared
+from ehamj.scenario.model import Scenario
+
+REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
+
+UNSTABLE = "the control loop is unstable: the linear machine runs away under this law"
+
+
+def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: float, failure: str | None) -> Summary:
+    """The numbers a person asks for first.
+
+    Args:
+        prepared: what was simulated.
+        driven: what the stepping loop left.
+        dataset: its channels.
+        seconds: that the simulation took in all [s].
+        failure: what went wrong, in words; None where nothing did.
+    """
+    scenario, plant, steps = prepared.scenario, prepared.scenario.plant, driven.stopped.steps
+    rate, usable_to = scenario.record_rate, prepared.motion.usable_to
+    # Counted: one state before each step and, at the end of a complete run, the last one.
+    states = max(steps + (failure is None), 1)
+    shares = saturation(driven.tally, states, plant.mounts)
+    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria)
+    margins = loop_margins(scenario, prepared.law)
+    unstable = [UNSTABLE] if margins is not None and not margins.stable else []
+    peak, rms = peak_and_rms(dataset)
+    simulated = float(dataset.time[-1]) if dataset.time.size else 0.0
+    return Summary(
+        name=scenario.name,
+        complete=failure is None,
+        **isolated.attributes(),
+        **_asked_for(dataset, scenario, usable_to),
+        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares)],
+        peak=peak,
+        rms=rms,
+        saturation=shares,
+        at_limit=at_limit(dataset, plant, rate),
+        oil=oil(driven.tally, states, steps * prepared.timestep),
+        margins=margins,
+        timing=Timing(
+            simulated_s=simulated,
+            wall_s=seconds,
+            stepping_s=driven.seconds,
+            steps=steps,
+            timestep_s=prepared.timestep,
+            ratio=simulated / driven.seconds if driven.seconds > 0 else None,
+        ),
+        versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
+        seed=scenario.seed,
+        **({} if failure is None else {"failure": failure}),
+    )
+
+
+def loop_margins(scenario: Scenario, law: LinearController | None) -> LoopMargins | None:
+    """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without."""
+    if law is None or not feeds_back(law):
+        return None
+    found = report(linear_model(scenario.plant), Loop.of(scenario, law))
+    return LoopMargins.model_validate(found.to_dict(places=("motions",)))
+
+
+def _asked_for(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:
+    """What the scenario asks for beside: relative motions and response spectra."""
+    found: dict[str, Any] = {}
+    if scenario.relative:
+        found["relative"] = relative_motions(dataset, scenario.relative, scenario.record_rate, usable_to)
+    if (spectrum := scenario.criteria.response_spectrum) is not None:
+        found["response_spectrum"] = response_spectra(dataset, scenario.record_rate, usable_to, spectrum)
+    return found
