@@ -127,7 +127,7 @@ def _print_levels(summary: "Summary", mount: str) -> None:
     rows.append((f"spool ({mount})", "mA", 1.0, ("spool", mount)))
 
     def level(levels: dict[str, Any], factor: float, keys: tuple[str, ...]) -> str:
-        value = reduce(lambda table, key: table[key], keys, levels)
+        value: Any = reduce(lambda table, key: table[key], keys, levels)
         return "nan" if value is None else f"{factor * float(value):.3g}"
 
     cells = [(name, unit, level(summary.peak, *of), level(summary.rms, *of)) for name, unit, *of in rows]
