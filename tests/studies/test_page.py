@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 from ehamj.cli import app
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.studies.catalogue import STUDIES
 from ehamj.studies.outcome import Drawing, Outcome, labelled
 from ehamj.studies.page import flat_table, write_outcome
 
@@ -62,8 +61,13 @@ def test_everything_is_written_and_reads_back(tmp_path: Path) -> None:
 
 
 def test_the_command_lists_the_studies() -> None:
-    listed = CliRunner().invoke(app, ["study", "--json"])
-    assert [one["name"] for one in json.loads(listed.stdout)["studies"]] == list(STUDIES)
+    """Each with a question of its own; the names are those that a wrong one is answered with."""
+    listed = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["studies"]
+    questions = {one["name"]: one["question"] for one in listed}
+    assert "wave" in questions["waves"]
+    assert len(set(questions.values())) == len(questions)
+    refused = str(CliRunner().invoke(app, ["study", "nothing"]).exception)
+    assert refused.rpartition("must be one of ")[2].split(", ") == list(questions)
 
 
 @pytest.mark.parametrize(

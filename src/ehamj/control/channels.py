@@ -47,15 +47,29 @@ def channel_names() -> tuple[str, ...]:
     return tuple(names)
 
 
+def valve_commands(mounts: Sequence[str]) -> tuple[str, ...]:
+    """What laws command."""
+    return tuple(f"valve_command {mount}" for mount in mounts)
+
+
+def check_channel(name: str) -> None:
+    """Refuse a name that no channel has.
+
+    Raises:
+        UnknownChannelError: with what is near it.
+    """
+    if name not in channel_names():
+        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.0)
+        raise UnknownChannelError(f"channel {name!r} is unknown; near it are: {', '.join(map(repr, near))}")
+
+
 def channel_row(name: str, plant: Plant) -> Array:
     """The channel as a row over the vector of signals, shape (N_SIGNALS,).
 
     Raises:
         UnknownChannelError: if there is no such channel.
     """
-    if name not in channel_names():
-        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.0)
-        raise UnknownChannelError(f"channel {name!r} is unknown; near it are: {', '.join(map(repr, near))}")
+    check_channel(name)
     row = np.zeros(N_SIGNALS)
     variable, *labels = name.split(" ")
     what, _, motion = variable.rpartition("_")

@@ -36,15 +36,20 @@ HEIGHT: Final = 280.0
 
 @dataclass(frozen=True)
 class Line:
-    """A line, or points where ``marker`` is given; ``color`` and ``dash`` are places in `COLORS` and `DASHES`."""
+    """A line, or points where ``marker`` is given; ``color`` may be one in `COLORS`, ``dash`` one in `DASHES`."""
 
     label: str
     x: ArrayLike
     y: ArrayLike
-    color: int = 0
+    color: int | str = 0
     dash: int = 0
     marker: str = ""
     width: float = 1.6
+
+    @property
+    def hue(self) -> str:
+        """Its colour."""
+        return self.color if isinstance(self.color, str) else COLORS[self.color % len(COLORS)]
 
 
 def _new(title: str, panels: int = 1, height: float = HEIGHT) -> "tuple[Figure, list[Axes]]":
@@ -79,8 +84,7 @@ def _plain(axis: Any) -> None:
 
 def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
     for line in lines:
-        color = COLORS[line.color % len(COLORS)]
-        look: dict[str, Any] = {"color": color, "label": line.label or "_"}
+        look: dict[str, Any] = {"color": line.hue, "label": line.label or "_"}
         if line.marker:
             look |= {"marker": line.marker, "linestyle": "none", "markerfacecolor": "white", "markersize": 5.5}
             look |= {"markeredgewidth": 1.4, "zorder": 4}
@@ -270,7 +274,7 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
         axes.set_thetagrids(range(0, 360, 45), ["front", "45°", "left", "135°", "rear", "225°", "right", "315°"])
         for line in lines:
             closed = np.append(np.asarray(line.y, float), np.asarray(line.y, float)[:1])
-            axes.plot(np.append(angle, angle[0] + 2 * np.pi), closed, color=COLORS[line.color], label=line.label,
+            axes.plot(np.append(angle, angle[0] + 2 * np.pi), closed, color=line.hue, label=line.label,
                       linestyle=DASHES[line.dash % len(DASHES)], linewidth=line.width)  # fmt: skip
         axes.set_rlabel_position(22.5)
         axes.set_title(" ", fontsize=9)  # room between the legend and the name of the front

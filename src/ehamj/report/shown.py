@@ -36,6 +36,10 @@ class Shown:
             raise ValueError("results: a report needs at least one")
         return cls(results, evaluate(results))
 
+    def only(self, label: str) -> "Shown":
+        """One of the results by itself, with what is known of it already."""
+        return Shown({label: self.results[label]}, {label: self.evaluations[label]})
+
     @property
     def label(self) -> str:
         """Of the result that is reported."""
