@@ -49,6 +49,6 @@ def lift(ground: float, rate: float, own: MembraneValues) -> tuple[float, float]
 
 
 @kernel
-def pull(ground: float, rate: float, own: MembraneValues) -> float:
-    """Lateral force on the machine by ground that moved, in one direction [N]."""
-    return own.lateral_stiffness * ground + own.lateral_damping * rate
+def pull(ground: float, slope: float, per_second: float, own: MembraneValues) -> float:
+    """Lateral force on the machine by ground that moved [m], in one direction [N]; its rate is slope·per_second [m/s]."""
+    return own.lateral_stiffness * ground + own.lateral_damping * slope * per_second
