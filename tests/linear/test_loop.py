@@ -41,8 +41,8 @@ def test_the_ground_does_not_answer_commands(model: LinearModel) -> None:
 
 
 def test_the_sensitivity_is_that_of_the_closed_loop(model: LinearModel) -> None:
-    """1 + L is singular at the eigenvalues of the sampled loop that the law sees (all but yaw and the valves in warp), and
-    the sensitivity is its inverse on the circle."""
+    """1 + L is singular at the eigenvalues of the loop that the law sees, all but yaw and the valves in warp; on
+    the circle the sensitivity is its inverse."""
     loop = Loop(LAW, IDEAL, 0)
     values = np.linalg.eigvals(sampled_loop(model, loop).A)
     swings = values[(values.imag > 1e-3) & (np.abs(values) > 0.9)]
