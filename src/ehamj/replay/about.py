@@ -153,7 +153,7 @@ def _parameters(results: Mapping[str, Result]) -> list[str]:
 
 def _tables(scenario: Scenario) -> str:
     tables: dict[str, Parameters] = {"Machine": scenario.machine}
-    tables |= {f"Actuator {name}": actuator for name, actuator in scenario.actuators.items()}
+    tables |= {f"Actuator {name}": actuator for name, actuator in scenario.running.items()}
     tables["Supply"] = scenario.supply
     return "\n\n".join(f"### {name}\n\n{_quantities(values)}" for name, values in tables.items())
 
