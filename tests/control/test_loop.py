@@ -112,7 +112,8 @@ def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.nda
             np.zeros((len(laws), 4)),
             np.zeros((len(laws), 4)),
         )
-        due, found, limit = [], [], controller.voltage_limit
+        due, found, converter = [], [], controller.converter
+        limit = converter.voltage_limit
         for k in range(steps + 1):
             data.time = k * step
             step_of(data)["start"], step_of(data)["rate"] = data.time, 1 / step
@@ -129,10 +130,10 @@ def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.nda
                 inputs[j] = np.array([measured(name, model, data, ground, plant) for name in law.inputs])
                 latest[j] = law.C @ states[j] + law.D @ inputs[j]
             share = 1.0
-            if data.time < controller.switch_on - 1e-9:
+            if data.time < converter.switch_on - 1e-9:
                 share = 0.0
-            elif controller.fade > 0.0 and data.time < controller.switch_on + controller.fade - 1e-9:
-                s = (data.time - controller.switch_on) / controller.fade
+            elif converter.fade > 0.0 and data.time < converter.switch_on + converter.fade - 1e-9:
+                s = (data.time - converter.switch_on) / converter.fade
                 share = 3 * s**2 - 2 * s**3
             total = latest.sum(axis=0)
             missing = np.clip(share * total, -limit, limit) - total
@@ -146,8 +147,8 @@ def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.nda
                 if moment == k:
                     held[j] = y
             command = np.clip(held.sum(axis=0), -limit, limit)
-            if controller.bits is not None:
-                lsb = 2 * limit / 2**controller.bits
+            if converter.bits is not None:
+                lsb = 2 * limit / 2**converter.bits
                 command = lsb * np.floor(command / lsb + 0.5)
             data.ctrl[:] = command
             mujoco.mj_forward(model, data)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ehamj.control import Controller
-from ehamj.designs.sensitivity import parameters_of, sensitivities, value_of, with_value
+from ehamj.designs.parameters import parameters_of, value_of, with_value
+from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model

@@ -1,4 +1,4 @@
-"""The linear actuator against the oracle's closed forms, python-control, and the numbers that physics.md prints."""
+"""The linear actuator, its loop and its merits against closed forms, python-control, and what physics.md prints."""
 
 import math
 from dataclasses import replace
@@ -21,7 +21,6 @@ from ehamj.paper.actuator import (
     PAPER_MASS,
     WITHOUT_EFFECT,
     bode,
-    closed_loop,
     g_act,
     g_eha,
     g_valve,
@@ -79,7 +78,6 @@ def test_signals_have_names_that_connect() -> None:
     )
     direct = g_eha(FIRST_GENERATION)
     assert (direct.input_labels, direct.output_labels, direct.name) == (["voltage"], ["stroke"], "G_EHA")
-    assert closed_loop(FIRST_GENERATION, PAPER_MASS, 1e6).input_labels == ["reference"]
     np.testing.assert_allclose(whole(S), direct(S), rtol=1e-9)  # through control's own state space
 
 
@@ -230,7 +228,7 @@ def test_margins_and_bandwidth_are_python_controls(actuator: Actuator) -> None:
     assert loop.phase_crossover == pytest.approx(phase_crossover, rel=1e-6)
     # Beyond −180° its phase margin is negative although the loop is stable; here it is a distance.
     assert loop.phase_margin(gain) == pytest.approx((abs(phase_margin), gain_crossover), rel=1e-6)
-    assert loop.bandwidth(gain) == pytest.approx(control.bandwidth(closed_loop(actuator, PAPER_MASS, gain)), rel=1e-6)
+    assert loop.bandwidth(gain) == pytest.approx(control.bandwidth(control.feedback(gain * g_eha(actuator))), rel=1e-6)
 
 
 def test_every_gain_crossing_is_found_and_the_worst_counts() -> None:
@@ -251,7 +249,7 @@ def test_bandwidth_is_3_db_below_the_static_value(actuator: Actuator) -> None:
     loop = PositionLoop.of_actuator(actuator)
     gain = loop.highest_gain(6.0, 45.0)
     bandwidth = loop.bandwidth(gain)
-    closed = closed_loop(actuator, PAPER_MASS, gain)
+    closed = control.feedback(gain * g_eha(actuator))
     static = abs(closed(0.0))
     assert 20 * math.log10(abs(closed(1j * bandwidth)) / static) == pytest.approx(-3.0, abs=1e-9)
     before = np.abs(closed(1j * np.linspace(1e-3, 1.0 - 1e-9, 2000) * bandwidth))

@@ -4,16 +4,16 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.control.law import CONVERTER, UNSTABLE, Controller, read_table, stack
+from ehamj.control.clock import common_divisor, exact
+from ehamj.control.converter import Converter, difference
+from ehamj.control.law import UNSTABLE, Controller, read_table, stack
 from ehamj.errors import InputError
-from ehamj.plant.mounts import N_MOUNTS
 
 LONGEST_PATTERN = 100_000
 """Samples after which the pattern of all rates must repeat, for its stability to be looked at."""
@@ -23,8 +23,7 @@ LONGEST_PATTERN = 100_000
 class ControllerBank:
     """Laws each with its own period and delay; their held outputs are summed before fade, range and resolution.
 
-    All share one converter per valve, hence ``voltage_limit``, ``bits``, ``switch_on`` and ``fade``. What fade and
-    range take from the sum goes into every law's anti-windup.
+    All share one `Converter`. What fade and range take from the sum goes into every law's anti-windup.
 
     Raises:
         InputError: if there is no law, if they do not share a converter, or together are unstable while their
@@ -36,11 +35,9 @@ class ControllerBank:
     def __post_init__(self) -> None:
         if not self.parts:
             raise InputError("controller.parts: is empty; it must hold at least one law")
-        for part in self.parts[1:]:
-            for name in CONVERTER:
-                ours, theirs = getattr(self.parts[0], name), getattr(part, name)
-                if ours != theirs:
-                    raise InputError(f"controller.parts: {name} = {theirs} beside {ours}; all must share one converter")
+        if found := difference(self.parts):
+            name, ours, theirs = found
+            raise InputError(f"controller.parts: {name} = {theirs} beside {ours}; all must share one converter")
         radius = self._limited_radius()
         if radius > UNSTABLE:
             raise InputError(
@@ -69,32 +66,12 @@ class ControllerBank:
     @property
     def period(self) -> float:
         """Longest time of which all periods are multiples [s]."""
-        return float(_common_divisor([part.period for part in self.parts]))
+        return float(common_divisor(part.period for part in self.parts))
 
     @property
-    def voltage_limit(self) -> float:
-        """Range of the converter, ± [V]."""
-        return self.parts[0].voltage_limit
-
-    @property
-    def bits(self) -> int | None:
-        """Resolution of the converter."""
-        return self.parts[0].bits
-
-    @property
-    def switch_on(self) -> float:
-        """Time before which the valves get zero [s]."""
-        return self.parts[0].switch_on
-
-    @property
-    def fade(self) -> float:
-        """Time over which the commands fade in [s]."""
-        return self.parts[0].fade
-
-    @property
-    def from_rest(self) -> bool:
-        """Whether readings count from where the machine stands at the start, see `Controller`."""
-        return self.parts[0].from_rest
+    def converter(self) -> Converter:
+        """The converter that all laws share."""
+        return self.parts[0].converter
 
     @property
     def states(self) -> int:
@@ -110,9 +87,9 @@ class ControllerBank:
         return replace(self, parts=tuple(part.scaled(factor) for part in self.parts))
 
     def response(self, hertz: ArrayLike) -> NDArray[np.complex128]:
-        """Command over measured channel, (frequency, 4, inputs), see `Controller.response`: the sum of all laws."""
+        """Command over measured channel, (frequency, valves, inputs), the sum of all laws (`Controller.response`)."""
         names = self.inputs
-        total = np.zeros((np.atleast_1d(hertz).size, N_MOUNTS, len(names)), complex)
+        total = np.zeros((np.atleast_1d(hertz).size, len(self.converter.mounts), len(names)), complex)
         for part in self.parts:
             total[:, :, [names.index(name) for name in part.inputs]] += part.response(hertz)
         return total
@@ -139,15 +116,15 @@ class ControllerBank:
 
     def _limited_radius(self) -> float:
         """Spectral radius, from one common sample to the next, of all states while the valves get nothing."""
-        base = _common_divisor([part.period for part in self.parts])
-        every = [round(Fraction(part.period).limit_denominator(10**7) / base) for part in self.parts]
+        base = common_divisor(part.period for part in self.parts)
+        every = [round(exact(part.period) / base) for part in self.parts]
         pattern = math.lcm(*every)
         if pattern > LONGEST_PATTERN:
             raise InputError(
                 f"controller.parts: periods {', '.join(f'{part.period:g}' for part in self.parts)} s have no common "
                 "pattern that is short; choose multiples of each other"
             )
-        n, m = self.states, N_MOUNTS
+        n, m = self.states, len(self.converter.mounts)
         ends = np.cumsum([part.states for part in self.parts])
         size = n + m * len(self.parts)  # states, then what each law last wanted
         total = np.eye(size)
@@ -165,10 +142,8 @@ class ControllerBank:
                 if windup is not None:
                     update[own, n:] -= np.tile(windup, len(self.parts))
             total = update @ outputs @ total
-        return float(np.abs(np.linalg.eigvals(total)).max()) if n and self._winds() else 0.0
-
-    def _winds(self) -> bool:
-        return any(part.anti_windup is not None for part in self.parts)
+        winds = any(part.anti_windup is not None for part in self.parts)
+        return float(np.abs(np.linalg.eigvals(total)).max()) if n and winds else 0.0
 
 
 def load_controller(path: Path) -> Controller | ControllerBank:
@@ -179,13 +154,3 @@ def load_controller(path: Path) -> Controller | ControllerBank:
     """
     table = read_table(path)
     return ControllerBank.from_dict(table) if "parts" in table else Controller.from_dict(table)
-
-
-def _common_divisor(periods: Sequence[float]) -> Fraction:
-    """The longest time of which all periods are multiples [s]."""
-    exact = [Fraction(period).limit_denominator(10**7) for period in periods]
-    divisor = exact[0]
-    for other in exact[1:]:
-        n = math.gcd(divisor.numerator * other.denominator, other.numerator * divisor.denominator)
-        divisor = Fraction(n, divisor.denominator * other.denominator)
-    return divisor

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ehamj.control import AnyController, Controller, PythonController
 from ehamj.control.channels import STATIC, quantity_of
-from ehamj.control.compiled.converter import Converter
+from ehamj.control.compiled.converter import Conversion
 from ehamj.control.compiled.laws import LAW, LawMemory, Laws
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
@@ -57,7 +57,7 @@ def _loop(laws: Laws, memory: int, sensing: Sensing, mounts: int, **others: Any)
 
 def no_loop(mounts: int) -> Loop:
     """No controller and nothing to read."""
-    laws = Laws(np.zeros(0, LAW), _empty(0), np.zeros(0, np.int64), Converter(0.0, 0.0, 0.0, 0.0), 0)
+    laws = Laws(np.zeros(0, LAW), _empty(0), np.zeros(0, np.int64), Conversion(0.0, 0.0, 0.0, 0.0), 0)
     terms = np.zeros((0, 0), np.int64)
     sensing = Sensing(
         Layout.of(mounts), terms, _empty(0, 0), _empty(3, 0, 0), _empty(0), _empty(0), _empty(0), _empty(0)
@@ -83,10 +83,12 @@ def make_loop(
     table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
     terms, weights = _terms(sensors.rows(channels, plant, seed))
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
-    statics = [controller.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
-    converter = Converter.of(controller.voltage_limit, controller.bits, controller.switch_on, controller.fade)
+    converter = controller.converter
+    statics = [converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
+    times = float(converter.switch_on), float(converter.fade)
+    conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     return _loop(
-        Laws(table, matrices, inputs_of, converter, int(np.gcd.reduce(table["every"]))),
+        Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"]))),
         size,
         Sensing(Layout.of(mounts), terms, weights, filters, feedthrough, np.array(statics, float), *grid),
         mounts,

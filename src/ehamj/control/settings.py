@@ -146,6 +146,7 @@ class DigitalSettings(ControlSettings):
             inputs,
             self.period,
             self.delay,
+            mounts=plant.mounts,
             voltage_limit=min(actuator.voltage_limit for actuator in plant.actuators),
             bits=self.bits,
             switch_on=self.switch_on,

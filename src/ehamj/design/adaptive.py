@@ -12,7 +12,7 @@ narrow-band feedback (Glover, IEEE Trans. ASSP 25(6), 1977) of loop gain ``leak`
 law below it stays as it is: with ``beside``, H is the response with that law closed.
 """
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -85,9 +85,7 @@ def line_cancellation(
     )
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
     function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
-    return PythonController(
-        function, law.inputs, law.period, law.delay, law.voltage_limit, law.bits, law.switch_on, law.fade, law.from_rest
-    )
+    return PythonController(function, law.inputs, law.period, law.delay, **asdict(law.converter))
 
 
 class _LineLaw:

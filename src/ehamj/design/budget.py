@@ -127,15 +127,15 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
         if np.any(density):
             contributions[f"noise of {table} sensors"] = np.sqrt(_per_band(motion * widths) * PER_BAND)
     shaken = np.sum(np.abs((drive @ sensitivity)[:, 0, :]) ** 2, axis=1)
-    step = 0.0 if law.bits is None else 2.0 * law.voltage_limit / 2**law.bits
     nyquist = 0.5 / min(part.period for part in law.parts)
+    step = law.converter.resolution
     contributions["rounding of commands"] = np.sqrt(_per_band(shaken * step**2 / 12.0 / nyquist * widths) * PER_BAND)
     contributions["turbulent flow"] = _turbulence(scenario, floor, sensitivity)
     per_velocity = np.abs(answer[:, 0, 0]) / (2 * np.pi * f)
     of_floor = float(np.sqrt(np.sum(_per_band(per_velocity**2) * floor**2)))
     command = {"floor": of_floor, "noise": _noise_command(model, loop, nyquist)}
     phases = _phases(model, loop, scenario) if feeds_back(law) else {}
-    return Budget(BANDS, floor, contributions, command, law.voltage_limit, phases)
+    return Budget(BANDS, floor, contributions, command, law.converter.voltage_limit, phases)
 
 
 def floor_levels(scenario: Scenario) -> Array:

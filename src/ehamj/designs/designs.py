@@ -15,26 +15,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.isolator.supply import Supply
-from ehamj.linear.elements import ACTUATOR_VALUES, MACHINE_VALUES, Values
-from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.linear.elements import ACTUATOR_VALUES, Values
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
 
 Array = NDArray[np.float64]
 
-FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
-"""Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""
-
 _WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
 """Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""
-
-_SUPPLY: Final = ("pressure", "tank_pressure")
-_UNLIMITED: Final = ("wall_modulus", "foot_stiffness")
-"""Values that may be infinite."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +34,8 @@ class Designs:
     dims: dict[str, int]
     coords: dict[str, Any]
     values: Values
+    mounts: tuple[str, ...]
+    """Names of the mounts, in the order of the last axis of their values."""
 
     @classmethod
     def of(cls, scenario: Scenario, vary: Mapping[str, ArrayLike | xr.DataArray]) -> "Designs":
@@ -63,7 +55,7 @@ class Designs:
         _check_plain(scenario)
         given = {key: _labelled(key, value) for key, value in vary.items()}
         for key, value in given.items():
-            _check(scenario, key, np.asarray(value.values, float))
+            check(scenario, key, np.asarray(value.values, float))
         joint = dict(zip(given, xr.broadcast(*given.values()), strict=True)) if given else {}
         dims: dict[str, int] = {}
         for value in given.values():
@@ -71,43 +63,15 @@ class Designs:
         shape = tuple(dims.values())
         base = Values.of(scenario.plant)
         common = {name: np.broadcast_to(value, shape).copy() for name, value in base.common.items()}
-        mounts = {name: np.broadcast_to(value, (*shape, N_MOUNTS)).copy() for name, value in base.mounts.items()}
+        mounts = {name: np.broadcast_to(value, (*shape, *value.shape)).copy() for name, value in base.mounts.items()}
         for key in sorted(joint, key=lambda key: key in FOOTPRINT):  # a footprint scales positions that are set
             _put(scenario, common, mounts, key, joint[key].transpose(*dims).values.astype(float))
-        return cls(dims, _coordinates(scenario, given), Values(common, mounts))
+        return cls(dims, _coordinates(scenario, given), Values(common, mounts), scenario.plant.mounts)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Sizes of the dimensions."""
         return tuple(self.dims.values())
-
-
-def quantity_of(scenario: Scenario, key: str) -> tuple[str, str]:
-    """Unit and description of a key that `Designs.of` can vary.
-
-    Raises:
-        InputError: if there is none.
-    """
-    first, _, rest = key.partition(".")
-    if key == "gravity":
-        return "m/s²", "gravitational acceleration"
-    if key in FOOTPRINT:
-        return "m", f"distance of the mounts in {FOOTPRINT[key]}"
-    if first == "machine" and rest in MACHINE_VALUES:
-        vector, _, entry = rest.partition(".")
-        return Machine.quantities()[vector][0], vector + (f" {'xyz'[int(entry)]}" if entry else "")
-    if first == "supply" and rest in _SUPPLY:
-        return Supply.quantities()[rest][0], rest.replace("_", " ")
-    name, _, value = rest.partition(".")
-    if first == "actuators" and name in scenario.actuators and value in ACTUATOR_VALUES:
-        return Actuator.quantities()[value][0], f"{value.replace('_', ' ')} of {name}"
-    if first == "mount" and name in map(str, range(N_MOUNTS)) and value in ("position.0", "position.1"):
-        return "m", f"{'x' if value[-1] == '0' else 'y'} of the mount {scenario.mount[int(name)].name}"
-    raise InputError(
-        f"vary: {key!r} must be gravity, {', '.join(FOOTPRINT)}, machine.({', '.join(MACHINE_VALUES)}), "
-        f"supply.({', '.join(_SUPPLY)}), mount.(0 to {N_MOUNTS - 1}).position.(0, 1) or "
-        f"actuators.({', '.join(scenario.actuators)}).({', '.join(ACTUATOR_VALUES)})"
-    )
 
 
 def _labelled(key: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
@@ -132,32 +96,6 @@ def _coordinates(scenario: Scenario, given: Mapping[str, xr.DataArray]) -> dict[
     return coords
 
 
-def _limits(key: str) -> dict[str, float]:
-    """What a value must keep, by pydantic's names (gt, ge, lt, le)."""
-    first, _, rest = key.partition(".")
-    if key in FOOTPRINT or rest.startswith("inertia"):
-        return {"gt": 0.0}
-    if first == "mount" or rest.startswith("cg"):
-        return {}
-    owners: dict[str, type[Settings]] = {"gravity": Scenario, "machine": Machine}
-    owners |= {"supply": Supply, "actuators": Actuator}
-    rules = owners[first].model_fields[key.rpartition(".")[2]].metadata
-    return {name: getattr(rule, name) for rule in rules for name in ("gt", "ge", "lt", "le") if hasattr(rule, name)}
-
-
-def _check(scenario: Scenario, key: str, values: Array) -> None:
-    quantity_of(scenario, key)
-    words = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
-    limits = _limits(key)
-    allowed = " and ".join(f"{words[name]} {limit:g}" for name, limit in limits.items()) or "finite"
-    wrong = np.isnan(values) if key.rpartition(".")[2] in _UNLIMITED else ~np.isfinite(values)
-    compare = {"gt": np.greater, "ge": np.greater_equal, "lt": np.less, "le": np.less_equal}
-    for name, limit in limits.items():
-        wrong |= ~compare[name](values, limit)
-    if wrong.any():
-        raise InputError(f"vary: {key} = {values[wrong].flat[0]:g}: must be {allowed}")
-
-
 def _check_plain(scenario: Scenario) -> None:
     """Refuse every option that the closed forms do not know: what adds states or moves a valve's operating point."""
     if scenario.supply.dynamic:
@@ -172,20 +110,20 @@ def _check_plain(scenario: Scenario) -> None:
 
 def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array], key: str, value: Array) -> None:
     first, _, rest = key.partition(".")
+    plant = scenario.plant
     if key == "gravity":
         common["gravity"][...] = value
     elif first in ("machine", "supply"):
         common[rest][...] = value
     elif key in FOOTPRINT:
-        own = mounts[FOOTPRINT[key]]
-        ahead, behind = ([0, 1], [2, 3]) if key == "footprint.x" else ([0, 2], [1, 3])
-        own *= (value / (own[..., ahead].mean(axis=-1) - own[..., behind].mean(axis=-1)))[..., None]
+        along, ahead = mounts[FOOTPRINT[key]], footprint_sides(plant, key)
+        along *= (value / (along[..., ahead].mean(axis=-1) - along[..., ~ahead].mean(axis=-1)))[..., None]
     elif first == "actuators":
         name, _, quantity = rest.partition(".")
-        chosen = [MOUNTS.index(mount.name) for mount in scenario.mount if mount.actuator == name]
+        chosen = [plant.mounts.index(mount.name) for mount in scenario.mount if mount.actuator == name]
         mounts[quantity][..., chosen] = value[..., None]
         if quantity == "flow_gain":
             mounts["rated_flow"][..., chosen] = 0.0
     else:
         index, _, coordinate = rest.partition(".")
-        mounts["xy"[int(coordinate[-1])]][..., MOUNTS.index(scenario.mount[int(index)].name)] = value
+        mounts["xy"[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value

@@ -24,7 +24,7 @@ from ehamj.isolator.equations import State
 from ehamj.linear.elements import Elements, Oil, solve
 from ehamj.linear.machine import inputs_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.levers import lever
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -46,33 +46,32 @@ def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
     commands in V. NaN where a design has no static equilibrium inside its cylinders.
     """
     elements, oil, _ = _assembled(designs)
-    at = designs.values.mounts
-    n = elements.mass.shape[-1]
+    at, count, states = designs.values.mounts, len(designs.mounts), len(State._fields)
+    n, inputs = elements.mass.shape[-1], len(inputs_of(designs.mounts))
     motion, pressures = _oil_motion(elements, oil)
-    size = 2 * n + N_MOUNTS * len(State._fields)
-    own = [2 * n + len(State._fields) * np.arange(N_MOUNTS) + k for k in range(len(State._fields))]
+    size = 2 * n + count * states
+    own = [2 * n + states * np.arange(count) + k for k in range(states)]
     keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
-    inputs = len(inputs_of(MOUNTS))
     A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, inputs))
     A[..., keep[:, None], keep] = np.concatenate([motion, pressures], axis=-2)
     A[..., own[0], own[1]] = 1.0
     A[..., own[1], own[0]] = -(at["valve_frequency"] ** 2)
     A[..., own[1], own[1]] = -2.0 * at["valve_damping"] * at["valve_frequency"]
-    B[..., own[1], np.arange(N_MOUNTS)] = at["valve_frequency"] ** 2 * at["valve_gain"]
-    ground = N_MOUNTS + 3 * np.arange(N_MOUNTS)
+    B[..., own[1], np.arange(count)] = at["valve_frequency"] ** 2 * at["valve_gain"]
+    ground = count + 3 * np.arange(count)
     for chamber, sign in enumerate((1.0, -1.0)):
         A[..., own[2 + chamber], own[0]] = sign * designs.values.gain / oil.compliances[chamber]
         swept = sign * oil.stretch * oil.areas[chamber] / oil.compliances[chamber]
-        B[..., own[2 + chamber], ground + 3 * N_MOUNTS + AXES.index("z")] = swept
+        B[..., own[2 + chamber], ground + 3 * count + AXES.index("z")] = swept
     loads = [*_mount_loads(elements, "stiffness"), *_mount_loads(elements, "damping")]
-    columns = np.concatenate([ground + 3 * N_MOUNTS * order + axis for order in range(2) for axis in range(3)])
+    columns = np.concatenate([ground + 3 * count * order + axis for order in range(2) for axis in range(3)])
     forces = np.arange(inputs - len(DOFS), inputs)
     right = np.concatenate([*loads, np.swapaxes(elements.cg, -1, -2)], axis=-1)
     B[..., n : 2 * n, np.concatenate([columns, forces])] = solve(elements.mass, right)
-    soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)[0])
-    joints = (*JOINTS, *(f"plate {MOUNTS[mount]}" for mount in soft))
+    soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, count)[0])
+    joints = (*JOINTS, *(f"plate {designs.mounts[mount]}" for mount in soft))
     names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
-    names += tuple(f"{state} {mount}" for mount in MOUNTS for state in State._fields)
+    names += tuple(f"{state} {mount}" for mount in designs.mounts for state in State._fields)
     bad = _without_rest(designs, oil)
     A[bad], B[bad] = np.nan, np.nan
     return A, B, names
@@ -130,7 +129,7 @@ def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
             {"units": "1", "long_name": "stands: no tipping, rest in its cylinders"},
         ),
     }
-    coords = designs.coords | {"mode": list(RIGID_MODES), "dof": list(DOFS), "mount": list(MOUNTS)}
+    coords = designs.coords | {"mode": list(RIGID_MODES), "dof": list(DOFS), "mount": list(designs.mounts)}
     return xr.Dataset(variables, coords, {"hydraulics": int(hydraulics), "states": poles.shape[-1], "coordinates": n})
 
 
@@ -143,7 +142,7 @@ def floor_response(
         designs: what is computed.
         hertz: frequencies [Hz], positive, (frequency,).
         motion: one of `DOFS`, a rigid slab that moves or turns about the mount plane's centre by 1 (m or rad); or
-            complex displacements [m] of each mount and axis, (…, frequency, 4, 3) with leading axes of the designs
+            complex displacements [m] of each mount and axis, (…, frequency, mount, 3) with leading axes of the designs
             where they differ, such as a wave's, exp(−j2πf r·n/c).
         points: further points of the machine by name [m from the mount plane's centre].
 
@@ -170,7 +169,7 @@ def floor_response(
         dynamic = s**2 * elements.mass + s * damping + stiffness
         dynamic = dynamic + np.einsum("...in,...i,...im->...nm", plate, impedance, plate)
         drive = stiff + s * damp
-        drive[..., 2 * N_MOUNTS :] += np.swapaxes(plate, -1, -2) * impedance[..., None, :]
+        drive[..., 2 * len(designs.mounts) :] += np.swapaxes(plate, -1, -2) * impedance[..., None, :]
         amplitude = np.swapaxes(ground[..., k, :, :], -1, -2).reshape(*ground.shape[:-3], -1)
         force = np.einsum("...nk,...k->...n", drive, amplitude)
         found[..., k, :] = np.einsum("...on,...n->...o", to_outputs, np.linalg.solve(dynamic, force[..., None])[..., 0])
@@ -205,24 +204,24 @@ def _motion(elements: Elements) -> Array:
 
 def _oil_motion(elements: Elements, oil: Oil) -> tuple[Array, Array]:
     """Rows of motion and of pressures over (motion, P1 of all mounts, P2 of all mounts)."""
-    n = elements.mass.shape[-1]
+    n, count = elements.mass.shape[-1], elements.plate.shape[-2]
     shape = elements.mass.shape[:-2]
     up = np.swapaxes(elements.plate, -1, -2)
     push = solve(elements.mass, np.concatenate([up * oil.areas[0][..., None, :], -up * oil.areas[1][..., None, :]], -1))
-    motion = np.concatenate([_motion(elements), np.concatenate([np.zeros((*shape, n, 2 * N_MOUNTS)), push], -2)], -1)
-    pressures = np.zeros((*shape, 2 * N_MOUNTS, 2 * n + 2 * N_MOUNTS))
-    mounts = np.arange(N_MOUNTS)
+    motion = np.concatenate([_motion(elements), np.concatenate([np.zeros((*shape, n, 2 * count)), push], -2)], -1)
+    pressures = np.zeros((*shape, 2 * count, 2 * n + 2 * count))
+    mounts = np.arange(count)
     for chamber, sign in enumerate((1.0, -1.0)):
-        rows, compliance = chamber * N_MOUNTS + mounts, oil.compliances[chamber]
+        rows, compliance = chamber * count + mounts, oil.compliances[chamber]
         swept = sign * oil.stretch * oil.areas[chamber] / compliance
         pressures[..., rows, n : 2 * n] = -swept[..., None] * elements.plate
         pressures[..., rows, 2 * n + rows] = -(2.0 * oil.edge + oil.cross) / compliance
-        pressures[..., rows, 2 * n + (1 - chamber) * N_MOUNTS + mounts] = oil.cross / compliance
+        pressures[..., rows, 2 * n + (1 - chamber) * count + mounts] = oil.cross / compliance
     return motion, pressures
 
 
 def _mount_loads(elements: Elements, kind: str) -> list[Array]:
-    """Generalised force (…, n, 4) of the ground at each mount, per axis; ``kind`` stiffness or damping."""
+    """Generalised force (…, n, mount) of the ground at each mount, per axis; ``kind`` stiffness or damping."""
     at = elements.values.mounts
     weights = (at[f"lateral_{kind}"], at[f"lateral_{kind}"], at[f"membrane_{kind}"])
     motions = (elements.along, elements.across, elements.plate)
@@ -230,7 +229,7 @@ def _mount_loads(elements: Elements, kind: str) -> list[Array]:
 
 
 def _oil_stiffness(oil: Oil, s: complex) -> ComplexArray:
-    """Dynamic stiffness of the oil between plate and ground, (…, 4) [N/m]; valves held (eqs. 3 and 6).
+    """Dynamic stiffness of the oil between plate and ground, (…, mount) [N/m]; valves held (eqs. 3 and 6).
 
     Q into chamber k: ±s w A_k x + s C_k p_k + 2 g₀ p_k ± c (p₁ − p₂) = 0, force −(A₁ p₁ − A₂ p₂).
     """
@@ -242,29 +241,27 @@ def _oil_stiffness(oil: Oil, s: complex) -> ComplexArray:
 
 def _point(elements: Elements, point: Sequence[float]) -> Array:
     """Motion of a point of the machine per coordinate, (…, 3, n)."""
-    x, y, z = point
     rows = np.zeros((3, elements.mass.shape[-1]))
-    lever = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
-    rows[:, list(DOF_OF_JOINT)] = lever
+    rows[:, list(DOF_OF_JOINT)] = lever(point)
     return np.broadcast_to(rows, (*elements.mass.shape[:-2], *rows.shape))
 
 
 def _floor(elements: Elements, motion: ArrayLike | str, frequencies: int) -> ComplexArray:
-    """Displacement of each mount and axis, (…, frequency, 4, 3)."""
+    """Displacement of each mount and axis, (…, frequency, mount, 3)."""
+    mounts = elements.plate.shape[-2]
     if isinstance(motion, str):
         if motion not in DOFS:
             raise InputError(f"motion = {motion!r}: must be one of {', '.join(DOFS)}, or displacements of the mounts")
         column = JOINTS.index(motion)
         up = elements.plate + elements.foot
-        parts = [part[..., column] for part in (elements.along, elements.across, up)]
-        slab = np.stack(parts, axis=-1)[..., None, :, :]
-        return np.broadcast_to(slab, (*slab.shape[:-3], frequencies, N_MOUNTS, len(AXES))).astype(complex)
-    array = np.asarray(motion, complex)
-    if array.ndim < 2 or array.shape[-2:] != (N_MOUNTS, len(AXES)):
-        raise InputError(f"motion: has shape {array.shape}; it must end in (frequency, {N_MOUNTS}, {len(AXES)})")
-    if array.ndim == 2:
-        array = array[None]
-    return np.broadcast_to(array, (*array.shape[:-3], frequencies, N_MOUNTS, len(AXES)))
+        array = np.stack([part[..., column] for part in (elements.along, elements.across, up)], axis=-1).astype(complex)
+        array = array[..., None, :, :]
+    else:
+        array = np.asarray(motion, complex)
+        if array.ndim < 2 or array.shape[-2:] != (mounts, len(AXES)):
+            raise InputError(f"motion: has shape {array.shape}; it must end in (frequency, {mounts}, {len(AXES)})")
+        array = array[None] if array.ndim == 2 else array
+    return np.broadcast_to(array, (*array.shape[:-3], frequencies, mounts, len(AXES)))
 
 
 # --- modes --------------------------------------------------------------------------------------------------------

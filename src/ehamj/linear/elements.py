@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.isolator.fluid import ATMOSPHERE
 from ehamj.plant.axes import JOINTS
-from ehamj.plant.mounts import N_MOUNTS
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -39,7 +38,7 @@ ACTUATOR_VALUES = (
 
 @dataclass(frozen=True)
 class Values:
-    """Physical values, each an array over the designs; those of the mounts with a last axis (4,).
+    """Physical values, each an array over the designs; those of the mounts with a last axis (mount,).
 
     ``common`` holds `MACHINE_VALUES`, ``gravity``, ``pressure`` and ``tank_pressure``; ``mounts`` holds
     `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m], ``moving_volume`` (0 or 1) and ``opening_slope`` (the flow
@@ -51,7 +50,7 @@ class Values:
 
     @classmethod
     def of(cls, plant: Plant) -> "Values":
-        """The values of one plant, shapes () and (4,)."""
+        """The values of one plant, shapes () and (mount,)."""
         machine = plant.machine
         common = {"mass": machine.mass, "gravity": plant.gravity}
         common |= {f"inertia.{k}": value for k, value in enumerate(machine.inertia)}
@@ -75,7 +74,7 @@ class Values:
 
     @property
     def gain(self) -> Array:
-        """Flow gain at null and at rest, (…, 4) [m³/s/mA]: K_Q φ(1) times the flow curve's slope."""
+        """Flow gain at null and at rest, (…, mount) [m³/s/mA]: K_Q φ(1) times the flow curve's slope."""
         at, rated = self.mounts, 0.5 * (self.common["pressure"] - self.common["tank_pressure"])
         from_rating = at["rated_flow"] / at["spool_stroke"] * np.sqrt(rated[..., None] / at["rated_drop"])
         gain = np.where(at["rated_flow"] > 0.0, from_rating, at["flow_gain"])
@@ -86,10 +85,10 @@ class Values:
 class Elements:
     """What the machine is made of; n coordinates, leading axes are designs.
 
-    Motions per coordinate: ``along``, ``across`` (…, 4, n) of each foot in x and y, ``plate`` (…, 4, n) of each plate
-    in z, ``foot`` (…, 4, n) of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of the
-    centre of gravity and the machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in those of
-    the machine, which stands tilted where its centre of gravity is off the centre.
+    Motions per coordinate: ``along``, ``across`` (…, mount, n) of each foot in x and y, ``plate`` (…, mount, n) of each
+    plate in z, ``foot`` (…, mount, n) of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of
+    the centre of gravity and the machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in
+    those of the machine, which stands tilted where its centre of gravity is off the centre.
     """
 
     values: Values
@@ -112,13 +111,14 @@ class Elements:
         """
         common, at = values.common, values.mounts
         shape = np.broadcast_shapes(*(value.shape for value in common.values()), *(v.shape[:-1] for v in at.values()))
-        flexible = np.isfinite(at["foot_stiffness"]).reshape(-1, N_MOUNTS)
+        mounts = at["foot_stiffness"].shape[-1]
+        flexible = np.isfinite(at["foot_stiffness"]).reshape(-1, mounts)
         if (flexible != flexible[0]).any():
             raise ValueError("foot_stiffness: must be finite in all designs, or infinite in all")
         soft = np.flatnonzero(flexible[0])
         n = len(JOINTS) + soft.size
-        along, across, up, plate = np.zeros((4, *shape, N_MOUNTS, n))
-        x, y = (np.broadcast_to(at[name], (*shape, N_MOUNTS)) for name in "xy")
+        along, across, up, plate = np.zeros((4, *shape, mounts, n))
+        x, y = (np.broadcast_to(at[name], (*shape, mounts)) for name in "xy")
         along[..., _X], along[..., _RZ] = 1.0, -y
         across[..., _Y], across[..., _RZ] = 1.0, x
         up[..., _Z], up[..., _RX], up[..., _RY] = 1.0, y, -x
@@ -137,7 +137,7 @@ class Elements:
 
     @classmethod
     def at_rest(cls, values: Values) -> tuple["Elements", Array]:
-        """About the static equilibrium under gravity, and the stroke of each mount there, (…, 4) [m].
+        """About the static equilibrium under gravity, and the stroke of each mount there, (…, mount) [m].
 
         Level, and NaN, where the stiffness is singular.
         """
@@ -243,7 +243,7 @@ class Oil:
 
 
 def oil_modulus(values: Values, pressure: Array) -> Array:
-    """Bulk modulus of oil with entrained air [Pa], as `ehamj.isolator.fluid.oil_modulus`, (…, 4)."""
+    """Bulk modulus of oil with entrained air [Pa], as `ehamj.isolator.fluid.oil_modulus`, (…, mount)."""
     at = values.mounts
     liquid = (1.0 - at["air_fraction"]) * np.exp((ATMOSPHERE - pressure) / at["bulk_modulus"])
     gas = at["air_fraction"] * (ATMOSPHERE / pressure) ** (1.0 / at["polytropic_exponent"])

@@ -102,7 +102,7 @@ def opened_at_samples(model: LinearModel, loop: Loop, z: ComplexArray) -> Opened
     """
     (law,) = loop.law.parts
     machine = sampled_machine(model, loop)
-    return Opened(response(z, law.A, law.B, law.C, law.D), response(z, machine.A, machine.B, machine.C))
+    return Opened(law.at(z), response(z, machine.A, machine.B, machine.C))
 
 
 def _unit(state: str) -> float:

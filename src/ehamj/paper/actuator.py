@@ -82,20 +82,6 @@ def g_eha(actuator: Actuator, mass: float = PAPER_MASS, form: Form = "exact") ->
     return _system([numerator], denominator, "voltage", "stroke", "G_EHA")
 
 
-def closed_loop(actuator: Actuator, mass: float, gain: float, form: Form = "exact") -> Any:
-    """Stroke under proportional control, voltage = gain·(reference − stroke): ``reference`` [m] → ``stroke`` [m].
-
-    Args:
-        actuator: as in `g_act`, also ``mass`` and ``form``.
-        mass: [kg].
-        gain: proportional gain [V/m]; it may be unstable.
-        form: see `Form`.
-    """
-    numerator, denominator = eha(actuator, mass, form)
-    closed = polyadd(denominator, [gain * numerator])
-    return _system([gain * numerator], closed, "reference", "stroke", "closed_loop")
-
-
 def bode(actuator: Actuator, mass: float, hertz: Array, form: Form = "exact") -> tuple[Array, Array]:
     """G_EHA of any form over frequency: magnitude [m/V] and continuous phase [deg], shaped as ``hertz``."""
     gain, denominator = eha(actuator, mass, form)

@@ -69,7 +69,7 @@ def figure(reproduction: Reproduction, name: str) -> "Figure":
         panel.sort(key=lambda line: line.marker)  # marks below the lines, in the legend
     valves = sorted({actuator.valve_frequency / (2.0 * math.pi) for actuator, _ in designs.values()})
     return lines_chart(
-        name.replace("-", " ").capitalize(), FREQUENCY, panels, "x",
+        f"{name.replace('-', ' ').capitalize()} of the paper", FREQUENCY, panels, "x",
         {"\n" * k + f"valve {hertz:.0f} Hz": hertz for k, hertz in enumerate(valves)},
         {MAGNITUDE: (-200.0, -90.0), PHASE: (-460.0, 10.0)},
     )  # fmt: skip

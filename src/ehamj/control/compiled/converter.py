@@ -6,19 +6,13 @@ from typing import NamedTuple
 from ehamj.compiled import kernel
 
 
-class Converter(NamedTuple):
+class Conversion(NamedTuple):
     """Range ±v_max [V] and resolution [V] (0: exact) of the commands, when they set in [s], and their fade [s]."""
 
     limit: float
     resolution: float
     switch_on: float
     fade: float
-
-    @classmethod
-    def of(cls, voltage_limit: float, bits: int | None, switch_on: float, fade: float) -> "Converter":
-        """A converter of so many bits over its whole range."""
-        resolution = 0.0 if bits is None else 2.0 * voltage_limit / 2**bits
-        return cls(float(voltage_limit), resolution, float(switch_on), float(fade))
 
 
 @kernel
@@ -31,7 +25,7 @@ def converted(value: float, limit: float, resolution: float) -> float:
 
 
 @kernel
-def faded(time: float, own: Converter) -> float:
+def faded(time: float, own: Conversion) -> float:
     """Share of the commands that reaches the valves at a time: 0 before it sets in, then 3s² − 2s³ over the fade."""
     since = time - own.switch_on
     if since < -5e-10:  # half a nanosecond: times of steps are rounded

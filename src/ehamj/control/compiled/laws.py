@@ -6,7 +6,7 @@ import numpy as np
 
 from ehamj.compiled import kernel
 from ehamj.control.compiled.call import call_law
-from ehamj.control.compiled.converter import Converter, converted, faded, taken
+from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 from ehamj.control.compiled.linear import add_product, advance_states, wanted
 
 LAW: Final = np.dtype(
@@ -51,7 +51,7 @@ class Laws(NamedTuple):
     """A, B, C, D and anti-windup of every law, each transposed and flat."""
     inputs_of: Any
     """Channels that the laws measure, one law after the other."""
-    converter: Converter
+    converter: Conversion
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 

@@ -31,7 +31,9 @@ def limits_of(result: Result) -> Limits:
         np.array([getattr(actuator, name) for actuator in actuators])
         for name in ("maximum_stroke", "voltage_limit", "spool_stroke", "flow_gain")
     )
-    return Limits(stroke, voltage if law is None else np.minimum(voltage, law.voltage_limit), spool, gain * spool)
+    if law is not None:
+        voltage = np.minimum(voltage, law.converter.voltage_limit)
+    return Limits(stroke, voltage, spool, gain * spool)
 
 
 def limits(shown: Shown) -> Section:

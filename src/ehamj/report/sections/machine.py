@@ -45,9 +45,9 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     yield "control", scenario.control.kind
     if law is not None:
         rates = (f"{exact(1e-3 / part.period)} kHz, delay {exact(1e3 * part.latency)} ms" for part in law.parts)
-        bits = "exact" if law.bits is None else f"{law.bits} bit"
+        bits = "exact" if law.converter.bits is None else f"{law.converter.bits} bit"
         size = f"{law.states} states, {len(law.inputs)} inputs"
-        yield "law", f"{size}, {' + '.join(rates)}, ±{exact(law.voltage_limit)} V, {bits}"
+        yield "law", f"{size}, {' + '.join(rates)}, ±{exact(law.converter.voltage_limit)} V, {bits}"
     simulated = exact(result.summary.get("timing", {}).get("simulated_s", 0.0))
     yield "simulated", f"{simulated} of {exact(scenario.duration)} s, seed {scenario.seed}"
     if law is not None:

@@ -1,0 +1,106 @@
+"""When a digital law samples, and the converters between it and the valves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+
+from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
+from ehamj.errors import InputError
+from ehamj.plant.mounts import MOUNTS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Converter:
+    """Commands are limited to ±``voltage_limit`` [V] and rounded to ``bits``, one converter per valve.
+
+    Until ``switch_on`` [s] the valves get zero, and over the ``fade`` [s] that follows the share 3s² − 2s³ of the
+    commands. Laws that run side by side share one: there is one converter per valve, and one reading per channel.
+
+    Raises:
+        InputError: if a number is out of its range.
+    """
+
+    voltage_limit: float = 10.0
+    bits: int | None = 16
+    switch_on: float = 0.0
+    fade: float = 0.0
+    from_rest: bool = False
+    """Readings of displacements, strokes and pressures count from where the machine stands at the start; without,
+    strokes and displacements count from unloaded membranes, and pressures are absolute."""
+    mounts: tuple[str, ...] = MOUNTS
+    """Names of the mounts whose valves are commanded, in order."""
+
+    def __post_init__(self) -> None:
+        positive("voltage_limit", self.voltage_limit)
+        if self.bits is not None and not (isinstance(self.bits, int) and 2 <= self.bits <= 52):
+            raise InputError(f"controller.bits = {self.bits}: must be a whole number from 2 to 52, or none")
+        not_negative("switch_on", self.switch_on)
+        not_negative("fade", self.fade)
+
+    @property
+    def converter(self) -> "Converter":
+        """The converter by itself."""
+        return Converter(**{part.name: getattr(self, part.name) for part in fields(Converter)})
+
+    @property
+    def resolution(self) -> float:
+        """Step of the commands [V]; 0: exact."""
+        return 0.0 if self.bits is None else 2.0 * self.voltage_limit / 2**self.bits
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Channels of the commands."""
+        return valve_commands(self.mounts)
+
+
+class Sampled(Converter):
+    """A law that reads ``inputs`` every ``period`` [s]; its commands act ``delay`` [s] later (without: one period)."""
+
+    inputs: tuple[str, ...]
+    period: float
+    delay: float | None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inputs", tuple(self.inputs))
+        for name in self.inputs:
+            try:
+                check_channel(name)
+            except UnknownChannelError as error:
+                raise InputError(f"controller.inputs: {error}") from error
+        positive("period", self.period)
+        if self.delay is not None:
+            not_negative("delay", self.delay)
+        super().__post_init__()
+
+    @property
+    def latency(self) -> float:
+        """Time from a sample to its command [s]."""
+        return self.period if self.delay is None else self.delay
+
+    @property
+    def parts(self) -> tuple[Self, ...]:
+        """The laws that run side by side: this one alone."""
+        return (self,)
+
+
+def difference(laws: Sequence[Converter], more: Sequence[str] = ()) -> tuple[str, Any, Any] | None:
+    """The first setting of their converters, or of ``more``, in which laws differ: its name, and both values."""
+    for name in (*more, *(part.name for part in fields(Converter))):
+        for law in laws[1:]:
+            if getattr(law, name) != getattr(laws[0], name):
+                return name, getattr(laws[0], name), getattr(law, name)
+    return None
+
+
+def positive(name: str, value: float) -> None:
+    """Refuse a number that is not positive and finite."""
+    if not (value > 0.0 and np.isfinite(value)):
+        raise InputError(f"controller.{name} = {value}: must be a positive number")
+
+
+def not_negative(name: str, value: float) -> None:
+    """Refuse a time that is negative or none."""
+    if not (np.isfinite(value) and value >= 0.0):
+        raise InputError(f"controller.{name} = {value}: must be zero or positive [s]")
