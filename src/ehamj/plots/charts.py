@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 COLORS: Final = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, GREY, INK)
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
+LONGEST: Final = 50
+"""Letters of a name in the legend."""
 HEIGHT: Final = 190.0
 """Height of a single panel [pt]."""
 
@@ -70,7 +72,7 @@ def _entries(axes: "Sequence[Axes]", extra: "Sequence[Artist]" = ()) -> "dict[st
     entries = {str(artist.get_label()): artist for artist in extra}
     for one in axes:
         handles, names = one.get_legend_handles_labels()
-        entries |= {shown(name): handle for handle, name in zip(handles, names, strict=True)}
+        entries |= {shown(name, LONGEST): handle for handle, name in zip(handles, names, strict=True)}
     return entries
 
 

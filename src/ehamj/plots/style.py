@@ -156,7 +156,7 @@ def legend_columns(names: Sequence[str], room: float) -> int:
     return 1
 
 
-def shown(label: str) -> str:
+def shown(label: str, most: int = 36) -> str:
     """A label as a legend can show it: not endless, and no underscore first, which would hide it."""
-    label = label if len(label) <= 36 else label[:35] + "…"
+    label = label if len(label) <= most else f"{label[: most - 1]}…"
     return f"\u2009{label}" if label.startswith("_") else label
