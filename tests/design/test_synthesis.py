@@ -97,6 +97,16 @@ def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machi
     assert np.all(np.abs(kept - found).max(axis=0) < 1e-3 * np.abs(found).max(axis=0))
 
 
+def test_directions_of_misaligned_instruments_are_those_of_the_scenario(machines: Machines) -> None:
+    settings, tilted = LqgSettings(delay=DELAY), {**SENSORS, "inertial": {**GEOPHONE, "misalignment": 5.0}}
+    model, found = machines.models["as designed"], []
+    for seed in (1, 2, 1):
+        plants = motion_plants(scenario(sensors=tilted, seed=seed), model, settings, 12)
+        found.append(response(plants["roll"][0], HERTZ, PERIOD))
+    np.testing.assert_array_equal(found[0], found[2])
+    assert np.abs(found[1] - found[0]).max() > 1e-3 * np.abs(found[0]).max()
+
+
 def test_the_bilinear_image_goes_back_and_forth() -> None:
     block = Block.filter([-30.0], [-5.0, -700.0 + 900.0j, -700.0 - 900.0j], 4e4)
     for one, other in zip(continuous(block.sampled(PERIOD), PERIOD), block, strict=True):

@@ -18,6 +18,8 @@ from ehamj.cli.frame import (
     out,
     print_json,
 )
+from ehamj.design.synthesis import SYNTHESES
+from ehamj.design.tuning import DESIGNABLE
 
 
 @app.command()
@@ -25,9 +27,7 @@ def design(
     scenario: ScenarioArgument = "recorded",
     architecture: Annotated[
         str | None,
-        typer.Option(
-            help="combined, modal, skyhook, stroke-servo, feedforward, h-infinity or lqg [default: the scenario's own]."
-        ),
+        typer.Option(help=f"{', '.join((*DESIGNABLE, *SYNTHESES))} [default: the scenario's own]."),
     ] = None,
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,
