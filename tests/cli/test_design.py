@@ -67,7 +67,10 @@ def test_feedforward_has_no_margins_to_leave(cli) -> None:  # type: ignore[no-un
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--architecture", "pid"), "--architecture 'pid': must be one of combined, modal"),
+        (
+            ("--architecture", "pid"),
+            "--architecture 'pid': must be one of feedforward, stroke-servo",
+        ),
         (("--phase-margin", "95"), "--phase-margin 95: must be from 0 to 89"),
         (("--architecture", "modal", "--gain-margin", "45"), "no crossing of the loop"),
     ],

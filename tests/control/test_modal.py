@@ -14,9 +14,11 @@ from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS, plane, warp
-from ehamj.plant.mounts import MOUNTS, WARP
+from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
+
+WARP = (1.0, -1.0, -1.0, 1.0)
 
 Array = NDArray[np.float64]
 

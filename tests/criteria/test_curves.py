@@ -17,7 +17,7 @@ from ehamj.estimate.periodogram import band_rms
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
 
-NORMS = (vc.CLASSIC, vc.FLAT, nist.NORM, iso2631.NORM)
+NORMS = (vc.CLASSIC, vc.FLAT, nist.NIST_A, iso2631.ISO_2631_2)
 QUANTITIES = ("displacement", "velocity", "acceleration")
 norms = st.sampled_from(NORMS)
 axes = st.sampled_from("xyz")
@@ -109,7 +109,7 @@ def test_limits_are_the_decimals_that_people_write() -> None:
 
 def test_the_first_norm_chosen_comes_first() -> None:
     chosen = CriteriaSettings(norms=("iso-2631-2", "vc"), low_frequency="flat").chosen()
-    assert list(chosen.values()) == [iso2631.NORM, vc.FLAT]
+    assert list(chosen.values()) == [iso2631.ISO_2631_2, vc.FLAT]
 
 
 # --- NIST-A -------------------------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ def test_the_first_norm_chosen_comes_first() -> None:
 
 def test_nist_a_limits_displacement_to_20_hz_and_velocity_to_100_hz() -> None:
     found = {
-        band.name: None if (limit := nist.NORM.limit("NIST-A", "x", band)) is None else (limit.quantity, limit.value)
+        band.name: None if (limit := nist.NIST_A.limit("NIST-A", "x", band)) is None else (limit.quantity, limit.value)
         for band in CANDIDATES
     }
     slow = dict.fromkeys((band.name for band in bands(1.0, 20.0)), ("displacement", 25e-9))
@@ -128,7 +128,7 @@ def test_nist_a_limits_displacement_to_20_hz_and_velocity_to_100_hz() -> None:
 
 def test_both_limits_of_nist_a_meet_at_20_hz() -> None:
     band = bands(20.0, 20.0)[0]
-    limit = nist.NORM.limit("NIST-A", "z", band)
+    limit = nist.NIST_A.limit("NIST-A", "z", band)
     assert limit is not None
     # 2π·20 Hz·25 nm = 3.14 µm/s, which the field rounds to VC-E's 3.12.
     assert limit.as_velocity(band) == pytest.approx(nist.VELOCITY, rel=0.01)
@@ -145,7 +145,7 @@ def test_below_20_hz_a_line_counts_by_its_own_displacement(frequency: float) -> 
             (q, "rms"): band_rms(velocity, 500.0, measured, order)
             for q, order in zip(QUANTITIES, (-1, 0, 1), strict=True)
         }
-        found = nist.NORM.judge("z", levels, measured)
+        found = nist.NIST_A.judge("z", levels, measured)
         assert (found.met, found.deciding_band) == (met, "16")
 
 
@@ -175,7 +175,7 @@ def test_coarse_vc_classes_are_multiples_of_the_vertical_base_curve_above_8_hz()
     pairs["critical working area"] = "operating theatre"
     for band in bands(8.0, 80.0):
         for iso, generic in pairs.items():
-            limit = iso2631.NORM.limit(iso, "z", band)
+            limit = iso2631.ISO_2631_2.limit(iso, "z", band)
             assert limit is not None
             assert limit.as_velocity(band) == pytest.approx(vc.CLASSES[generic], rel=0.01)
 
@@ -183,7 +183,7 @@ def test_coarse_vc_classes_are_multiples_of_the_vertical_base_curve_above_8_hz()
 def test_the_factor_is_the_multiple_of_the_base_curve() -> None:
     levels = at_rest()
     levels["acceleration", "rms"][CANDIDATES.index(bands(5.0, 5.0)[0])] = 3.3 * 5e-3
-    found = iso2631.NORM.judge("z", levels, CANDIDATES)
+    found = iso2631.ISO_2631_2.judge("z", levels, CANDIDATES)
     assert (found.met, found.deciding_band) == ("office", "5")
     assert found.factor == pytest.approx(3.3, rel=1e-12)
     assert vc.CLASSIC.judge("z", levels, CANDIDATES).factor is None

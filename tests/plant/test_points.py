@@ -132,7 +132,7 @@ def test_any_table_of_points_is_taken_or_refused_in_words(points: dict[str, list
 
 
 def test_places_are_points_the_cg_feet_and_ground() -> None:
-    assert places({"nose": (0.0, 0.0, 1.0)}) == (
+    assert places({"nose": (0.0, 0.0, 1.0)}, MOUNTS) == (
         "nose",
         "cg",
         *(f"foot {mount}" for mount in MOUNTS),

@@ -116,7 +116,7 @@ def test_attenuation_at_every_place_is_the_summarys(results: dict[str, Result], 
     assert len(rows) == 2 * (1 + len(PLACES))
 
 
-@pytest.mark.parametrize(("name", "norm"), [("nist-a", nist.NORM), ("iso-2631-2", iso2631.NORM)])
+@pytest.mark.parametrize(("name", "norm"), [("nist-a", nist.NIST_A), ("iso-2631-2", iso2631.ISO_2631_2)])
 @pytest.mark.parametrize(("view", "axes"), [("z", "z"), ("xy", "xy")])
 def test_levels_lie_as_far_from_a_drawn_limit_as_the_norm_counts(
     results: dict[str, Result], pictures: dict[str, Picture], name: str, norm: Norm, view: str, axes: str

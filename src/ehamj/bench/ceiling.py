@@ -7,6 +7,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.compiled import kernel
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
 from ehamj.isolator.membrane import lift, pull
@@ -32,11 +33,18 @@ def ceiling(scenario: Scenario, step: float) -> Array:
     frequency = np.array([setting.frequency for setting in scenario.control.signals])  # type: ignore[attr-defined]
     amplitude = np.array([setting.amplitude for setting in scenario.control.signals])  # type: ignore[attr-defined]
     steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
-    motion, oil = _loop()(np.linalg.inv(mass), table, amplitude, 2 * np.pi * frequency, steps, every, step)
-    return np.hstack([motion[:, :5], oil[:, 2] - oil[:, 3]])
+    rows = _loop()(np.linalg.inv(mass), table, amplitude, 2 * np.pi * frequency, steps, every, step)
+    pressures = rows[:, 2 * N :].reshape(len(rows), 4, table.size)[:, 2:]
+    return np.hstack([rows[:, :5], pressures[:, 0] - pressures[:, 1]])
 
 
-def rates(motion, oil, t, system, force, out, oil_out):  # type: ignore[no-untyped-def]
+@kernel
+def oil(state):  # type: ignore[no-untyped-def]
+    """The isolators' part of a state: spool, its rate, both pressures (4, mount)."""
+    return state[2 * N :].reshape(4, -1)
+
+
+def rates(motion, valves, t, system, force, out, valves_out):  # type: ignore[no-untyped-def]
     """Rates of the machine (12,) and of the isolators: spool, its rate, both pressures (4, mount)."""
     inverse, table, amplitude, angular = system
     force[:] = 0.0
@@ -45,14 +53,14 @@ def rates(motion, oil, t, system, force, out, oil_out):  # type: ignore[no-untyp
         own, feed, x, y = isolator_of(record), feed_of(record), record.mount_x, record.mount_y
         height = motion[2] + y * motion[3] - x * motion[4]
         rise = motion[8] + y * motion[9] - x * motion[10]
-        spool, rate, one, two = oil[0, i], oil[1, i], oil[2, i], oil[3, i]
+        spool, rate, one, two = valves[0, i], valves[1, i], valves[2, i], valves[3, i]
         flows = chamber_flows(full_stroke(spool, own.spool.spool_stroke), one, two, feed, own.edges)
         target = spool_target(amplitude[i] * np.sin(angular[i] * t), own.spool)
         area, beta, wall = own.cylinder.piston_area, own.fluid.bulk_modulus, own.fluid.wall_compliance
-        oil_out[0, i] = rate
-        oil_out[1, i] = spool_acceleration(target - spool, rate, own.spool)
-        oil_out[2, i] = pressure_rate(flows.into_1, area * rise, one, own.cylinder.volume_1, beta, wall)
-        oil_out[3, i] = pressure_rate(flows.into_2, -area * rise, two, own.cylinder.volume_2, beta, wall)
+        valves_out[0, i] = rate
+        valves_out[1, i] = spool_acceleration(target - spool, rate, own.spool)
+        valves_out[2, i] = pressure_rate(flows.into_1, area * rise, one, own.cylinder.volume_1, beta, wall)
+        valves_out[3, i] = pressure_rate(flows.into_2, -area * rise, two, own.cylinder.volume_2, beta, wall)
         spring, damper = lift(height, rise, own.membrane)
         up = area * (one - two) - spring - damper
         pull_x = -pull(motion[0] - y * motion[5], motion[6] - y * motion[11], own.membrane)
@@ -75,26 +83,25 @@ def _loop() -> Any:
     compiled_rates = numba.njit(nogil=True, error_model="numpy")(rates)
 
     def loop(inverse, table, amplitude, angular, steps, every, h):  # type: ignore[no-untyped-def]
-        system = (inverse, table, amplitude, angular)
-        # Of the machine and of the oil: state, trial state of a stage, rate, sum of rates.
-        s, trial, rate, total = np.zeros(2 * N), np.zeros(2 * N), np.zeros(2 * N), np.zeros(2 * N)
-        p, p_trial, p_rate, p_total = (np.zeros((4, table.size)) for _ in range(4))
-        force, nodes, weights = np.zeros(N), (0.0, 0.5, 0.5, 1.0), (1.0, 2.0, 2.0, 1.0)
+        system, n = (inverse, table, amplitude, angular), 2 * N + 4 * table.size
+        s, trial, rate, total, force = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(N)
+        nodes, weights = (0.0, 0.5, 0.5, 1.0), (1.0, 2.0, 2.0, 1.0)
         for i in range(table.size):
-            p[2, i] = p[3, i] = 0.5 * (table[i].supply_pressure + table[i].tank_pressure)
-        rows, oil_rows = np.empty((steps // every + 1, 2 * N)), np.empty((steps // every + 1, 4, table.size))
+            oil(s)[2, i] = oil(s)[3, i] = 0.5 * (table[i].supply_pressure + table[i].tank_pressure)
+        rows = np.empty((steps // every + 1, n))
         for k in range(steps + 1):
             if k % every == 0:
-                rows[k // every], oil_rows[k // every] = s, p
-            total[:], rate[:], p_total[:], p_rate[:] = 0.0, 0.0, 0.0, 0.0
+                rows[k // every] = s
+            total[:] = 0.0
+            rate[:] = 0.0
             for stage in range(4):
-                ahead = nodes[stage] * h
-                trial[:], p_trial[:] = s + ahead * rate, p + ahead * p_rate
-                compiled_rates(trial, p_trial, (k + nodes[stage]) * h, system, force, rate, p_rate)
-                total += weights[stage] * rate
-                p_total += weights[stage] * p_rate
-            s += h / 6.0 * total
-            p += h / 6.0 * p_total
-        return rows, oil_rows
+                for i in range(n):
+                    trial[i] = s[i] + nodes[stage] * h * rate[i]
+                compiled_rates(trial, oil(trial), (k + nodes[stage]) * h, system, force, rate, oil(rate))
+                for i in range(n):
+                    total[i] += weights[stage] * rate[i]
+            for i in range(n):
+                s[i] += h / 6.0 * total[i]
+        return rows
 
     return numba.njit(nogil=True, error_model="numpy")(loop)

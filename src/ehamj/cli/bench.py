@@ -3,9 +3,8 @@
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from ehamj.cli.frame import JsonOption, app, flat, log, out, print_json
+from ehamj.cli.frame import JsonOption, app, flat, log, print_json, print_table
 
 
 @app.command()
@@ -21,7 +20,5 @@ def bench(
     if as_json:
         print_json(figures)
         return
-    table = Table("figure", "value", title="ehamj bench (medians; ratios are what to compare)")
-    for name, value in flat(figures):
-        table.add_row(name, f"{value:.4g}")
-    out.print(table)
+    rows = ((name, f"{value:.4g}") for name, value in flat(figures))
+    print_table("ehamj bench (medians; ratios are what to compare)", ("figure", "value"), rows)

@@ -3,7 +3,7 @@
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich.text import Text
 
 from ehamj.cli.frame import (
     JsonOption,
@@ -15,8 +15,9 @@ from ehamj.cli.frame import (
     check_out,
     log,
     new_folder,
-    out,
     print_json,
+    print_table,
+    say,
 )
 from ehamj.design.synthesis import SYNTHESES
 from ehamj.design.tuning import DESIGNABLE
@@ -53,15 +54,15 @@ def design(
     if as_json:
         print_json({"folder": str(folder), "answers": list(found.outcome.answers), **found.outcome.numbers})
         return
-    if found.design.reports:
-        table = Table("machine", "gain [dB]", "phase [deg]", "disk [-]", "stable", title=found.outcome.title)
-        for name, report in found.design.reports.items():
-            gain, phase, disk = report.worst
-            table.add_row(
-                name, f"{gain:.1f}", f"{phase:.1f}", f"{disk:.2f}", "yes" if report.stable else "[bold red]NO[/]"
-            )
-        out.print(table)
+    no = Text("NO", "bold red")
+    rows = [
+        (name, *(f"{value:.{digits}f}" for value, digits in zip(report.worst, (1, 1, 2), strict=True)),
+         "yes" if report.stable else no)
+        for name, report in found.design.reports.items()
+    ]  # fmt: skip
+    if rows:
+        print_table(found.outcome.title, ("machine", "gain [dB]", "phase [deg]", "disk [-]", "stable"), rows)
     for answer in found.outcome.answers:
-        out.print(f"- {answer}", markup=False, highlight=False, soft_wrap=True)
-    out.print(f"page, tables and figures: {folder / 'design.html'}", markup=False, highlight=False, soft_wrap=True)
-    out.print(f"run it: ehamj run {folder / 'scenario.toml'}", markup=False, highlight=False, soft_wrap=True)
+        say(f"- {answer}")
+    say(f"page, tables and figures: {folder / 'design.html'}")
+    say(f"run it: ehamj run {folder / 'scenario.toml'}")

@@ -50,7 +50,8 @@ def with_options(
 
 def _parameter(name: str, field: FieldInfo, flag: str) -> inspect.Parameter:
     words = field.description or name.replace("_", " ")
-    option: dict[str, Any] = {"help": f"{words[0].upper()}{words[1:]}.", "show_default": _shown(field.default) or False}
+    shown = _shown(field.default)
+    option: dict[str, Any] = {"help": f"{words[0].upper()}{words[1:]}" + (f" [default: {shown}]." if shown else ".")}
     kind: Any = bool
     if field.annotation is not bool:
         kind, option["metavar"] = str, _metavar(field)

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from ehamj.cli.frame import (
     JsonOption,
@@ -13,8 +12,9 @@ from ehamj.cli.frame import (
     check_out,
     log,
     new_folder,
-    out,
     print_json,
+    print_table,
+    say,
 )
 
 
@@ -41,8 +41,6 @@ def paper(
     if as_json:
         print_json({"folder": str(folder), **found.to_dict()})
         return
-    table = Table("number", "paper", "computed", "deviation", "comment", title="the paper, number by number")
-    for row in found.table:
-        table.add_row(row.name, row.stated, row.computed, row.deviation, row.comment)
-    out.print(table)
-    out.print(f"figures, table and record: {folder}", highlight=False, soft_wrap=True)
+    rows = ((row.name, row.stated, row.computed, row.deviation, row.comment) for row in found.table)
+    print_table("the paper, number by number", ("number", "paper", "computed", "deviation", "comment"), rows, whole=0)
+    say(f"figures, table and record: {folder}")

@@ -1,13 +1,12 @@
 """The command that simulates."""
 
-from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from ehamj.cli.frame import (
     JsonOption,
@@ -21,6 +20,8 @@ from ehamj.cli.frame import (
     new_folder,
     out,
     print_json,
+    print_table,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def run(
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
         print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
-        _print_summary(summary, folder)
+        _print_summary(summary, loaded.plant.mounts[0], folder)
     if failures:
         raise failures[0]
 
@@ -93,45 +94,41 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
-def _print_summary(summary: "Summary", folder: Path) -> None:
+def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    timing = summary.timing
+    timing, verdict = summary.timing, summary.criterion.verdict
     state = "complete" if summary.complete else "INCOMPLETE"
     times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
     out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
-    table = Table("about equilibrium", "unit", "peak", "RMS")
-    rows: list[tuple[str, str, float, Callable[[dict[str, Any]], float]]] = []
-    for axis in "xyz":
-        rows.append((f"ground velocity {axis} (front-left)", "µm/s", 1e6, _pick("ground_velocity", "front-left", axis)))
-        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, _pick("cg_velocity", axis)))
-    for dof in ("rx", "ry"):
-        rows.append((f"machine rotation {dof}", "µrad", 1e6, _pick("machine_displacement", dof)))
-    rows.append(("stroke (front-left)", "µm", 1e6, _pick("stroke", "front-left")))
-    rows.append(("spool (front-left)", "mA", 1.0, _pick("spool", "front-left")))
-    for label, unit, factor, pick in rows:
-        table.add_row(label, unit, f"{factor * pick(summary.peak):.3g}", f"{factor * pick(summary.rms):.3g}")
     if summary.peak:
-        out.print(table)
-    verdict = summary.criterion.verdict
-    out.print(f"vibration class, vertical: {verdict.vertical}", highlight=False, soft_wrap=True)
-    out.print(f"vibration class, horizontal: {verdict.horizontal}", highlight=False, soft_wrap=True)
+        _print_levels(summary, mount)
+    say(f"vibration class, vertical: {verdict.vertical}")
+    say(f"vibration class, horizontal: {verdict.horizontal}")
     quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
     if quiet:
         words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
-        out.print(f"vertical attenuation, floor to machine: {words}", highlight=False, soft_wrap=True)
+        say(f"vertical attenuation, floor to machine: {words}")
     for warning in summary.warnings:
-        out.print(f"note: {warning}", markup=False, highlight=False, soft_wrap=True)
-    out.print(f"result: {folder}", markup=False, highlight=False, soft_wrap=True)
+        say(f"note: {warning}")
+    say(f"result: {folder}")
     for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
         if (folder / name).is_file():
-            out.print(f"{text}: {folder / name}", markup=False, highlight=False, soft_wrap=True)
+            say(f"{text}: {folder / name}")
 
 
-def _pick(*keys: str) -> Callable[[dict[str, Any]], float]:
-    def pick(levels: dict[str, Any]) -> float:
-        value: Any = levels
-        for key in keys:
-            value = value[key]
-        return float("nan") if value is None else float(value)
+def _print_levels(summary: "Summary", mount: str) -> None:
+    """Peaks and RMS values of the motions, strokes and spools at one mount."""
+    rows: list[tuple[Any, ...]] = []
+    for axis in "xyz":
+        rows.append((f"ground velocity {axis} ({mount})", "µm/s", 1e6, ("ground_velocity", mount, axis)))
+        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, ("cg_velocity", axis)))
+    rows += [(f"machine rotation {dof}", "µrad", 1e6, ("machine_displacement", dof)) for dof in ("rx", "ry")]
+    rows.append((f"stroke ({mount})", "µm", 1e6, ("stroke", mount)))
+    rows.append((f"spool ({mount})", "mA", 1.0, ("spool", mount)))
 
-    return pick
+    def level(levels: dict[str, Any], factor: float, keys: tuple[str, ...]) -> str:
+        value: Any = reduce(lambda table, key: table[key], keys, levels)
+        return "nan" if value is None else f"{factor * float(value):.3g}"
+
+    cells = [(name, unit, level(summary.peak, *of), level(summary.rms, *of)) for name, unit, *of in rows]
+    print_table("about equilibrium", ("motion", "unit", "peak", "RMS"), cells)

@@ -2,7 +2,7 @@
 
 import sys
 
-from ehamj.cli.frame import JsonOption, app, out, print_json
+from ehamj.cli.frame import JsonOption, app, print_names
 
 
 @app.command()
@@ -11,11 +11,7 @@ def scenarios(as_json: JsonOption = False) -> None:
     from ehamj.scenario.load import load_scenario, shipped_scenarios
 
     found = {name: load_scenario(name).description for name in shipped_scenarios()}
-    if as_json:
-        print_json({"scenarios": [{"name": name, "description": text} for name, text in found.items()]})
-        return
-    for name, text in found.items():
-        out.print(f"[bold]{name:16}[/] {text}", highlight=False, soft_wrap=True)
+    print_names("scenarios", found, "description", as_json)
 
 
 @app.command()

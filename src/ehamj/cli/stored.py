@@ -5,17 +5,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ehamj.cli.frame import JsonOption, app, distinct, log, out, print_json
+from ehamj.cli.frame import JsonOption, app, distinct, log, print_json, say
 from ehamj.errors import InputError
 
 if TYPE_CHECKING:
     from ehamj.result import Result
 
+ResultArgument = Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")]
+CompareOption = Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")]
+
 
 @app.command()
 def replay(
-    folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
-    compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
+    folder: ResultArgument,
+    compare: CompareOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Build the Rerun recording of a stored result, and open it where there is a screen.
@@ -34,13 +37,13 @@ def replay(
         print_json({"replay": str(path), "opened": opened})
     else:
         hint = "" if opened else f"  (no screen here; open it with: rerun {path})"
-        out.print(f"replay: {path}{hint}", markup=False, highlight=False, soft_wrap=True)
+        say(f"replay: {path}{hint}")
 
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")],
-    compare: Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")] = None,
+    folder: ResultArgument,
+    compare: CompareOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Build the report of a stored result anew, variants that ran with it beside it, as RESULT/report.html.
@@ -62,7 +65,7 @@ def report(
     if as_json:
         print_json({"report": str(path), "results": list(shown)})
     else:
-        out.print(f"report: {path}", markup=False, highlight=False, soft_wrap=True)
+        say(f"report: {path}")
 
 
 def _variants(folder: Path) -> list[Path]:

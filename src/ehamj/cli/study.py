@@ -21,6 +21,7 @@ from ehamj.cli.frame import (
     new_folder,
     out,
     print_json,
+    print_names,
     say,
 )
 from ehamj.cli.options import with_options
@@ -30,12 +31,17 @@ from ehamj.studies.catalogue import STUDIES
 from ehamj.studies.page import STUDY_FILES, to_dict, write_outcome
 from ehamj.studies.study import Study
 
+FLAGS = ("--json", "--overwrite")
+"""Options that take no word."""
+
 
 class _Studies(TyperGroup):
     """Finds a study by its name, wherever that stands between the options."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        named = next((k for k, text in enumerate(args) if text in STUDIES), 0)
+        # A word after an option that takes one is that option's.
+        free = [k for k in range(len(args)) if k == 0 or args[k - 1] in FLAGS or not args[k - 1].startswith("-")]
+        named = next((k for k in free if args[k] in STUDIES), 0)
         return super().parse_args(ctx, [*args[named : named + 1], *args[:named], *args[named + 1 :]])
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
@@ -55,13 +61,8 @@ def study(context: typer.Context, as_json: JsonOption = False) -> None:
     first), tables as NetCDF and CSV with units, figures as SVG, study.json with its settings, and scenario.toml:
     `ehamj study NAME FOLDER/scenario.toml --settings FOLDER/study.json` comes out the same.
     """
-    if context.invoked_subcommand is not None:
-        return
-    if as_json:
-        print_json({"studies": [{"name": name, "question": one.question} for name, one in STUDIES.items()]})
-        return
-    for name, one in STUDIES.items():
-        out.print(f"[bold]{name:16}[/] {one.question}", highlight=False, soft_wrap=True)
+    if context.invoked_subcommand is None:
+        print_names("studies", {name: one.question for name, one in STUDIES.items()}, "question", as_json)
 
 
 def _command(one: Study[Any]) -> Callable[..., None]:

@@ -4,10 +4,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
-from rich.table import Table
+from rich.text import Text
 
-from ehamj.cli.frame import JsonOption, app, log, out, print_json
+from ehamj.cli.frame import JsonOption, app, log, print_json, print_table
 from ehamj.errors import InputError
 
 
@@ -34,12 +33,12 @@ def verify(
     if as_json:
         print_json(to_dict(outcomes))
     else:
-        table = Table("case", "error", "tolerance", "unit", "", "why the tolerance is what it is")
-        for one in outcomes:
-            verdict = "passed" if one.passed else "[bold red]FAILED[/]"
-            table.add_row(
-                one.name, f"{one.error:.3g}", f"{one.tolerance:.3g}", escape(one.unit), verdict, escape(one.why)
-            )
-        out.print(table)
+        verdicts: dict[bool, str | Text] = {True: "passed", False: Text("FAILED", "bold red")}
+        rows = (
+            (one.name, f"{one.error:.3g}", f"{one.tolerance:.3g}", one.unit, verdicts[one.passed], one.why)
+            for one in outcomes
+        )
+        heads = ("case", "error", "tolerance", "unit", "", "why the tolerance is what it is")
+        print_table("verification", heads, rows, whole=0)
     if not all(one.passed for one in outcomes):
         raise typer.Exit(1)

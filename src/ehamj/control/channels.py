@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ehamj.control.compiled.signals import Layout
 from ehamj.memory import ISOLATOR_STATE, size
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
+from ehamj.plant.levers import lever
 from ehamj.plant.mounts import MOUNTS, N_MOUNTS
 from ehamj.plant.plant import Plant
 
@@ -81,8 +82,8 @@ def channel_row(name: str, plant: Plant) -> Array:
             row[6 * order + DOFS.index(labels[0])] = 1.0
         else:
             foot = what == "foot"
-            point = (*plant.positions[MOUNTS.index(labels[0])], 0.0) if foot else plant.machine.cg
-            row[6 * order : 6 * order + 6] = point_row(point, AXES.index(labels[-1]))
+            point = plant.positions[MOUNTS.index(labels[0])] if foot else plant.machine.cg
+            row[6 * order : 6 * order + 6] = lever(point)[AXES.index(labels[-1])]
         return row
     mount = MOUNTS.index(labels[0])
     state = STATE + size(ISOLATOR_STATE) * mount
@@ -122,10 +123,3 @@ class MountChannels(NamedTuple):
 def quantity_of(variable: str) -> str:
     """Displacement, velocity, acceleration or pressure."""
     return "displacement" if variable == "stroke" else variable.rpartition("_")[2]
-
-
-def point_row(point: tuple[float, ...], axis: int) -> Array:
-    """Displacement of a point of the machine along an axis, p + θ × r, per degree of freedom (6,)."""
-    x, y, z = point
-    rows = np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
-    return rows[axis]

@@ -96,6 +96,10 @@ class Norm:
     whole: Callable[[str, str], Limit | None] = lambda name, axis: None
     base: str | None = None
     """Class whose curve a factor counts from, for a norm that thinks in multiples of one curve."""
+    note: str = ""
+    """How to read its chart."""
+    marks: Mapping[str, str] = field(default_factory=dict)
+    """Short names of classes in its chart."""
     practices: Mapping[str, "Norm"] = field(default_factory=dict)
     """The same norm by each practice at low frequency, where the field has several."""
 
@@ -169,6 +173,12 @@ class Norm:
             return verdict
         base = [share for _, share in self._shares(self.base, axis, of_band).values()]
         return verdict.model_copy(update={"factor": max(base, default=None)})
+
+    def rank(self, verdict: Verdict) -> tuple[int, float]:
+        """The less, the worse: by the class met, and of one class by the margin."""
+        if verdict.met is None:
+            return -1, -(verdict.excess_db or 0.0)
+        return self.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
 
     def _shares(self, name: str, axis: str, of_band: "_ByBand") -> dict[Band | None, tuple[bool, float]]:
         """Whether the limit is kept, and the level over it, per band that is known and limited."""

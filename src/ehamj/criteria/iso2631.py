@@ -39,4 +39,14 @@ def _rule(name: str, axis: str, band: Band) -> Limit | None:
     return None if base is None else Limit(rounded(FACTORS[name] * base), "acceleration")
 
 
-NORM = Norm("ISO 2631-2 (1989) base curves", tuple(FACTORS), _rule, base=BASE)
+MARKS = {name: f"×\u202f{factor:g}" for name, factor in FACTORS.items()}
+
+ISO_2631_2 = Norm(
+    "ISO 2631-2 (1989) base curves",
+    tuple(FACTORS),
+    _rule,
+    base=BASE,
+    note="Accelerations, drawn as the velocity that they have at the band's centre. Multiples of the base curve: "
+    f"{', '.join(f'{mark} {name}' for name, mark in MARKS.items())}.",
+    marks=MARKS,
+)

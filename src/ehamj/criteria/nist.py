@@ -22,4 +22,10 @@ def _rule(name: str, axis: str, band: Band) -> Limit | None:
     return Limit(VELOCITY) if 20.0 < band.nominal <= 100.0 else None
 
 
-NORM = Norm("NIST-A", ("NIST-A",), _rule)
+NIST_A = Norm(
+    "NIST-A",
+    ("NIST-A",),
+    _rule,
+    note="Up to 20 Hz the limit is one of displacement, 0.025 µm: levels there are displacements, drawn as the "
+    "velocity that they have at the band's centre.",
+)

@@ -1,10 +1,12 @@
 """The norms there are: what a scenario may name, and by what name."""
 
-from ehamj.criteria import iso2631, nist, vc
 from ehamj.criteria.curves import Norm
+from ehamj.criteria.iso2631 import ISO_2631_2
+from ehamj.criteria.nist import NIST_A
+from ehamj.criteria.vc import CLASSIC
 from ehamj.registry import Registry
 
 NORMS: Registry[Norm] = Registry("norm")
-NORMS.add("vc", vc.CLASSIC)
-NORMS.add("nist-a", nist.NORM)
-NORMS.add("iso-2631-2", iso2631.NORM)
+NORMS.add("vc", CLASSIC)
+NORMS.add("nist-a", NIST_A)
+NORMS.add("iso-2631-2", ISO_2631_2)

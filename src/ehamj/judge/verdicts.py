@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
 from ehamj.estimate.periodogram import LEAST_BINS
@@ -77,15 +75,8 @@ def worst_class(classes: Sequence[str | None], order: Sequence[str]) -> str | No
 
 def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
     """The axis with the coarsest class, and of those the one nearest to the limit; None where nothing is known."""
-
-    def rank(axis: str) -> tuple[int, float]:
-        verdict = verdicts[axis]
-        if verdict.met is None:
-            return -1, -(verdict.excess_db or 0.0)
-        return norm.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
-
     known = [axis for axis, verdict in verdicts.items() if verdict.deciding_band is not None]
-    return min(known, key=rank, default=None)
+    return min(known, key=lambda axis: norm.rank(verdicts[axis]), default=None)
 
 
 def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:

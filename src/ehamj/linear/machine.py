@@ -19,7 +19,6 @@ from ehamj.control.channels import (
     VELOCITY,
     channel_names,
     channel_row,
-    point_row,
 )
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
@@ -28,6 +27,7 @@ from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
 from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.axes import AXES, DOFS, JOINTS
+from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
@@ -92,7 +92,7 @@ class LinearModel:
         if body in points and motion in ("displacement", "velocity", "acceleration") and label in AXES:
             row = np.zeros(N_SIGNALS)
             first = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}[motion]
-            row[first : first + len(DOFS)] = point_row(points[body], AXES.index(label))
+            row[first : first + len(DOFS)] = lever(points[body])[AXES.index(label)]
             return row
         if name.startswith("ground_acceleration"):
             raise InputError(f"output {name!r}: the ground's displacement and velocity are inputs of the linear model")

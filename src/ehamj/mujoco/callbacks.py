@@ -181,7 +181,9 @@ def callbacks() -> Callbacks:
             write_supply_rates(supply_at(model, at, head.supply_row), head.supply_at, mounts, act, act_dot)
         if head.ledger_at > 0.0:
             write_ledger_rates(isolators, mounts, act, act_dot, length, velocity)
-        return 0.0
+        # Of an actuator with a single activation MuJoCo takes the rate from what is returned.
+        n_act = int(head.activations)
+        return carray(pointer(act_dot), n_act, np.float64)[n_act - 1]
 
     def act_bias(model, data, actuator):  # type: ignore[no-untyped-def]
         # MuJoCo asks for forces after it has asked for all rates: the rates have left them.

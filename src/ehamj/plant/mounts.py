@@ -11,9 +11,6 @@ MOUNTS: Final = ("front-left", "front-right", "rear-left", "rear-right")
 
 N_MOUNTS: Final = len(MOUNTS)
 
-WARP: Final = (1.0, -1.0, -1.0, 1.0)
-"""Pattern of the four mounts that moves nothing and only builds pressure."""
-
 
 class Mount(Settings):
     """Where one actuator stands under the machine."""

@@ -1,13 +1,12 @@
 """Points of the machine that a user asks about, and motions relative to each other."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pydantic import ConfigDict, Field
 
 from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import MOUNTS
 from ehamj.settings import Settings, Vector3
 
 MARGIN: Final = 1.0
@@ -42,13 +41,12 @@ class Relative(Settings):
     to: str = Field(description="the same: from where it is seen")
 
 
-def places(points: Points) -> tuple[str, ...]:
+def places(points: Points, mounts: Sequence[str]) -> tuple[str, ...]:
     """Everything that a relative motion can start from or go to."""
-    mounts = (f"{what} {mount}" for what in ("foot", "ground") for mount in MOUNTS)
-    return (*points, "cg", *mounts)
+    return (*points, "cg", *(f"{what} {mount}" for what in ("foot", "ground") for mount in mounts))
 
 
-def check_points(points: Points, machine: Machine) -> None:
+def check_points(points: Points, machine: Machine, mounts: Sequence[str]) -> None:
     """Refuse names that cannot be told apart, and points that belong to no machine of this size.
 
     Raises:
@@ -58,7 +56,7 @@ def check_points(points: Points, machine: Machine) -> None:
     low = (-length / 2 - MARGIN, -width / 2 - MARGIN, -MARGIN)
     high = (length / 2 + MARGIN, width / 2 + MARGIN, height + MARGIN)
     for name, place in points.items():
-        _check_name("points", name)
+        _check_name("points", name, mounts)
         if any(not a <= value <= b for a, value, b in zip(low, place, high, strict=True)):
             allowed = ", ".join(f"{a:g} to {b:g}" for a, b in zip(low, high, strict=True))
             raise ValueError(
@@ -67,16 +65,16 @@ def check_points(points: Points, machine: Machine) -> None:
             )
 
 
-def check_relatives(relatives: tuple[Relative, ...], points: Points) -> None:
+def check_relatives(relatives: Sequence[Relative], points: Points, mounts: Sequence[str]) -> None:
     """Refuse relative motions between places that do not exist, or under a name that is taken.
 
     Raises:
         ValueError: naming the key, the value and what is allowed.
     """
-    known = places(points)
+    known = places(points, mounts)
     taken: set[str] = set()
     for k, relative in enumerate(relatives):
-        _check_name(f"relative.{k}.name", relative.name)
+        _check_name(f"relative.{k}.name", relative.name, mounts)
         if relative.name in taken:
             raise ValueError(f"relative.{k}.name = {relative.name!r} must be unique")
         taken.add(relative.name)
@@ -87,9 +85,10 @@ def check_relatives(relatives: tuple[Relative, ...], points: Points) -> None:
             raise ValueError(f"relative.{k}.to = {relative.to!r} must differ from its from")
 
 
-def _check_name(where: str, name: str) -> None:
-    if name in RESERVED or name in MOUNTS or not NAME.fullmatch(name):
+def _check_name(where: str, name: str, mounts: Sequence[str]) -> None:
+    taken = (*RESERVED, *mounts)
+    if name in taken or not NAME.fullmatch(name):
         raise ValueError(
             f"{where}: the name {name!r} must consist of at most 32 letters, digits, - and _, "
-            f"and not be one of {', '.join((*RESERVED, *MOUNTS))}"
+            f"and not be one of {', '.join(taken)}"
         )

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 import rerun as rr
-from rerun.error_utils import catch_and_log_exceptions
 
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
@@ -21,9 +20,9 @@ from ehamj.replay.blueprint import make_blueprint, playback_speed
 from ehamj.replay.marks import arrow_scale, log_marks
 from ehamj.replay.names import result_color
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
-from ehamj.replay.recording import check_whole
+from ehamj.replay.recording import fixed, recorded
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
-from ehamj.result import Result, written_whole
+from ehamj.result import Result
 
 __all__ = ["open_viewer", "write_replay"]
 
@@ -50,29 +49,20 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
     compared, curves = compared_plots(results), curves_of(results)
     isolators = {label: isolator_plots(label, result) for label, result in results.items()}
     title = next(iter(results.values())).scenario.name
-    # Rerun only warns of what it cannot log, unless told otherwise: here it is told for this block and thread alone.
-    with written_whole(Path(path)) as temporary, catch_and_log_exceptions(strict=True):
-        layout = make_blueprint(results, compared, isolators, curves, factor, speed)
-        recording = rr.RecordingStream(_application(title, results, factor))
-        try:
-            temporary.touch()  # fails with the system's own error where nothing can be written
-            recording.save(temporary, default_blueprint=layout)
-            recording.send_recording_name(title)
-            recording.log(
-                "about",
-                rr.TextDocument(page(results, factor, arrows, speed), media_type="text/markdown"),
-                static=True,
-                strict=True,
-            )
-            for index, (label, result) in enumerate(results.items()):
-                log_scene(recording, label, result, factor)
-                log_marks(recording, label, result, factor, arrows, result_color(index))
-            for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
-                log_plot(recording, plot)
-            log_attenuation(recording, curves, tuple(results))
-        finally:
-            recording.disconnect()
-        check_whole(temporary)
+    with recorded(
+        path,
+        _application(title, results, factor),
+        title,
+        lambda: make_blueprint(results, compared, isolators, curves, factor, speed),
+    ) as recording:
+        text = page(results, factor, arrows, speed)
+        fixed(recording, "about", rr.TextDocument(text, media_type="text/markdown"))
+        for index, (label, result) in enumerate(results.items()):
+            log_scene(recording, label, result, factor)
+            log_marks(recording, label, result, factor, arrows, result_color(index))
+        for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
+            log_plot(recording, plot)
+        log_attenuation(recording, curves, tuple(results))
 
 
 def _application(title: str, labels: Iterable[str], factor: float) -> str:

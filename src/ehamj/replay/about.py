@@ -36,7 +36,8 @@ def page(results: Mapping[str, Result], factor: float, arrows: float, speed: flo
     return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table as Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
@@ -54,7 +55,7 @@ def _numbers(results: Mapping[str, Result]) -> str:
     columns = [_figures(result) for result in results.values()]
     names = dict.fromkeys(name for column in columns for name in column)
     rows = [[name, *(column.get(name, "–") for column in columns)] for name in names]
-    return _table(["about the equilibrium", *results], rows)
+    return table(["about the equilibrium", *results], rows)
 
 
 def _figures(result: Result) -> dict[str, str]:
@@ -158,7 +159,7 @@ def _quantities(values: Parameters) -> str:
     for name, (unit, symbol, _) in values.quantities().items():
         value = f"{_number(getattr(values, name))} {'' if unit == '-' else unit}".strip()
         rows.append([name.replace("_", " "), symbol, value, values.sources[name]])
-    return _table(["quantity", "symbol", "value", "source"], rows)
+    return table(["quantity", "symbol", "value", "source"], rows)
 
 
 def _settings(results: Mapping[str, Result]) -> list[str]:

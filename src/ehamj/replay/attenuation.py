@@ -8,6 +8,7 @@ import numpy as np
 import rerun as rr
 
 from ehamj.replay.names import Array, Color, entity, result_color
+from ehamj.replay.recording import fixed
 from ehamj.result import Result
 
 ROOT = "attenuation"
@@ -98,14 +99,14 @@ def _log_grid(recording: rr.RecordingStream, path: str, chart: _Chart) -> None:
     strips = [chart.place(tick, ends) for tick in frequencies] + [chart.place(sides, level) for level in levels]
     colors = [GRID] * len(frequencies) + [ZERO if level == 0.0 else GRID for level in levels]
     lines = rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0)
-    recording.log(path, lines, static=True, strict=True)
+    fixed(recording, path, lines)
     below = [(point[0], HEIGHT + 4.0) for tick in frequencies for point in chart.place(tick, chart.bottom)]
     beside = [(-20.0, point[1] - 8.0) for level in levels for point in chart.place(chart.lowest, level)]
     titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -50.0)]
     words = [f"{tick:g}" for tick in frequencies] + [f"{level:g}" for level in levels]
     words += ["third-octave band [Hz]", "attenuation [dB]: up is quieter than the floor"]
     text = rr.Points2D(below + beside + titles, radii=0.01, colors=[TEXT], labels=words, show_labels=True)
-    recording.log(f"{path}/text", text, static=True, strict=True)
+    fixed(recording, f"{path}/text", text)
 
 
 def _log_curve(recording: rr.RecordingStream, path: str, curve: Curve, chart: _Chart, color: Color) -> None:
@@ -114,9 +115,9 @@ def _log_curve(recording: rr.RecordingStream, path: str, curve: Curve, chart: _C
     points = chart.place(curve.frequency, curve.decibel)[known]
     strips = np.split(points, np.flatnonzero(np.diff(np.flatnonzero(known)) > 1) + 1)
     lines = rr.LineStrips2D(strips, colors=[color], radii=rr.Radius.ui_points(1.5), draw_order=10.0)
-    recording.log(path, lines, static=True, strict=True)
+    fixed(recording, path, lines)
     dots = rr.Points2D(points, radii=rr.Radius.ui_points(3.0), colors=[color], draw_order=11.0)
-    recording.log(f"{path}/bands", dots, static=True, strict=True)
+    fixed(recording, f"{path}/bands", dots)
 
 
 def _log_legend(recording: rr.RecordingStream, path: str, labels: tuple[str, ...]) -> None:
@@ -124,4 +125,4 @@ def _log_legend(recording: rr.RecordingStream, path: str, labels: tuple[str, ...
     places = [(WIDTH * (index + 0.5) / len(labels), -26.0) for index in range(len(labels))]
     colors = [result_color(index) for index in range(len(labels))]
     names = rr.Points2D(places, radii=0.01, colors=colors, labels=labels, show_labels=True)
-    recording.log(path, names, static=True, strict=True)
+    fixed(recording, path, names)

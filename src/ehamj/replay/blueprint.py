@@ -7,7 +7,9 @@ from typing import Final
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import ArrayLike
 
+from ehamj.plant.machine import Machine
 from ehamj.replay import attenuation
 from ehamj.replay.names import TIMELINE, entity
 from ehamj.replay.plots import NEGLIGIBLE, Plot
@@ -54,8 +56,11 @@ def make_blueprint(
         speed: playback speed, simulated seconds per second.
     """
     columns = len(results) if len(results) <= 3 else math.ceil(math.sqrt(len(results)))
-    # Three in a row are narrower than high.
-    scenes = [_scene(label, result, factor, 1.7 if len(results) == 3 else 1.12) for label, result in results.items()]
+    away = 1.7 if len(results) == 3 else 1.12  # three in a row are narrower than high
+    scenes = [
+        scene_view(label, f"{label}: motion × {factor:g}", result.scenario.machine, EYE, away)
+        for label, result in results.items()
+    ]
     machines = rrb.Grid(*scenes, grid_columns=columns) if columns > 1 else scenes[0]
     velocities, rotations = (_moving([compared[name] for name in names]) for names in (VELOCITIES, ROTATIONS))
     first = velocities[0] if velocities else compared[VELOCITIES[0]]
@@ -74,33 +79,40 @@ def make_blueprint(
         if shown:
             pages.append(rrb.Tabs(*shown, name=name) if len(results) > 1 else rrb.Vertical(*shown, name=name))
     left = rrb.Vertical(machines, rolling, row_shares=[3, 2])
-    return rrb.Blueprint(
-        rrb.Horizontal(left, rrb.Tabs(*pages, active_tab=0), column_shares=[3, 2]),
-        rrb.TimePanel(
-            state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="playing", loop_mode="all"
-        ),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        auto_views=False,
-        auto_layout=False,
+    return laid_out(rrb.Horizontal(left, rrb.Tabs(*pages, active_tab=0), column_shares=[3, 2]), speed)
+
+
+def laid_out(content: rrb.Container, speed: float, timeline: str = TIMELINE) -> rrb.Blueprint:
+    """The blueprint of a window that shows this and plays it over and over; every panel is folded away."""
+    panel = rrb.TimePanel(
+        state="collapsed", timeline=timeline, playback_speed=speed, play_state="playing", loop_mode="all"
     )
+    folded = (rrb.BlueprintPanel(state="collapsed"), rrb.SelectionPanel(state="collapsed"))
+    return rrb.Blueprint(content, panel, *folded, auto_views=False, auto_layout=False)
 
 
-def _scene(label: str, result: Result, factor: float, away: float) -> rrb.Spatial3DView:
-    size, eye = np.array(result.scenario.machine.size), np.array(EYE)
-    target = np.array([0.0, 0.0, 0.36 * size[2]])
-    distance = away * math.hypot(*size)
+def scene_view(
+    label: str, title: str, machine: Machine, eye: ArrayLike, away: float, lower: float = 0.0
+) -> rrb.Spatial3DView:
+    """A scene with its machine in the middle.
+
+    Args:
+        label: of the scene.
+        title: of the view.
+        machine: what is seen.
+        eye: direction from the machine to the eye.
+        away: distance of the eye over the machine's diagonal.
+        lower: how far below the usual point the eye looks [m].
+    """
+    size, towards = np.array(machine.size), np.asarray(eye)
+    target = np.array([0.0, 0.0, 0.36 * size[2] - lower])
+    position = target + away * math.hypot(*size) * towards / np.linalg.norm(towards)
     return rrb.Spatial3DView(
         origin=entity(label, "world"),
-        name=f"{label}: motion × {factor:g}",
+        name=title,
         background=rrb.Background(color=BACKGROUND),
         line_grid=False,
-        eye_controls=rrb.EyeControls3D(
-            kind="orbital",
-            position=target + distance * eye / np.linalg.norm(eye),
-            look_target=target,
-            eye_up=[0, 0, 1],
-        ),
+        eye_controls=rrb.EyeControls3D(kind="orbital", position=position, look_target=target, eye_up=[0, 0, 1]),
     )
 
 

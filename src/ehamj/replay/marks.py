@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.names import GROUND_COLOR, Array, Color, entity, nanoseconds, time_column
+from ehamj.replay.names import GROUND_COLOR, Array, Color, entity
+from ehamj.replay.recording import fixed, moving
 from ehamj.replay.scene import FLOOR, LARGEST_DRAWN, drawn_rows, nice, pose_rows
 from ehamj.result import Result
 
@@ -56,11 +57,11 @@ def _log_bar(recording: rr.RecordingStream, label: str, result: Result, factor: 
         [[x - wing, y - wing, top], [x + wing, y + wing, top]],
     ]
     bar = rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=[(255, 255, 255)])
-    recording.log(entity(label, "world", "scale"), bar, static=True, strict=True)
+    fixed(recording, entity(label, "world", "scale"), bar)
     text = rr.Points3D(
         [[x, y, bottom]], radii=0.001, colors=[(255, 255, 255)], labels=[length_text(length)], show_labels=True
     )
-    recording.log(entity(label, "world", "scale", "text"), text, static=True, strict=True)
+    fixed(recording, entity(label, "world", "scale", "text"), text)
 
 
 def _log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale: float, color: Color) -> None:
@@ -75,12 +76,11 @@ def _log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale
         path = entity(label, "world", "velocity", name)
         origins = np.column_stack([place, np.zeros(len(place))])
         style = rr.Arrows3D.from_fields(origins=origins, colors=[shade], radii=0.02)
-        recording.log(path, style, static=True, strict=True)
+        fixed(recording, path, style)
         vectors = np.zeros((*velocity.shape, 3))
         vectors[..., 2] = scale * velocity
         columns = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3)).partition([velocity.shape[1]] * len(rows))
-        stamps = nanoseconds(result.dataset.time.values[rows])
-        recording.send_columns(path, [time_column(stamps)], columns, strict=True)
+        moving(recording, path, result.dataset.time.values[rows], columns)
 
 
 def _vertical(result: Result, rows: np.ndarray | slice) -> tuple[Array, Array]:

@@ -15,25 +15,26 @@ import mujoco
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
-from rerun.error_utils import catch_and_log_exceptions
+from numpy.typing import ArrayLike, NDArray
 
 from ehamj.mujoco.model import build_spec
-from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.levers import lever, levers
 from ehamj.plant.plant import Plant
-from ehamj.replay.blueprint import BACKGROUND
-from ehamj.replay.names import Array, Color, entity, nanoseconds, result_color, time_column
-from ehamj.replay.recording import check_whole
+from ehamj.replay.about import table
+from ehamj.replay.blueprint import laid_out, scene_view
+from ehamj.replay.names import Array, Color, entity, result_color
+from ehamj.replay.recording import fixed, moving, recorded
 from ehamj.replay.scene import FLOOR, GHOST, log_shapes, quaternion
-from ehamj.result import written_whole
 
 ComplexArray = NDArray[np.complex128]
 
 TIMELINE: Final = "viewing_time"
 """Time of the viewer [s]: every mode is slowed to the same pace, and its frequency stands in its title."""
 
-LENGTH, RATE = 8.0, 50.0
-"""Duration of the recording [s], poses per second [Hz]."""
+LENGTH: Final = 8.0
+"""Duration of the recording [s]."""
+TIMES: Final = np.arange(0.0, LENGTH + 0.01, 0.02)
+"""Viewing times of the poses [s]."""
 RINGINGS: Final = "ringing"
 """Where the curves of the ring-downs are logged."""
 SWINGS: Final = 4
@@ -95,22 +96,15 @@ def write_mode_replay(path: Path, title: str, plant: Plant, variants: Mapping[st
     first, swings = next(iter(variants.items()))
     names = [swing.name for swing in swings]
     beside = {name: {label: s for label, own in variants.items() for s in own if s.name == name} for name in names}
-    with written_whole(Path(path)) as temporary, catch_and_log_exceptions(strict=True):
-        recording = rr.RecordingStream(f"ehamj modes {re.sub(r'[^A-Za-z0-9]+', '-', title).strip('-')}")
-        try:
-            temporary.touch()
-            recording.save(temporary, default_blueprint=_blueprint(plant, first, beside))
-            recording.send_recording_name(f"{title}: modes")
-            _log_table(recording, title, variants)
-            for name, shown in beside.items():
-                _log_swing(recording, entity_of("all", name), plant, model, shown[first], steady=True)
-                pace = RINGING / shown[first].frequency
-                for index, (label, swing) in enumerate(shown.items()):
-                    _log_swing(recording, entity_of(label, name), plant, model, swing, steady=False, pace=pace)
-                    _log_ringing(recording, entity(RINGINGS, name, f"{index}-{label}"), label, swing, pace, index)
-        finally:
-            recording.disconnect()
-        check_whole(temporary)
+    application = f"ehamj modes {re.sub(r'[^A-Za-z0-9]+', '-', title).strip('-')}"
+    with recorded(path, application, f"{title}: modes", lambda: _blueprint(plant, first, beside)) as recording:
+        fixed(recording, "table", rr.TextDocument(_table(title, variants), media_type="text/markdown"))
+        for name, shown in beside.items():
+            _log_swing(recording, entity_of("all", name), plant, model, shown[first])
+            pace = RINGING / shown[first].frequency
+            for index, (label, swing) in enumerate(shown.items()):
+                _log_swing(recording, entity_of(label, name), plant, model, swing, pace)
+                _log_ringing(recording, entity(RINGINGS, name, f"{index}-{label}"), label, swing, pace, index)
 
 
 def entity_of(page: str, name: str) -> str:
@@ -120,29 +114,27 @@ def entity_of(page: str, name: str) -> str:
 
 def drawn_scale(plant: Plant, swing: Swing, points: Array) -> float:
     """Factor on a shape that draws it as large as `LARGEST` and `FOOT_LARGEST` allow."""
-    feet = np.array([(*position, 0.0) for position in plant.positions])
     reach = float(np.abs(_displacement(swing.shape, points)).max())
-    lift = float(np.abs(_displacement(swing.shape, feet)[:, 2]).max())
+    lift = float(np.abs(_displacement(swing.shape, plant.positions)[:, 2]).max())
     return min(LARGEST / reach, FOOT_LARGEST / lift if lift > 0.0 else math.inf)
 
 
-def motion_of(swing: Swing, times: Array, steady: bool, pace: float = 0.0) -> Array:
-    """Motion of the mount plane's centre at viewing times [s], (n, 6) [m, rad], of the shape as it is.
+def motion_of(swing: Swing, pace: float | None = None) -> Array:
+    """Motion of the mount plane's centre at `TIMES`, (n, 6) [m, rad], of the shape as it is.
 
-    Steady: `SWINGS` in the recording. Otherwise the free decay Re(v e^{λ t·pace}), ``pace`` being machine seconds per
-    viewing second.
+    The free decay Re(v e^{λ t·pace}), ``pace`` being machine seconds per viewing second; None: `SWINGS` steady ones.
     """
-    if steady:
-        turn = np.exp(2j * np.pi * SWINGS / LENGTH * times)
+    if pace is None:
+        turn = np.exp(2j * np.pi * SWINGS / LENGTH * TIMES)
     else:
         zeta, omega = swing.damping_ratio, 2 * np.pi * swing.frequency
-        turn = np.exp(complex(-zeta * omega, omega * math.sqrt(max(0.0, 1 - zeta**2))) * pace * times)
+        turn = np.exp(complex(-zeta * omega, omega * math.sqrt(max(0.0, 1 - zeta**2))) * pace * TIMES)
     return np.asarray((turn[:, None] * swing.shape).real)
 
 
-def _displacement(shape: ComplexArray, points: Array) -> ComplexArray:
-    """Complex displacement of points (n, 3) in a small motion of the mount plane's centre, (n, 3)."""
-    return np.asarray(shape[:3] + np.cross(np.broadcast_to(shape[3:], points.shape), points))
+def _displacement(shape: ComplexArray, points: Sequence[ArrayLike] | Array) -> ComplexArray:
+    """Complex displacement of points in a small motion of the mount plane's centre, (n, 3)."""
+    return np.asarray(levers(points) @ shape).reshape(-1, 3)
 
 
 def _corners(model: mujoco.MjModel) -> Array:
@@ -161,28 +153,23 @@ def _log_swing(
     plant: Plant,
     model: mujoco.MjModel,
     swing: Swing,
-    steady: bool,
-    pace: float = 0.0,
+    pace: float | None = None,
 ) -> None:
     """Log one scene: shapes and ghost, the moving machine, the paths of its corners, the axis it turns about."""
     log_shapes(recording, label, model)
     points = _corners(model)
     drawn = replace(swing, shape=drawn_scale(plant, swing, points) * swing.shape)
-    times = np.arange(0.0, LENGTH + 0.5 / RATE, 1.0 / RATE)
-    motion = motion_of(drawn, times, steady, pace)
-    stamps = time_column(nanoseconds(times), TIMELINE)
+    motion = motion_of(drawn, pace)
     poses = {"machine": (motion[:, :3], quaternion(motion[:, 3:]))}
-    if plant.plates == "sliding":
-        upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(times), 1))
-        for mount, position in zip(MOUNTS, plant.positions, strict=True):
-            foot = motion[:, :3] + np.cross(motion[:, 3:], (*position, 0.0))
-            poses[f"plate {mount}"] = (model.body(f"plate {mount}").pos + foot, upright)
+    for mount, position in zip(plant.mounts, plant.positions, strict=True):
+        pad = rr.Transform3D(translation=model.body(f"pad {mount}").pos)
+        fixed(recording, entity(label, "world", f"pad {mount}"), pad)
+        if plant.plates == "sliding":
+            upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(TIMES), 1))
+            poses[f"plate {mount}"] = (model.body(f"plate {mount}").pos + motion @ lever(position).T, upright)
     for body, (translation, turned) in poses.items():
         columns = rr.Transform3D.columns(translation=translation, quaternion=turned)
-        recording.send_columns(entity(label, "world", body), [stamps], columns, strict=True)
-    for mount in MOUNTS:
-        where = rr.Transform3D(translation=model.body(f"pad {mount}").pos)
-        recording.log(entity(label, "world", f"pad {mount}"), where, static=True, strict=True)
+        moving(recording, entity(label, "world", body), TIMES, columns, TIMELINE)
     _log_paths(recording, label, drawn, points)
     _log_axis(recording, label, plant, model, drawn)
 
@@ -193,7 +180,7 @@ def _log_paths(recording: rr.RecordingStream, label: str, drawn: Swing, points: 
     moved = _displacement(drawn.shape, points)
     paths = [points[k] + (phase[:, None] * moved[k]).real for k in range(len(points))]
     strips = rr.LineStrips3D(paths, radii=0.012, colors=[PATH_COLOR])
-    recording.log(entity(label, "world", "paths"), strips, static=True, strict=True)
+    fixed(recording, entity(label, "world", "paths"), strips)
     origins, vectors = [], []
     for point, move in zip(points, moved, strict=True):
         far = move * np.exp(-0.5j * np.angle(np.sum(move**2)))  # the ellipse's longer half axis
@@ -204,7 +191,7 @@ def _log_paths(recording: rr.RecordingStream, label: str, drawn: Swing, points: 
                 vectors.append(sign * min(HEAD, length) / length * far.real)
     if origins:
         arrows = rr.Arrows3D(origins=origins, vectors=vectors, radii=0.03, colors=[PATH_COLOR])
-        recording.log(entity(label, "world", "turning"), arrows, static=True, strict=True)
+        fixed(recording, entity(label, "world", "turning"), arrows)
 
 
 def drawn_axis(plant: Plant, swing: Swing) -> tuple[Array, Array] | None:
@@ -229,27 +216,21 @@ def _log_axis(recording: rr.RecordingStream, label: str, plant: Plant, model: mu
     reach = 0.5 * float(np.abs(direction) @ np.array(plant.machine.size)) + 0.3
     ends = np.array([nearest - reach * direction, nearest + reach * direction])
     path = entity(label, "world", "axis")
-    recording.log(path, rr.LineStrips3D([ends], radii=0.022, colors=[AXIS_COLOR]), static=True, strict=True)
+    fixed(recording, path, rr.LineStrips3D([ends], radii=0.022, colors=[AXIS_COLOR]))
     balls = rr.Points3D(ends, radii=0.07, colors=[AXIS_COLOR])
-    recording.log(entity(label, "world", "axis", "ends"), balls, static=True, strict=True)
+    fixed(recording, entity(label, "world", "axis", "ends"), balls)
     if ends[:, 2].min() < FLOOR and abs(direction[2]) < 0.5:
         floor = model.geom("floor")
         lines = rr.Boxes3D(half_sizes=[floor.size], centers=[floor.pos], colors=[GHOST], fill_mode="majorwireframe")
-        recording.log(entity(label, "world", "floor", "geoms", "floor"), lines, static=True, strict=True)
+        fixed(recording, entity(label, "world", "floor", "geoms", "floor"), lines)
 
 
 def _log_ringing(recording: rr.RecordingStream, path: str, label: str, swing: Swing, pace: float, index: int) -> None:
     """The ring-down as a curve: motion over its beginning."""
-    times = np.arange(0.0, LENGTH + 0.5 / RATE, 1.0 / RATE)
     largest = int(np.argmax(np.abs(swing.shape)))
-    curve = motion_of(swing, times, False, pace)[:, largest] / abs(swing.shape[largest])
-    style = rr.SeriesLines(names=[label], colors=[result_color(index)], widths=[2.0])
-    recording.log(path, style, static=True, strict=True)
-    stamps = time_column(nanoseconds(times), TIMELINE)
-    recording.send_columns(path, [stamps], rr.Scalars.columns(scalars=curve), strict=True)
-
-
-# --- layout --------------------------------------------------------------------------------------------------------
+    curve = motion_of(swing, pace)[:, largest] / abs(swing.shape[largest])
+    fixed(recording, path, rr.SeriesLines(names=[label], colors=[result_color(index)], widths=[2.0]))
+    moving(recording, path, TIMES, rr.Scalars.columns(scalars=curve), TIMELINE)
 
 
 def _blueprint(plant: Plant, first: str, beside: Mapping[str, Mapping[str, Swing]]) -> rrb.Blueprint:
@@ -270,14 +251,7 @@ def _blueprint(plant: Plant, first: str, beside: Mapping[str, Mapping[str, Swing
         )
         pages.append(rrb.Vertical(rrb.Horizontal(*views), curves, row_shares=[3, 1], name=name))
     pages.append(rrb.TextDocumentView(origin="/table", name="table"))
-    return rrb.Blueprint(
-        rrb.Tabs(*pages, active_tab=0),
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=1.0, play_state="playing", loop_mode="all"),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        auto_views=False,
-        auto_layout=False,
-    )
+    return laid_out(rrb.Tabs(*pages, active_tab=0), 1.0, TIMELINE)
 
 
 def _view(plant: Plant, label: str, title: str, swing: Swing, away: float = 1.08) -> rrb.Spatial3DView:
@@ -289,37 +263,22 @@ def _view(plant: Plant, label: str, title: str, swing: Swing, away: float = 1.08
     eye = np.array([(0.95, -0.34, 0.22), (0.34, -0.95, 0.22), (0.55, -0.55, 0.85), (0.80, -0.62, 0.16)][kind])
     axis = drawn_axis(plant, swing)
     lowest = min(FLOOR, axis[0][2] - 0.1) if axis is not None and kind < 2 else FLOOR
-    target = np.array([0.0, 0.0, 0.36 * size[2] + 0.5 * (lowest - FLOOR)])
     away *= 1.0 + 0.6 * (FLOOR - lowest) / math.hypot(*size)
-    return rrb.Spatial3DView(
-        origin=entity(label, "world"),
-        name=title,
-        background=rrb.Background(color=BACKGROUND),
-        line_grid=False,
-        eye_controls=rrb.EyeControls3D(
-            kind="orbital",
-            position=target + away * math.hypot(*size) * eye / np.linalg.norm(eye),
-            look_target=target,
-            eye_up=[0, 0, 1],
-        ),
-    )
+    return scene_view(label, title, plant.machine, eye, away, 0.5 * (FLOOR - lowest))
 
 
-def _log_table(recording: rr.RecordingStream, title: str, variants: Mapping[str, Sequence[Swing]]) -> None:
-    lines = [
-        f"# {title}: modes",
-        "",
-        "| variant | mode | natural frequency [Hz] | damping ratio [%] |",
-        "|---|---|---|---|",
+def _table(title: str, variants: Mapping[str, Sequence[Swing]]) -> str:
+    """The page beside the pictures, as Markdown."""
+    rows = [
+        [label, swing.name, f"{swing.frequency:.2f}", f"{100 * swing.damping_ratio:.2f}"]
+        for label, swings in variants.items()
+        for swing in swings
     ]
-    for label, swings in variants.items():
-        lines += [f"| {label} | {s.name} | {s.frequency:.2f} | {100 * s.damping_ratio:.2f} |" for s in swings]
-    lines += [
-        "",
+    parts = [
+        f"# {title}: modes",
+        table(["variant", "mode", "natural frequency [Hz]", "damping ratio [%]"], rows),
         "Motions are drawn far larger than they are, and slowed. On the first page every mode swings at the same pace; "
         "on the others a mode is let go and rings down, all variants on one clock.",
-        "",
         "Yellow: paths of corners. Red: the axis that the machine turns about. Grey lines: the machine at rest.",
     ]
-    document = rr.TextDocument("\n".join(lines) + "\n", media_type="text/markdown")
-    recording.log("table", document, static=True, strict=True)
+    return "\n\n".join(parts) + "\n"

@@ -42,8 +42,3 @@ def result_color(index: int) -> Color:
 def nanoseconds(time: Array) -> NDArray[np.int64]:
     """Time stamps [s] as whole nanoseconds; Rerun truncates float seconds and would be off by one."""
     return np.round(time * 1e9).astype(np.int64)
-
-
-def time_column(stamps: NDArray[np.int64], timeline: str = TIMELINE) -> rr.TimeColumn:
-    """The timeline's column for stamps in nanoseconds."""
-    return rr.TimeColumn(timeline, duration=stamps.view("timedelta64[ns]"))

@@ -1,15 +1,15 @@
 """Time histories: which channels are shown, in which units, order and colours, and how a long run is thinned."""
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
-from ehamj.plant.mounts import MOUNTS
-from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, nanoseconds, result_color, time_column
+from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, result_color
+from ehamj.replay.recording import fixed, moving
 from ehamj.replay.scene import fitted_slab
 from ehamj.result import Result
 
@@ -33,12 +33,12 @@ COMPARED: Final = {
 
 @dataclass(frozen=True)
 class Trace:
-    """The lines of one entity: names with units, colours, values (n, line) at stamps [ns]."""
+    """The lines of one entity: names with units, colours, values (n, line) at times [s]."""
 
     path: str
     names: tuple[str, ...]
     colors: tuple[Color, ...]
-    stamps: NDArray[np.int64]
+    time: Array
     values: Array
     width: float = 1.0
 
@@ -61,7 +61,6 @@ def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
 
     The floor is the mounts' mean, and for rotations the slab fitted to them; results that share it share its line.
     """
-    stamps = {label: nanoseconds(result.dataset.time.values) for label, result in results.items()}
     floors = {label: _floor(result) for label, result in results.items()}
     machines = {label: _machine(result) for label, result in results.items()}
     plots = {}
@@ -76,7 +75,7 @@ def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
                 path=entity(ROOT, name, f"{place:02d}-{who}"),
                 names=(f"{who} {unit}",),
                 colors=(color,),
-                stamps=stamps[label],
+                time=results[label].dataset.time.values,
                 values=values[:, column : column + 1],
                 width=width,
             )
@@ -88,9 +87,9 @@ def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
 
 def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
     """One result: strokes from the equilibrium [µm], commands [V], spools [% of stroke], absolute pressures [bar]."""
-    stamps = nanoseconds(result.dataset.time.values)
     data = {name: result.dataset[name].values for name in ("stroke", "valve_command", "spool", "chamber_pressure")}
-    full = np.array([actuator.spool_stroke for actuator in result.scenario.plant.actuators])
+    plant = result.scenario.plant
+    full = np.array([actuator.spool_stroke for actuator in plant.actuators])
     contents = {
         "stroke": ("stroke, from equilibrium [µm]", 1e6 * (data["stroke"] - data["stroke"][:1])),
         "command": ("valve command [V]", data["valve_command"]),
@@ -98,10 +97,13 @@ def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
         "pressure_1": ("pressure in chamber 1 (lifts), absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 0]),
         "pressure_2": ("pressure in chamber 2, absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 1]),
     }
+    colors = tuple(itertools.islice(itertools.cycle(MOUNT_COLORS), len(plant.mounts)))
     plots = {}
     for name, (title, values) in contents.items():
-        names = tuple(f"{mount} {title[title.index('[') :]}" for mount in MOUNTS)
-        plots[name] = Plot(title, (Trace(entity(ROOT, name, label), names, MOUNT_COLORS, stamps, values),))
+        names = tuple(f"{mount} {title[title.index('[') :]}" for mount in plant.mounts)
+        plots[name] = Plot(
+            title, (Trace(entity(ROOT, name, label), names, colors, result.dataset.time.values, values),)
+        )
     return plots
 
 
@@ -115,27 +117,27 @@ def log_plot(recording: rr.RecordingStream, plot: Plot) -> None:
             widths=[trace.width] * len(trace.names),
             aggregation_policy="minmax",
         )
-        recording.log(trace.path, style, static=True, strict=True)
-        if not len(trace.stamps):
+        fixed(recording, trace.path, style)
+        if not len(trace.time):
             continue
-        stamps, values = thinned(trace.stamps, trace.values)
+        time, values = thinned(trace.time, trace.values)
         # In single precision, which no eye can tell apart, the file compresses better.
         rounded = values.astype(np.float32).astype(np.float64)
         columns = rr.Scalars.columns(scalars=rounded.ravel()).partition([values.shape[1]] * len(values))
-        recording.send_columns(trace.path, [time_column(stamps)], columns, strict=True)
+        moving(recording, trace.path, time, columns)
 
 
-def thinned(stamps: NDArray[np.int64], values: Array) -> tuple[NDArray[np.int64], Array]:
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
     """At most `MOST_ROWS` rows that keep every peak: lowest and highest value of each line per block of rows."""
     if len(values) <= MOST_ROWS:
-        return stamps, values
+        return time, values
     size = -(-2 * len(values) // MOST_ROWS)
     starts = np.arange(0, len(values), size)
     middles = np.minimum(starts + size // 2, len(values) - 1)
     low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    order = np.column_stack([stamps[starts], stamps[middles]]).ravel()
+    order = np.column_stack([time[starts], time[middles]]).ravel()
     pairs = np.stack([low, high], axis=1).reshape(-1, values.shape[1])
-    kept = np.concatenate([[True], np.diff(order) > 0])  # a last block of one row has one stamp
+    kept = np.concatenate([[True], np.diff(order) > 0])  # a last block of one row has one time
     return order[kept], pairs[kept]
 
 
@@ -143,7 +145,7 @@ def _floor(result: Result) -> Array:
     """Columns of `COMPARED` for the floor."""
     velocity = result.dataset.ground_velocity.values.mean(axis=1)
     displacement = result.dataset.ground_displacement.values
-    slab = fitted_slab(displacement - displacement[:1], np.array(result.scenario.plant.positions))
+    slab = fitted_slab(displacement - displacement[:1], result.scenario.plant)
     return 1e6 * np.column_stack([velocity[:, [2, 0, 1]], slab[:, 3:5]])
 
 

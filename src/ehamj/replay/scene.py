@@ -11,8 +11,10 @@ import rerun as rr
 
 from ehamj.mujoco.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
 from ehamj.plant.kinematics import point_motion
-from ehamj.plant.mounts import MOUNTS
-from ehamj.replay.names import Array, entity, nanoseconds, time_column
+from ehamj.plant.levers import levers
+from ehamj.plant.plant import Plant
+from ehamj.replay.names import Array, entity
+from ehamj.replay.recording import fixed, moving
 from ehamj.result import Result
 
 LARGEST_DRAWN = 0.12
@@ -80,10 +82,9 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
     model = drawn_model(result)
     log_shapes(recording, label, model)
     rows = pose_rows(result)
-    stamps = nanoseconds(result.dataset.time.values[rows])
     for body, pose in poses(result, model, factor, rows).items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
-        recording.send_columns(entity(label, "world", body), [time_column(stamps)], columns, strict=True)
+        moving(recording, entity(label, "world", body), result.dataset.time.values[rows], columns)
 
 
 def drawn_model(result: Result) -> mujoco.MjModel:
@@ -104,14 +105,15 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
     machine, ground, foot, stroke = (
         moved(name) for name in ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
     )
-    slab = fitted_slab(ground, np.array(result.scenario.plant.positions))
+    plant = result.scenario.plant
+    slab = fitted_slab(ground, plant)
     found = {
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
     }
-    for mount, name in enumerate(MOUNTS):
+    for mount, name in enumerate(plant.mounts):
         found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount])
-        if result.scenario.plates == "sliding":
+        if plant.plates == "sliding":
             # The model's plate has its stroke only; drawn, it goes sideways with the foot that stands on it.
             height = ground[:, mount, 2] + stroke[:, mount]
             plate = np.column_stack([foot[:, mount, :2], height])
@@ -136,13 +138,10 @@ def quaternion(angles: Array) -> Array:
     )
 
 
-def fitted_slab(ground: Array, positions: Array) -> Array:
-    """Motion of the rigid slab closest to the four mounts' ground: x, y, z, rx, ry, rz, shape (n, 6)."""
-    x, y = positions.T
-    one, zero = np.ones_like(x), np.zeros_like(x)
-    rows = [[one, zero, zero, zero, zero, -y], [zero, one, zero, zero, zero, x], [zero, zero, one, y, -x, zero]]
-    lever = np.array(rows).transpose(2, 0, 1).reshape(-1, 6)
-    return ground.reshape(len(ground), len(lever)) @ np.linalg.pinv(lever).T
+def fitted_slab(ground: Array, plant: Plant) -> Array:
+    """Motion of the rigid slab closest to the ground below the mounts: x, y, z, rx, ry, rz, shape (n, 6)."""
+    pattern = levers(plant.positions)
+    return ground.reshape(len(ground), len(pattern)) @ np.linalg.pinv(pattern).T
 
 
 def drawn_rows(result: Result) -> slice:
@@ -180,17 +179,17 @@ def _largest_motion(result: Result) -> float:
 
 def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:
     """The model's geoms, static, below their bodies; the machine and its plates once more as a ghost that stays."""
-    recording.log(entity(label, "world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, strict=True)
+    fixed(recording, entity(label, "world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     for geom in range(model.ngeom):
         name = model.geom(geom).name or f"geom {geom}"
         body = model.body(model.geom_bodyid[geom]).name
         owner = name if body == "world" else body  # what stands on the world, the floor, moves as a body of its own
         path = entity(label, "world", owner, "geoms", name)
         color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
-        recording.log(path, _shape(model, geom, color, "solid"), static=True, strict=True)
+        fixed(recording, path, _shape(model, geom, color, "solid"))
         if owner in ("machine", "floor") and not name.startswith(("plate", "foot")):  # no ghost of what the bed hides
             ghost = _shape(model, geom, GHOST, "majorwireframe")
-            recording.log(entity(label, "world", "ghost", name), ghost, static=True, strict=True)
+            fixed(recording, entity(label, "world", "ghost", name), ghost)
 
 
 def _shape(model: mujoco.MjModel, geom: int, color: tuple[int, ...], fill: str) -> rr.Boxes3D | rr.Cylinders3D:

@@ -107,8 +107,8 @@ class Scenario(Settings):
     def _observed(self) -> Self:
         if "points" not in self.model_fields_set:
             object.__setattr__(self, "points", default_points(self.machine))
-        check_points(self.points, self.machine)
-        check_relatives(self.relative, self.points)
+        check_points(self.points, self.machine, MOUNTS)
+        check_relatives(self.relative, self.points, MOUNTS)
         check_forces(self.force, self.points)
         spectrum = self.criteria.response_spectrum
         if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
@@ -43,11 +44,10 @@ def open_loop(*signals: dict[str, Any]) -> dict[str, Any]:
 
 
 def sines(amplitude: float, hertz: Sequence[float] | Array) -> list[dict[str, Any]]:
-    """Open-loop commands of one frequency [Hz] per mount, [V]."""
-    mounts = scenario_of().plant.mounts
+    """Open-loop commands [V] of one frequency [Hz] per mount, of those that a scenario has by default."""
     return [
         {"kind": "sine", "mounts": [mount], "amplitude": amplitude, "frequency": float(f)}
-        for mount, f in zip(mounts, hertz, strict=True)
+        for mount, f in zip(MOUNTS, hertz, strict=True)
     ]
 
 

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.mounts import MOUNTS
 from ehamj.verify.case import Finding, Subject, case
 from ehamj.verify.setup import Array, open_loop, scenario_of, sines
 
@@ -78,7 +79,7 @@ def _lags_a_quarter(share: float, expected: float, tolerance: float, source: str
         why,
     )
     def measure(subject: Subject) -> Finding:
-        hertz = expected * np.array([0.96, 0.985, 1.01, 1.035])
+        hertz = expected * np.linspace(0.96, 1.035, len(MOUNTS))
         lag = -np.degrees(np.unwrap(np.angle(spool_response(subject, share, hertz))))
         found = float(np.interp(90.0, lag, hertz)) if lag[0] < 90.0 < lag[-1] else float("nan")
         return Finding(abs(found - expected), f"−90° at {found:.2f} Hz")
@@ -119,7 +120,7 @@ def spool_alone(actuator: Actuator, share: float, hertz: float) -> complex:
 def large_gain(subject: Subject) -> Finding:
     """Gain of the spool at 100 Hz and ±90 %, against its equation of motion alone."""
     exact = abs(spool_alone(Actuator(), 0.9, 100.0))
-    gain = float(np.abs(spool_response(subject, 0.9, np.full(4, 100.0)))[0])
+    gain = float(np.abs(spool_response(subject, 0.9, np.full(len(MOUNTS), 100.0)))[0])
     return Finding(abs(gain - exact), f"gain {gain:.4f}, on its own {exact:.4f}; by another integration 0.28")
 
 

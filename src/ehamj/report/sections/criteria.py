@@ -1,6 +1,5 @@
 """What norms say: levels against the curves of each, and the classes met at every place."""
 
-import math
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, Final
@@ -8,8 +7,8 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj import plots
-from ehamj.criteria.curves import CANDIDATES, Norm
-from ehamj.criteria.iso2631 import FACTORS
+from ehamj.criteria.curves import CANDIDATES, Norm, where
+from ehamj.judge.verdicts import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel
 from ehamj.plots import Levels
@@ -17,14 +16,6 @@ from ehamj.report.shown import Shown, known
 from ehamj.result import Result
 
 EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
-MULTIPLES: Final = {name: f"×\u202f{factor:g}" for name, factor in FACTORS.items()}
-CLASS_LABELS: Final = {"iso-2631-2": MULTIPLES}
-CAPTIONS: Final = {
-    "nist-a": "Up to 20 Hz the limit is one of displacement, 0.025 µm: levels there are displacements, drawn as the "
-    "velocity that they have at the band's centre.",
-    "iso-2631-2": "Accelerations, drawn as the velocity that they have at the band's centre. Multiples of the base "
-    f"curve: {', '.join(f'{multiple} {name}' for name, multiple in MULTIPLES.items())}.",
-}
 VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
 WORSE: Final = "The worse of x and y in each band."
 
@@ -37,7 +28,9 @@ def criteria(shown: Shown) -> Section:
 
 
 def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
-    """Floor and machines against the curves of a norm; VC curves along each axis."""
+    """Floor and machines against the curves of a norm, if it has curves; VC curves along each axis."""
+    if not any(norm.needed(axis) for axis in CRITERION_AXES):
+        return
     usable = {result.summary.get("analysis", {}).get("usable_to_hz") for result in shown.results.values()}
     known_to = min((value for value in usable if value is not None), default=None)
     views = {axis: AXIS_NAMES[axis] for axis in CRITERION_AXES} if name == "vc" else VIEWS
@@ -51,9 +44,9 @@ def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
             continue
         quantity = "RMS velocity per band [µm/s]" if name == "vc" else EQUIVALENT
         title = "Velocity and vibration classes" if name == "vc" else norm.title
-        limits = _limits(norm, view[0], CLASS_LABELS.get(name, {}))
+        limits = _limits(norm, view[0])
         figure = plots.criterion(f"{title}, {words}", curves, limits, known_to, quantity)
-        caption = " ".join(text for text in (WORSE if len(view) > 1 else "", CAPTIONS.get(name, "")) if text)
+        caption = " ".join(text for text in (WORSE if len(view) > 1 else "", norm.note) if text)
         yield Picture(f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", figure, caption)
 
 
@@ -71,13 +64,13 @@ def _notes(shown: Shown) -> list[str]:
     return found
 
 
-def _limits(norm: Norm, axis: str, labels: Mapping[str, str]) -> dict[str, tuple[Any, Any]]:
+def _limits(norm: Norm, axis: str) -> dict[str, tuple[Any, Any]]:
     """Bands and limits of each class, as velocity [µm/s]."""
     found = {}
     for name in norm.classes:
         limits = [(band, limit) for band in CANDIDATES if (limit := norm.limit(name, axis, band)) is not None]
         frequency = np.array([band.nominal for band, _ in limits])
-        found[labels.get(name, name)] = (
+        found[norm.marks.get(name, name)] = (
             frequency,
             MICRO * np.array([limit.as_velocity(band) for band, limit in limits]),
         )
@@ -111,7 +104,7 @@ def _at_places(shown: Shown, norms: Mapping[str, Norm]) -> Table:
         rows.append([norm.title])
         floors: list[Any] = []
         for label, result in shown.results.items():
-            for place, judged in result.summary.get("criteria", {}).get(name, {}).get("places", {}).items():
+            for place, judged in result.summary.criteria[name].places.items():
                 if place == "floor" and judged in floors:
                     continue
                 floors += [judged] if place == "floor" else []
@@ -126,26 +119,19 @@ def place_in_words(place: str) -> str:
     return {"feet": "worst foot", "machine": "centre of gravity"}.get(place, place)
 
 
-def _met(place: Mapping[str, Any], axes: tuple[str, ...], norm: Norm) -> str:
+def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:
     """The class that the worst of some axes meets, with margin or excess, axis and band."""
-    judged = {axis: place[axis] for axis in axes if place.get(axis, {}).get("deciding_band_hz") is not None}
+    judged = {axis: verdict for axis in axes if (verdict := place[axis]).deciding_band is not None}
     if not judged:
         return "not judged"
-
-    def rank(axis: str) -> tuple[int, float]:
-        verdict = judged[axis]
-        if verdict["class"] is None:
-            return -1, -verdict["excess_db"]
-        return norm.classes.index(verdict["class"]), math.inf if verdict["margin_db"] is None else verdict["margin_db"]
-
-    axis = min(judged, key=rank)
-    verdict, along = judged[axis], f"{axis} at " if len(axes) > 1 else ""
-    where = f"{along}{verdict['deciding_band_hz']} Hz"
-    if verdict["class"] is None:
-        return f"{decibel(verdict['excess_db'])} dB over {norm.classes[0]} ({where})"
-    if verdict["margin_db"] is None or verdict["margin_db"] > 100.0:
-        return f"{verdict['class']} (at rest)"
-    return f"{verdict['class']} ({decibel(verdict['margin_db'])} dB, {where})"
+    axis = min(judged, key=lambda axis: norm.rank(judged[axis]))
+    verdict, decided_by = judged[axis], where([judged[axis].deciding_band])
+    decided_by = f"{axis} {decided_by}" if len(axes) > 1 else decided_by.removeprefix("at ")
+    if verdict.met is None:
+        return f"{decibel(verdict.excess_db)} dB over {norm.classes[0]} ({decided_by})"
+    if verdict.margin_db is None or verdict.margin_db > 100.0:
+        return f"{verdict.met} (at rest)"
+    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
 def _note(shown: Shown, norms: Mapping[str, Norm]) -> str:
@@ -156,10 +142,9 @@ def _note(shown: Shown, norms: Mapping[str, Norm]) -> str:
         bands = dict.fromkeys(
             band
             for result in shown.results.values()
-            if (places := result.summary.get("criteria", {}).get(name, {}).get("places"))
-            for axis in CRITERION_AXES
-            for band in places["machine"][axis]["undecided_bands_hz"]
+            for verdict in result.summary.criteria[name].places["machine"].along(CRITERION_AXES)
+            for band in verdict.undecided
         )
         if bands:
-            missing.append(f"{norm.title}: {', '.join(bands)} Hz")
+            missing.append(f"{norm.title}: {where(list(bands)).removeprefix('at ')}")
     return words + (f" Undecided: {'; '.join(missing)}." if missing else "")

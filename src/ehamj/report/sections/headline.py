@@ -1,10 +1,9 @@
 """What stands on top of the page: attenuation at a few bands, classes met, warnings."""
 
 import re
-from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
-from ehamj.criteria.curves import Norm
+from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
 from ehamj.report.shown import Shown, floor_moves, known
@@ -34,23 +33,23 @@ def headline(shown: Shown) -> Section:
 
 def classes(shown: Shown) -> Section:
     """Vibration class per axis of the floor and of each machine, with margin and band."""
-    columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.get("criterion", {}))}
+    columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.criterion)}
     norm = next(iter(shown.scenario.criteria.chosen().values()))
-    rows = [[AXIS_NAMES[axis], *(_class(place.get(axis, {}), norm) for place in columns.values())]
+    rows = [[AXIS_NAMES[axis], *(_class(place[axis], norm) for place in columns.values())]
             for axis in CRITERION_AXES]  # fmt: skip
     note = "Margin: below the limit of the class met, in the band that decides, where it is least."
     return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
 
 
-def _class(verdict: Mapping[str, Any], norm: Norm) -> str:
-    band, margin = verdict.get("deciding_band_hz"), verdict.get("margin_db")
-    if band is None:
+def _class(verdict: Verdict, norm: Norm) -> str:
+    if verdict.deciding_band is None:
         return "not judged"
-    if verdict.get("class") is None:
-        return f"worse than {norm.classes[0]} ({band} Hz)"
-    if margin is None or margin > 100.0:
-        return f"{verdict['class']} (at rest)"
-    return f"{verdict['class']} ({decibel(margin)} dB, {band} Hz)"
+    decided_by = where([verdict.deciding_band]).removeprefix("at ")
+    if verdict.met is None:
+        return f"worse than {norm.classes[0]} ({decided_by})"
+    if verdict.margin_db is None or verdict.margin_db > 100.0:
+        return f"{verdict.met} (at rest)"
+    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
 def warnings(shown: Shown) -> Section | None:

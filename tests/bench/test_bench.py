@@ -1,0 +1,23 @@
+"""The timings run, and what is timed is the same motion."""
+
+from ehamj.bench.additions import additions
+from ehamj.bench.case import benchmark_case
+from ehamj.bench.steps import step_times
+from ehamj.bench.threads import thread_scaling
+from ehamj.scenario.load import load_scenario
+
+
+def test_the_benchmark_case_is_the_same_motion_with_and_without_the_engine() -> None:
+    case = benchmark_case(load_scenario("benchmark", ["duration=0.1"]), 1e-4, 1)
+    # 9.8e-7 at this step over the whole case; the first tenth of a second peaks lower.
+    assert case["error"] < 1e-4
+    assert case["ceiling_error"] < 1e-4
+
+
+def test_each_step_that_is_timed_takes_time() -> None:
+    scenario = load_scenario("benchmark", ["duration=0.02"])
+    times = step_times(scenario.plant, 1e-4, 1, steps=10)
+    assert set(times) == {"bare", "bare_without_timer", "hydraulics"}
+    assert min(times.values()) > 0.0
+    assert thread_scaling(scenario, 1, batch=2) > 0.0
+    assert set(additions(scenario, 1, steps=20)) == {"controller", "controller_and_sensors", "force"}
