@@ -51,12 +51,16 @@ class Actuator(
                     )
         return self
 
-    def rated_at(self, supply: Supply) -> Self:
-        """The actuator as this supply lets it run: with its flow gain from rated-flow data, if it has them."""
+    def running_on(self, supply: Supply) -> Self:
+        """The actuator as stated, but with the flow gain that rated-flow data, if it has them, give it on a supply."""
         if self.rated_flow == 0.0:
             return self
         gain = self.rated_gain(self.spool_stroke, supply)
-        return self.with_values({"flow_gain": gain, "rated_flow": 0.0, "sources": {"flow_gain": "given"}})
+        return self.with_values({"flow_gain": gain, "sources": {"flow_gain": "given"}})
+
+    def rated_at(self, supply: Supply) -> Self:
+        """The same without the rated-flow data, which have done their work: whatever varies the gain finds it alone."""
+        return self.running_on(supply).with_values({"rated_flow": 0.0}) if self.rated_flow else self
 
     def record(self) -> dict[str, float]:
         """What the isolator's record in memory holds of it, by name."""

@@ -143,7 +143,7 @@ def _parameters(results: Mapping[str, Result]) -> list[str]:
     for label, result in results.items():
         scenario = result.scenario
         tables: dict[str, Parameters] = {"Machine": scenario.machine}
-        tables |= {f"Actuator {name}": actuator for name, actuator in scenario.actuators.items()}
+        tables |= {f"Actuator {name}": actuator for name, actuator in scenario.running.items()}
         tables["Supply"] = scenario.supply
         text = "\n\n".join(f"### {name}\n\n{_quantities(values)}" for name, values in tables.items())
         found.setdefault(text, []).append(label)

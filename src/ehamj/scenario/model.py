@@ -148,6 +148,11 @@ class Scenario(Settings):
         return tuple(sorted(self.mount, key=lambda mount: MOUNTS.index(mount.name)))
 
     @property
+    def running(self) -> dict[str, Actuator]:
+        """The actuators with the values that they run with, which is what is to be shown of them."""
+        return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}
+
+    @property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
         return Plant(

@@ -57,7 +57,7 @@ def _run(scenario: Scenario) -> list[Table]:
 
 
 def _actuators(scenario: Scenario) -> list[Table]:
-    return [_quantities(f"Actuator {name}", actuator) for name, actuator in scenario.actuators.items()]
+    return [_quantities(f"Actuator {name}", actuator) for name, actuator in scenario.running.items()]
 
 
 def _quantities(title: str, parameters: Parameters) -> Table:
