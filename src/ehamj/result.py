@@ -15,7 +15,6 @@ from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
 from ehamj.judge.summary import Summary
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
-from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 
@@ -25,19 +24,19 @@ RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
 CONTROLLER_FILE = "controller.json"
 
 COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
-    "mount": (list(MOUNTS), {"long_name": "mount (+x front, +y left)"}),
     "axis": (list(AXES), {"long_name": "axis"}),
     "dof": (list(DOFS), {"long_name": "degree of freedom of the machine, at the mount plane's centre"}),
     "chamber": (list(CHAMBERS), {"long_name": "chamber; oil in chamber 1 lifts the plate"}),
 }
 
 LABELLED = {
+    "mount": "mount (+x front, +y left)",
     "point": "point of the machine",
     "relative": "relative motion, as named in the scenario",
     "sensor": "channel that the controller reads",
     "law_state": "number of the controller's state",
 }
-"""Dimensions whose labels the scenario or its controller gives; a result has them where there are any."""
+"""Dimensions whose labels plant, scenario or controller give; a result has them where there are any."""
 
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
@@ -156,19 +155,19 @@ def make_dataset(
     time: np.ndarray,
     values: dict[str, np.ndarray],
     attributes: dict[str, Any],
-    labels: Mapping[str, Sequence[Any]] | None = None,
+    labels: Mapping[str, Sequence[Any]],
 ) -> xr.Dataset:
     """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`.
 
-    ``labels`` names what lies along the dimensions of `LABELLED`, which differ from scenario to scenario.
+    ``labels`` names what lies along the dimensions of `LABELLED`, which differ from model to model.
     """
     data = {}
     for name, array in values.items():
         dimensions, units, long_name = VARIABLES[name]
         data[name] = (("time", *dimensions), array, {"units": units, "long_name": long_name})
     coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s", "long_name": "time"})}
+    for name, along in labels.items():
+        coordinates[name] = (name, list(along), {"long_name": LABELLED[name]})
     for name, (values_along, attrs) in COORDINATES.items():
         coordinates[name] = (name, values_along, attrs)
-    for name, along in (labels or {}).items():
-        coordinates[name] = (name, list(along), {"long_name": LABELLED[name]})
     return xr.Dataset(data, coordinates, attributes)

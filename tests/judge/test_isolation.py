@@ -73,7 +73,7 @@ class Motion:
     def dataset(self, rows: int | None = None) -> xr.Dataset:
         values = {"ground_velocity": self.ground, "foot_velocity": self.feet, "cg_velocity": self.cg}
         values["machine_velocity"] = self.machine
-        labels = {}
+        labels = {"mount": list(MOUNTS)}
         if self.points:
             values["point_velocity"] = np.stack(list(self.points.values()), axis=1)
             labels["point"] = list(self.points)
@@ -139,7 +139,7 @@ def test_floor_and_machine_turn_the_same_way(corners: dict[str, list[float]] | N
     motion.ground[:, :, Z] = np.outer(rx, y) - np.outer(ry, x)
     motion.machine[:, 3], motion.machine[:, 4] = rx, ry
     values = {"ground_velocity": motion.ground, "cg_velocity": motion.cg, "machine_velocity": motion.machine}
-    floor, machine = floor_and_machine(make_dataset(TIMES, values, {}), plant)
+    floor, machine = floor_and_machine(make_dataset(TIMES, values, {}, {"mount": MOUNTS}), plant)
     for name, expected in (("rx", rx), ("ry", ry)):
         np.testing.assert_allclose(floor[name], expected, rtol=0, atol=1e-18)
         np.testing.assert_array_equal(machine[name], expected)

@@ -15,7 +15,7 @@ from ehamj.linear.eigen import mac
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import Mode, modes
-from ehamj.linear.names import energy_shares, motion_name
+from ehamj.linear.names import energy_shares, group_of, motion_name
 from ehamj.linear.shapes import centre_of_rotation, in_phase
 from ehamj.plant.axes import DOFS
 from ehamj.plant.machine import Machine
@@ -436,3 +436,13 @@ def test_oscillations_of_the_controller_are_named_so() -> None:
     pole = np.log(0.99 * np.exp(0.3j)) * 1e4
     assert mode.frequency == pytest.approx(abs(pole) / (2 * np.pi), rel=1e-9)
     assert mode.damping_ratio == pytest.approx(-pole.real / abs(pole), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("state", "group"),
+    [("velocity plate rear-left", "motion"), ("spool front-left", "valve"), ("torque_current front-left", "valve"),
+     ("pressure_1 front-left", "pressure"), ("line_flow", "pressure"), ("controller 3", "controller")],
+)  # fmt: skip
+def test_a_state_belongs_to_what_it_is_of(state: str, group: str) -> None:
+    """A state of a valve's option too, whatever its name."""
+    assert group_of(state) == group

@@ -3,21 +3,23 @@
 Measured with a few millivolts or µm/s per line, where the machine is linear: 1 % and 1° from 1 to 300 Hz.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from oracles import linear
 
+from ehamj.control import Controller
 from ehamj.errors import InputError
 from ehamj.estimate.spectra import Spectra, estimate
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import ground_response
 from ehamj.plant.mounts import MOUNTS
 from ehamj.rig.measurement import Measurement, channel
-from ehamj.rig.multisine import PERIOD, by_multisine, excited, line_amplitudes, lines
+from ehamj.rig.multisine import PERIOD, PERIODS, by_multisine, excited, line_amplitudes, lines
 from ehamj.run.simulate import simulate, simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
@@ -156,6 +158,34 @@ def test_a_command_that_saturates_is_not_coherent() -> None:
     # 33 lines of 4 V: 16 V RMS against ±10 V.
     measured = measure_valves(scenario("default"), ("stroke front-left",), amplitude=4.0)
     assert measured.estimate.multiple.min() < 0.95
+
+
+# --- the loop that is measured ------------------------------------------------------------------------------------
+
+
+class Begun(Exception):
+    """A simulation begins, of this duration [s]."""
+
+
+def test_it_begins_when_the_loop_with_its_instruments_as_they_are_turned_has_settled(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Feedback of geophones 20° off the vertical, in directions that the seed draws: some damp sway, some drive it."""
+
+    def begin(scenarios: Iterable[Scenario]) -> None:
+        raise Begun(next(iter(scenarios)).duration)
+
+    monkeypatch.setattr("ehamj.rig.multisine.simulate_many", begin)
+    nothing = np.zeros((4, 0))
+    feet = tuple(f"foot_velocity {mount} z" for mount in MOUNTS)
+    Controller(nothing.T @ nothing, nothing.T, nothing, -5e3 * np.eye(4), feet).save(tmp_path / "law.json")
+    table = {"control": {"kind": "law", "file": str(tmp_path / "law.json")}}
+    table["sensors"] = {"inertial": {"kind": "geophone", "misalignment": 20.0}}
+    with pytest.raises(Begun) as caught:
+        by_multisine(scenario("default", seed=2, **table), dofs=("z",))
+    assert caught.value.args[0] == pytest.approx(6.3 + PERIODS * PERIOD)
+    with pytest.raises(InputError, match=r"sway-rocking about y .* has a damping ratio of"):
+        by_multisine(scenario("default", seed=0, **table), dofs=("z",))
 
 
 # --- lines and channels -------------------------------------------------------------------------------------------

@@ -57,6 +57,7 @@ def _labels(prepared: Prepared) -> dict[str, list[Any]]:
     """What lies along the dimensions that differ from scenario to scenario."""
     scenario, law = prepared.scenario, prepared.controller
     labels: dict[str, list[Any]] = {
+        "mount": list(scenario.plant.mounts),
         "point": list(scenario.points),
         "relative": [relative.name for relative in scenario.relative],
         "sensor": list(law.inputs) if law is not None else [],
