@@ -1,23 +1,23 @@
 """The command line: exit codes, what goes to which stream, and folders that are written whole or not at all."""
 
-import json
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import obspy
 import pytest
 import typer
+from harness import Cli, Said
 
 from ehamj.cli import app
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import load_result
 from ehamj.scenario.load import shipped_scenarios
+
+pytestmark = pytest.mark.usefixtures("empty_folder")
 
 COMMANDS = sorted(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
 PLAIN = ("--no-replay", "--no-report", "--set", "compare=[]")
@@ -32,17 +32,6 @@ UNSTABLE = (
 )
 
 
-class Said(NamedTuple):
-    """Exit code, standard output, standard error."""
-
-    code: int
-    out: str
-    err: str
-
-
-Cli = Callable[..., Said]
-
-
 def process(*arguments: str) -> Said:
     """The installed program in a process of its own."""
     program = Path(sys.executable).with_name("ehamj")
@@ -55,33 +44,13 @@ def tree(folder: Path = Path()) -> dict[str, bytes | None]:
     return {str(path): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
 
 
-def message(said: Said) -> str:
-    """The one message of a refusal: nothing on standard output, no traceback."""
-    assert (said.code, said.out) == (2, "")
-    assert "Traceback" not in said.err
-    found = re.findall(r"^ehamj: (.*)$", said.err, re.MULTILINE)
-    assert len(found) == 1
-    return str(found[0])
-
-
-def one_json(text: str) -> dict[str, object]:
-    """The single JSON object that is all of ``text``."""
-
-    def refuse(constant: str) -> None:
-        raise AssertionError(f"{constant} is no JSON")
-
-    found = json.loads(text, parse_constant=refuse)  # fails on anything after the object
-    assert isinstance(found, dict)
-    return found
-
-
 # --- the installed program ----------------------------------------------------------------------------------------
 
 
 def test_program_runs_and_says_json() -> None:
     said = process(*QUICK, "--out", "result", "--json")
     assert said.code == 0
-    content = one_json(said.out)
+    content = said.json
     assert content["folder"] == "result"
     assert content["summary"] == load_result("result").summary
     assert "simulating benchmark" in said.err  # progress goes there
@@ -90,14 +59,14 @@ def test_program_runs_and_says_json() -> None:
 
 def test_program_refuses_bad_input() -> None:
     said = process(*QUICK, "--set", "machine.mas=1", "--json")
-    assert message(said).startswith("machine.mas = 1: unknown key; did you mean 'mass'?")
+    assert said.message.startswith("machine.mas = 1: unknown key; did you mean 'mass'?")
     assert not tree()
 
 
 def test_program_keeps_what_a_failing_run_has() -> None:
     said = process(*UNSTABLE, "--out", "result", "--json")
     assert said.code == 3
-    assert one_json(said.out)["folder"] == "result"
+    assert said.json["folder"] == "result"
     assert "Traceback" not in said.err
     assert load_result("result").summary["complete"] is False
 
@@ -123,7 +92,7 @@ def test_run_says_what_came_out_and_where(cli: Cli) -> None:
 
 
 def test_json_is_all_of_standard_output(cli: Cli) -> None:
-    content = one_json(cli(*QUICK, "--json").out)
+    content = cli(*QUICK, "--json").json
     assert content["folder"] == "runs/0001"
     assert content["summary"] == load_result("runs/0001").summary
 
@@ -157,7 +126,7 @@ def test_folders_are_printed_as_they_are(cli: Cli) -> None:
 
 def test_messages_keep_their_brackets(cli: Cli) -> None:
     said = cli(*QUICK, "--set", "name=['red', 'bold']")
-    assert "name = ['red', 'bold']: " in message(said)
+    assert "name = ['red', 'bold']: " in said.message
 
 
 # --- folders ------------------------------------------------------------------------------------------------------
@@ -179,7 +148,7 @@ def test_an_existing_folder_is_refused_and_untouched(cli: Cli, content: tuple[st
     for name in content:
         Path("there", name).write_text("mine")
     before = tree()
-    assert message(cli(*QUICK, "--out", "there")).startswith("--out 'there': exists already")
+    assert cli(*QUICK, "--out", "there").message.startswith("--out 'there': exists already")
     assert tree() == before
 
 
@@ -202,7 +171,7 @@ def test_overwrite_refuses_the_folder_one_stands_in(cli: Cli, monkeypatch: pytes
     cli(*QUICK, "--out", "result")
     monkeypatch.chdir("result")
     before = tree()
-    assert "is where you stand" in message(cli(*QUICK, "--out", ".", "--overwrite"))
+    assert "is where you stand" in cli(*QUICK, "--out", ".", "--overwrite").message
     assert tree() == before
 
 
@@ -212,20 +181,20 @@ def test_overwrite_refuses_a_folder_that_is_no_result(cli: Cli, name: str) -> No
     Path("mine").mkdir()
     Path("mine", name).write_text("mine")
     before = tree()
-    assert "replaces a folder of its own kind only" in message(cli(*QUICK, "--out", "mine", "--overwrite"))
+    assert "replaces a folder of its own kind only" in cli(*QUICK, "--out", "mine", "--overwrite").message
     assert tree() == before
 
 
 def test_overwrite_refuses_a_file(cli: Cli) -> None:
     Path("mine").write_text("mine")
-    assert "is a file, not a folder" in message(cli(*QUICK, "--out", "mine", "--overwrite"))
+    assert "is a file, not a folder" in cli(*QUICK, "--out", "mine", "--overwrite").message
     assert tree() == {"mine": b"mine"}
 
 
 def test_a_folder_below_a_file_is_refused_before_anything_is_computed(cli: Cli) -> None:
     Path("mine").write_text("mine")
     said = cli(*QUICK, "--out", "mine/result")
-    assert "cannot be written" in message(said)
+    assert "cannot be written" in said.message
     assert "simulating" not in said.err
     assert tree() == {"mine": b"mine"}
 
@@ -247,7 +216,7 @@ def test_a_folder_below_a_file_is_refused_before_anything_is_computed(cli: Cli) 
     ],
 )
 def test_bad_input_is_refused_and_leaves_nothing(cli: Cli, arguments: tuple[str, ...], parts: list[str]) -> None:
-    said = message(cli(*arguments))
+    said = cli(*arguments).message
     for part in parts:
         assert part in said
     assert not tree()
@@ -294,14 +263,14 @@ def test_a_record_in_the_working_directory_is_found(cli: Cli) -> None:
 
 
 def test_a_missing_record(cli: Cli) -> None:
-    assert "ground.file = 'floor.csv' cannot be read" in message(cli(*recorded("floor.csv")))
+    assert "ground.file = 'floor.csv' cannot be read" in cli(*recorded("floor.csv")).message
     assert not tree()
 
 
 def test_an_unreadable_record(cli: Cli) -> None:
     Path("floor.mseed").write_bytes(b"this is no record\n" * 40)
     before = tree()
-    said = message(cli(*recorded("floor.mseed")))
+    said = cli(*recorded("floor.mseed")).message
     assert "ground.file = 'floor.mseed' cannot be read" in said
     assert tree() == before
 
@@ -310,7 +279,7 @@ def test_a_truncated_table(cli: Cli) -> None:
     whole = Path(csv()).read_text()
     Path("floor.csv").write_text(whole[: whole.rindex(",")])
     before = tree()
-    said = message(cli(*recorded("floor.csv")))
+    said = cli(*recorded("floor.csv")).message
     for part in ("ground.file = 'floor.csv'", "line 401", "truncated"):
         assert part in said
     assert tree() == before
@@ -321,7 +290,7 @@ def test_a_truncated_seismic_record(cli: Cli) -> None:
     whole = Path("floor.mseed").read_bytes()
     Path("floor.mseed").write_bytes(whole[:-300])
     before = tree()
-    said = message(cli(*recorded("floor.mseed")))
+    said = cli(*recorded("floor.mseed")).message
     for part in ("ground.file = 'floor.mseed'", "truncated"):
         assert part in said
     assert tree() == before
@@ -329,7 +298,7 @@ def test_a_truncated_seismic_record(cli: Cli) -> None:
 
 def test_a_record_shorter_than_the_run(cli: Cli) -> None:
     before = {csv(): Path("floor.csv").read_bytes()}
-    said = message(cli(*recorded("floor.csv"), "--set", "duration=5"))
+    said = cli(*recorded("floor.csv"), "--set", "duration=5").message
     for part in ("duration, 5 s", "floor.csv lasts 4 s"):
         assert part in said
     assert tree() == before
@@ -341,7 +310,7 @@ def test_a_record_without_the_response_that_is_asked_for(cli: Cli) -> None:
         trace.stats.pop("response", None)
     stream.write("floor.mseed", format="MSEED")
     before = tree()
-    said = message(cli(*recorded("floor.mseed", remove_response="true")))
+    said = cli(*recorded("floor.mseed", remove_response="true")).message
     for part in ("ground.inventory is missing", "no response of BW.RJOB..EH", "ground.remove_response = false"):
         assert part in said
     assert tree() == before
@@ -384,7 +353,7 @@ def test_scenarios_one_line_each(cli: Cli) -> None:
 
 
 def test_scenarios_as_json(cli: Cli) -> None:
-    found = one_json(cli("scenarios", "--json").out)["scenarios"]
+    found = cli("scenarios", "--json").json["scenarios"]
     assert isinstance(found, list)
     assert [entry["name"] for entry in found] == list(shipped_scenarios())
     assert all(len(entry["description"]) > 20 for entry in found)
@@ -393,7 +362,7 @@ def test_scenarios_as_json(cli: Cli) -> None:
 def test_schema_is_json_and_nothing_else(cli: Cli) -> None:
     said = cli("schema")
     assert (said.code, said.err) == (0, "")
-    properties = one_json(said.out)["properties"]
+    properties = said.json["properties"]
     assert isinstance(properties, dict)
     assert {"machine", "mount", "ground", "control"} <= set(properties)
 
@@ -428,7 +397,7 @@ RESPOND = ("transmissibility", "workshop", "--set", "plates=tied", "--lines", "4
 def test_transmissibility_writes_page_tables_and_figures(cli: Cli) -> None:
     said = cli(*RESPOND, "--dofs", "z,rx", "--out", "floor", "--json")
     assert said.code == 0
-    content = one_json(said.out)
+    content = said.json
     names = {"transmissibility.html", "transmissibility.nc", "transmissibility.csv", "attenuation.csv", "scenario.toml"}
     assert {path.name for path in Path("floor").iterdir()} == names | {"figures"}
     assert {path.stem for path in Path("floor/figures").iterdir()} == {
@@ -443,7 +412,7 @@ def test_transmissibility_writes_page_tables_and_figures(cli: Cli) -> None:
     assert deviation["passive"]["cg_displacement z"]["of_linear"] < 0.02
     assert deviation["feedforward"]["cg_displacement z"]["of_floor"] < 0.02
     again = cli(*RESPOND, "--dofs", "z", "--out", "floor")
-    assert "exists already" in message(again)
+    assert "exists already" in again.message
     printed = cli(*RESPOND, "--dofs", "z", "--out", "floor", "--overwrite")
     assert printed.code == 0
     assert float(re.findall(r"passive: measured within ([\d.]+) % of linear", printed.out)[0]) < 2.0
@@ -455,7 +424,7 @@ def test_transmissibility_of_a_stored_run_is_its_own(cli: Cli) -> None:
     assert cli("run", "workshop", *quiet, "--no-replay", "--no-report", "--out", "run").code == 0
     said = cli("transmissibility", "run", "--dofs", "z", "--out", "floor", "--json")
     assert said.code == 0
-    content = one_json(said.out)
+    content = said.json
     assert content["method"] == {"passive": [], "feedforward": ["Welch, 29 averages of 0.169 s or more, H1"]}
 
 
@@ -472,7 +441,7 @@ def test_transmissibility_of_a_stored_run_is_its_own(cli: Cli) -> None:
     ],
 )
 def test_transmissibility_refuses_and_writes_nothing(cli: Cli, arguments: tuple[str, ...], expected: str) -> None:
-    assert expected in message(cli("transmissibility", *arguments, "--out", "floor"))
+    assert expected in cli("transmissibility", *arguments, "--out", "floor").message
     assert tree() == {}
 
 
@@ -486,7 +455,7 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
     before = tree()
     said = cli("report", "run", "--json")
     assert said.code == 0
-    assert one_json(said.out) == {"report": "run/report.html", "results": ["workshop", "workshop, passive"]}
+    assert said.json == {"report": "run/report.html", "results": ["workshop", "workshop, passive"]}
     after = tree()
     assert {name: after[name] for name in before} == before
     new = {Path(name).parts[1] for name in set(after) - set(before)}
@@ -496,7 +465,7 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
     assert Path("run/report.html").read_text() == page
     shutil.rmtree("run/passive")
     alone = cli("report", "run", "--json")
-    assert one_json(alone.out)["results"] == ["workshop"]
+    assert alone.json["results"] == ["workshop"]
     assert "the variant run/passive is gone" in alone.err
 
 
@@ -508,18 +477,18 @@ def test_a_comparison_has_a_page_of_its_own(cli: Cli) -> None:
     said = cli("report", "a/run", "--compare", "b/run", "--json")
     here = Path.cwd()
     labels = [f"workshop ({here / one / 'run'})" for one in ("a", "b")]
-    assert one_json(said.out) == {"report": "a/run/report-compare.html", "results": labels}
+    assert said.json == {"report": "a/run/report-compare.html", "results": labels}
     after = tree(Path("a/run"))
     assert {name: after[name] for name in own} == own
     assert {Path(name).parts[2] for name in set(after) - set(own)} == {"report-compare.html", "figures-compare"}
     text = Path("a/run/report-compare.html").read_text()
     assert "4000 kg" in text
     assert "5000 kg" in text
-    assert "is named twice" in message(cli("report", "a/run", "--compare", "a/../a/run"))
+    assert "is named twice" in cli("report", "a/run", "--compare", "a/../a/run").message
     assert tree(Path("a/run")) == after
 
 
 def test_a_report_of_no_result_is_refused(cli: Cli) -> None:
     Path("empty").mkdir()
-    assert "is no result folder" in message(cli("report", "empty"))
+    assert "is no result folder" in cli("report", "empty").message
     assert tree() == {"empty": None}

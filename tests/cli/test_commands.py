@@ -2,10 +2,10 @@
 
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 import typer
+from harness import Cli
 
 import ehamj.bench.bench
 from ehamj.cli import app
@@ -56,7 +56,7 @@ def test_every_command_stands_in_both_lists() -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_refused_input_has_one_message_and_leaves_nothing(cli: Any, command: str) -> None:
+def test_a_refused_input_has_one_message_and_leaves_nothing(cli: Cli, command: str) -> None:
     Path("here").write_text("mine")
     arguments, words = REFUSED[command]
     said = cli(command, *arguments)
@@ -67,7 +67,7 @@ def test_a_refused_input_has_one_message_and_leaves_nothing(cli: Any, command: s
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_json_is_all_that_a_command_says(cli: Any, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_json_is_all_that_a_command_says(cli: Cli, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What takes a minute, in rooms that have tests of their own, is found here at once."""
     monkeypatch.setattr("ehamj.paper.reproduction.reproduce", lambda: SimpleNamespace(to_dict=dict, table=()))
     for name in ("page.write_paper", "amplitude.amplitude_response", "amplitude.write_amplitude"):

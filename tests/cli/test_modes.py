@@ -1,19 +1,17 @@
 """`ehamj modes`: what it prints for people and for programs."""
 
 import json
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import pytest
+from harness import Cli
 
 from ehamj.rig import modal_test
 
-Cli = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def cli(cli: Any) -> Cli:
+def cli(cli: Cli) -> Cli:
     """The command in the common harness."""
     return partial(cli, "modes")
 

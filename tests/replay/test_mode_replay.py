@@ -1,17 +1,15 @@
 """The replay of modes, written to a file and read back."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from harness import Cli
 from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
-from typer.testing import CliRunner
 
-from ehamj.cli import app
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
@@ -126,14 +124,13 @@ def test_a_machine_that_does_not_swing_is_refused(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_writes_it_and_refuses_bad_names(tmp_path: Path) -> None:
+def test_the_command_writes_it_and_refuses_bad_names(cli: Cli, tmp_path: Path) -> None:
     path = tmp_path / "m.rrd"
     arguments = ["modes", "benchmark", "--replay", str(path), "--json"]
-    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
-    assert json.loads(done.stdout)["replay"] == str(path)
+    assert cli(*arguments).json["replay"] == str(path)
     RrdReader(path).store()
     before = path.stat().st_mtime_ns
-    assert "exists already" in str(CliRunner().invoke(app, arguments).exception)
+    assert "exists already" in cli(*arguments).message
     assert path.stat().st_mtime_ns == before
     for bad, words in ((tmp_path / "m.txt", "must end in .rrd"), (tmp_path / "none" / "m.rrd", "is no folder")):
-        assert words in str(CliRunner().invoke(app, ["modes", "--replay", str(bad)]).exception)
+        assert words in cli("modes", "--replay", str(bad)).message

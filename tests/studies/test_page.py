@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from harness import Cli
 
-from ehamj.cli import app
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.studies.outcome import Drawing, Outcome, labelled
@@ -60,13 +59,13 @@ def test_everything_is_written_and_reads_back(tmp_path: Path) -> None:
     assert "<study>" not in page.replace("A &lt;study&gt;", "")
 
 
-def test_the_command_lists_the_studies() -> None:
+def test_the_command_lists_the_studies(cli: Cli) -> None:
     """Each with a question of its own; the names are those that a wrong one is answered with."""
-    listed = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["studies"]
+    listed = cli("study", "--json").json["studies"]
     questions = {one["name"]: one["question"] for one in listed}
     assert "wave" in questions["waves"]
     assert len(set(questions.values())) == len(questions)
-    refused = str(CliRunner().invoke(app, ["study", "nothing"]).exception)
+    refused = cli("study", "nothing").message
     assert refused.rpartition("must be one of ")[2].split(", ") == list(questions)
 
 
@@ -78,20 +77,14 @@ def test_the_command_lists_the_studies() -> None:
         (["waves", "--set", "machine.mass=-1"], "mass"),
     ],
 )
-def test_bad_input_writes_nothing(
-    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(app, ["study", *arguments])
-    assert words in str(done.exception)
+def test_bad_input_writes_nothing(cli: Cli, arguments: list[str], words: str, tmp_path: Path) -> None:
+    assert words in cli("study", *arguments).message
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_writes_a_study(tmp_path: Path) -> None:
+def test_the_command_writes_a_study(cli: Cli, tmp_path: Path) -> None:
     folder = tmp_path / "found"
-    arguments = ["study", "waves", "--out", str(folder), "--json", "--set", "plates=tied"]
-    done = CliRunner().invoke(app, arguments, catch_exceptions=False)
-    told = json.loads(done.stdout)
+    told = cli("study", "waves", "--out", str(folder), "--json", "--set", "plates=tied").json
     assert (told["study"], told["folder"]) == ("waves", str(folder))
     assert (folder / "study.html").is_file()
     assert (folder / "map-valves-held.csv").is_file()

@@ -19,7 +19,7 @@ __all__ = ["app", "main"]
 def main() -> NoReturn:
     """Run the command line; every error becomes one message and an exit code."""
     try:
-        app()
+        app(prog_name="ehamj")  # also where another program runs it
     except (InputError, SimulationFailed) as error:
         log.print(f"[bold red]ehamj:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         sys.exit(2 if isinstance(error, InputError) else 3)

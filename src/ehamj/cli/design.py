@@ -5,27 +5,16 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.frame import (
-    JsonOption,
-    OutOption,
-    OverwriteOption,
-    ScenarioArgument,
-    SetOption,
-    app,
-    check_out,
-    log,
-    new_folder,
-    print_json,
-    print_table,
-    say,
-)
+from ehamj.cli.folders import check_out, new_folder
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log
+from ehamj.cli.printing import print_json, print_table, say
 from ehamj.design.synthesis import SYNTHESES
 from ehamj.design.tuning import DESIGNABLE
 
 
 @app.command()
 def design(
-    scenario: ScenarioArgument = "recorded",
+    scenario: ScenarioName = "recorded",
     architecture: Annotated[
         str | None,
         typer.Option(help=f"{', '.join((*DESIGNABLE, *SYNTHESES))} [default: the scenario's own]."),
@@ -33,10 +22,10 @@ def design(
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,
     disk_margin: Annotated[float, typer.Option(help="Least disk margin, also of all valves at once [-].")] = 0.5,
-    out_folder: OutOption = None,
-    overwrite: OverwriteOption = False,
-    overrides: SetOption = None,
-    as_json: JsonOption = False,
+    out_folder: Out = None,
+    overwrite: Overwrite = False,
+    overrides: Set = None,
+    as_json: Json = False,
 ) -> None:
     """Design a controller for a machine: crossings under stated margins, what they leave, and what limits them.
 

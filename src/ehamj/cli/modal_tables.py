@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.cli.frame import print_table, say
+from ehamj.cli.printing import print_table, say
 from ehamj.linear.modes import Mode
+from ehamj.linear.shapes import Energies
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.rig.modal_test import ModalTest
 
@@ -24,20 +25,22 @@ def print_modes(
 ) -> None:
     """Print modes and their shapes, where their energy is, how points move and which parameters move them."""
     heads: tuple[str, ...] = ("mode", "f [Hz]", "ζ [-]", "shape (m, rad; largest 1)", "turns about", "out of step")
-    print_table(title, heads, [_mode_row(mode) for mode in modes])
+    print_table(title, heads, map(_mode_row, modes))
     if energies:
         heads = ("mode", "kinetic, at the CG", "strain", "… by actuator", "ζ from", "… by actuator")
-        rows = [_energy_row(mode) for mode in modes if mode.energies is not None]
+        rows = (_energy_row(mode, mode.energies) for mode in modes if mode.energies is not None)
         print_table(f"{title}; where the energy is, and what damps it", heads, rows)
     if points:
-        swinging = [mode for mode in modes if mode.machine_moves]
-        moved = [[mode.name, *(_parts(mode.points[name].tolist(), AXES) for name in points)] for mode in swinging]
+        moved = (
+            [mode.name, *(_parts(mode.points[name].tolist(), AXES) for name in points)]
+            for mode in modes
+            if mode.machine_moves
+        )
         heads = ("mode", *(f"{name} [m]" for name in points))
         print_table(f"{title}; motion of points, as the shape is scaled", heads, moved)
     if slopes is not None:
-        heads = ("mode", "frequency", "damping ratio")
-        rows = _slope_rows(modes, slopes)
-        print_table(f"{title}; change in per cent with one per cent of a parameter", heads, rows)
+        about = f"{title}; change in per cent with one per cent of a parameter"
+        print_table(about, ("mode", "frequency", "damping ratio"), _slope_rows(modes, slopes))
 
 
 def print_measured(title: str, test: ModalTest) -> None:
@@ -70,39 +73,27 @@ def _parts(motion: Sequence[complex], names: Sequence[str], least: float = 0.01)
 
 
 def _mode_row(mode: Mode) -> list[str]:
-    row = [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}"]
-    if not mode.machine_moves:
-        return [*row, "", "", ""]
-    return [*row, _parts(mode.shape.tolist(), DOFS), str(mode.centre or "translates"), f"{mode.out_of_phase:.1f}°"]
+    motion = ["", "", ""]
+    if mode.machine_moves:
+        motion = [_parts(mode.shape.tolist(), DOFS), str(mode.centre or "translates"), f"{mode.out_of_phase:.1f}°"]
+    return [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}", *motion]
 
 
-def _energy_row(mode: Mode) -> list[str]:
+def _energy_row(mode: Mode, of: Energies) -> list[str]:
     """Shares of energy; of the damping ratio, what is left beside membranes and leakage is the valves' doing."""
-    e = mode.energies
-    assert e is not None
-    by = e.damping_by | {"valves": mode.damping_ratio - sum(e.damping_by.values())}
-    shares = [_shares(part, "%", 100.0) for part in (e.kinetic, e.strain_by)]
-    return [
-        mode.name,
-        *shares,
-        _shares(e.strain, "%", 100.0, True),
-        _shares(by, "", 1.0),
-        _shares(e.damping, "", 1.0, True),
-    ]
+    by = of.damping_by | {"valves": mode.damping_ratio - sum(of.damping_by.values())}
+    energy = [_shares(of.kinetic, "%"), _shares(of.strain_by, "%"), _shares(of.strain, "%", alike=True)]
+    return [mode.name, *energy, _shares(by), _shares(of.damping, alike=True)]
 
 
-def _shares(parts: Mapping[str, float], unit: str, factor: float, alike: bool = False) -> str:
+def _shares(parts: Mapping[str, float], unit: str = "", alike: bool = False) -> str:
     """Parts above `NOTABLE` of all, largest first; one value where they may be, and are, ``alike``."""
-    total = sum(map(abs, parts.values()))
-    values = list(parts.values())
-    if alike and max(values) - min(values) <= NOTABLE * total:
-        return f"{factor * values[0]:.2g}{unit} each"
-    order = sorted((name for name in parts if abs(parts[name]) > NOTABLE * total), key=lambda name: -abs(parts[name]))
-    return "; ".join(f"{name} {_short(factor * parts[name])}{unit}" for name in order)
-
-
-def _short(value: float) -> str:
-    return f"{value:.0f}" if abs(value) >= 9.5 else f"{value:.2g}"
+    least, factor = NOTABLE * sum(map(abs, parts.values())), 100.0 if unit == "%" else 1.0
+    values = sorted(parts.items(), key=lambda part: -abs(part[1]))
+    if alike and max(parts.values()) - min(parts.values()) <= least:
+        return f"{factor * next(iter(parts.values())):.2g}{unit} each"
+    shares = ((name, factor * value) for name, value in values if abs(value) > least)
+    return "; ".join(f"{name} {share:.{'0f' if abs(share) >= 9.5 else '2g'}}{unit}" for name, share in shares)
 
 
 def _slope_rows(modes: Sequence[Mode], slopes: xr.Dataset) -> list[list[str]]:
@@ -119,6 +110,6 @@ def _slope_rows(modes: Sequence[Mode], slopes: xr.Dataset) -> list[list[str]]:
 def _steepest(keys: Sequence[str], slopes: NDArray[np.float64]) -> str:
     """Up to `MOST` parameters by how much they change; those of the only kind of actuator without its name."""
     names = {key.split(".")[1] for key in keys if key.startswith("actuators.")}
-    order = sorted(range(len(keys)), key=lambda k: -abs(slopes[k]))[:MOST]
-    short = {key: key.split(".", 2)[2] if key.startswith("actuators.") and len(names) == 1 else key for key in keys}
-    return "; ".join(f"{short[keys[k]]} {slopes[k]:+.2f}" for k in order if abs(slopes[k]) > NOTABLE)
+    only = f"actuators.{names.pop()}." if len(names) == 1 else ""
+    steepest = sorted(zip(keys, slopes, strict=True), key=lambda one: -abs(one[1]))[:MOST]
+    return "; ".join(f"{key.removeprefix(only)} {slope:+.2f}" for key, slope in steepest if abs(slope) > NOTABLE)

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 import typer
 import xarray as xr
 
-from ehamj.cli.frame import JsonOption, ScenarioArgument, SetOption, app, log, print_json, say
+from ehamj.cli.frame import Json, ScenarioName, Set, app, log
 from ehamj.cli.modal_tables import print_measured, print_modes
+from ehamj.cli.printing import finite, print_json, say
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
@@ -18,6 +19,7 @@ from ehamj.linear.modes import Mode
 from ehamj.linear.modes import modes as modes_of
 from ehamj.rig.modal_test import KINDS, ModalTest, kind_of, modal_test
 from ehamj.scenario.load import load_scenario
+from ehamj.scenario.model import Scenario
 
 VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes only", "closed_loop": "closed loop"}
 """What modes are given of, by the key in the JSON object."""
@@ -25,39 +27,32 @@ VARIANTS = {"modes": "valves held", "bypassed": "chambers bypassed, membranes on
 SHORT = {"modes": "valves held", "closed_loop": "closed loop", "bypassed": "membranes only"}
 """What the replay calls them, in its order."""
 
-PointsOption = Annotated[
+Points = Annotated[
     list[str] | None,
     typer.Option("--point", metavar="NAME=X,Y,Z", help="A point beside the scenario's whose motion is given [m]."),
 ]
-SensitivityOption = Annotated[
-    bool, typer.Option("--sensitivity", help="What each parameter does to each mode: d ln f/d ln p, dζ/d ln p.")
-]
-MeasuredOption = Annotated[
+Measured = Annotated[
     str | None,
-    typer.Option(
-        "--measured", metavar="KIND", help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}."
-    ),
+    typer.Option(metavar="KIND", help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}."),
 ]
-NoiseOption = Annotated[
-    float, typer.Option("--noise", help="Noise of the measurement's sensors, as a share of each signal's RMS.")
-]
-ReplayOption = Annotated[
-    Path | None,
-    typer.Option("--replay", metavar="FILE.rrd", help="Also write the modes as an animated Rerun recording."),
-]
+Noise = Annotated[float, typer.Option(help="Noise of the measurement's sensors, as a share of each signal's RMS.")]
 
 
 @app.command()
 def modes(
-    scenario: ScenarioArgument = "recorded",
-    overrides: SetOption = None,
-    points: PointsOption = None,
-    sensitivity: SensitivityOption = False,
-    measured: MeasuredOption = None,
-    noise: NoiseOption = 0.0,
-    replay: ReplayOption = None,
+    scenario: ScenarioName = "recorded",
+    overrides: Set = None,
+    points: Points = None,
+    sensitivity: Annotated[
+        bool, typer.Option("--sensitivity", help="What each parameter does to each mode: d ln f/d ln p, dζ/d ln p.")
+    ] = False,
+    measured: Measured = None,
+    noise: Noise = 0.0,
+    replay: Annotated[
+        Path | None, typer.Option(metavar="FILE.rrd", help="Also write the modes as an animated Rerun recording.")
+    ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
-    as_json: JsonOption = False,
+    as_json: Json = False,
 ) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
 
@@ -77,11 +72,8 @@ def modes(
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     places = {**loaded.points, **_points(points or [], loaded.plant.mounts)}
-    model, loop = linear_model(loaded.plant), Loop.of(loaded, loaded.controller())
-    settings: dict[str, tuple[Loop | None, bool]] = {"modes": (None, False), "bypassed": (None, True)} | (
-        {"closed_loop": (loop, False)} if loop else {}
-    )
-    found = {key: modes_of(model, one, bypassed, places) for key, (one, bypassed) in settings.items()}
+    loops, model = _loops(loaded), linear_model(loaded.plant)
+    found = {key: modes_of(model, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
     test, slopes = None, {}
     if measured is not None:
         with log.status(f"measuring: {measured}"):
@@ -94,8 +86,8 @@ def modes(
     if sensitivity:
         with log.status("changing every parameter"):
             slopes = {
-                key: sensitivities(loaded, one.law if one else None, bypassed)
-                for key, (one, bypassed) in settings.items()
+                key: sensitivities(loaded, loop.law if loop else None, bypassed)
+                for key, (loop, bypassed) in loops.items()
             }
     if as_json:
         print_json(_plain(found, slopes, test) | ({} if replay is None else {"replay": str(replay)}))
@@ -106,6 +98,12 @@ def modes(
         print_measured(f"{loaded.name}: identified from signals, valves held", test)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})")
+
+
+def _loops(scenario: Scenario) -> dict[str, tuple[Loop | None, bool]]:
+    """The loop of each variant, and whether its chambers are bypassed."""
+    loop = Loop.of(scenario, scenario.controller())
+    return {"modes": (None, False), "bypassed": (None, True)} | ({"closed_loop": (loop, False)} if loop else {})
 
 
 def _check_recording(path: Path, overwrite: bool) -> None:
@@ -137,26 +135,18 @@ def _points(given: Sequence[str], mounts: Sequence[str]) -> dict[str, tuple[floa
 def _plain(
     found: Mapping[str, Sequence[Mode]], slopes: Mapping[str, xr.Dataset], test: ModalTest | None
 ) -> dict[str, Any]:
-    """What was found as plain data."""
-    return {
-        **{key: [mode.to_dict() for mode in modes] for key, modes in found.items()},
-        **({"sensitivity": {key: _plain_slopes(one) for key, one in slopes.items()}} if slopes else {}),
-        **({} if test is None else {"measured": test.to_dict()}),
-    }
-
-
-def _plain_slopes(slopes: xr.Dataset) -> dict[str, Any]:
-    """d ln f/d ln p and dζ/d ln p by parameter, one number per mode in the modes' order; null where there is none."""
-    return {
-        str(key): {
-            "value": float(slopes["value"].sel(parameter=key)),
-            "unit": slopes["unit"].sel(parameter=key).item(),
-            "frequency": [_finite(value) for value in slopes["frequency"].sel(parameter=key).values],
-            "damping": [_finite(value) for value in slopes["damping"].sel(parameter=key).values],
+    """What was found as plain data; slopes have one number per mode, in the modes' order, null where there is none."""
+    content: dict[str, Any] = {key: [mode.to_dict() for mode in modes] for key, modes in found.items()}
+    if slopes:
+        content["sensitivity"] = {
+            key: {
+                str(one["parameter"].item()): {
+                    "value": float(one["value"]),
+                    "unit": one["unit"].item(),
+                    **{name: [finite(value) for value in one[name].values] for name in ("frequency", "damping")},
+                }
+                for one in (some.isel(parameter=k) for k in range(some.sizes["parameter"]))
+            }
+            for key, some in slopes.items()
         }
-        for key in slopes["parameter"].values
-    }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return content if test is None else {**content, "measured": test.to_dict()}

@@ -5,24 +5,16 @@ from typing import Annotated
 
 import typer
 
-from ehamj.cli.frame import (
-    JsonOption,
-    OverwriteOption,
-    app,
-    check_out,
-    log,
-    new_folder,
-    print_json,
-    print_table,
-    say,
-)
+from ehamj.cli.folders import check_out, new_folder
+from ehamj.cli.frame import Json, Overwrite, app, log
+from ehamj.cli.printing import print_json, print_table, say
 
 
 @app.command()
 def paper(
     out_folder: Annotated[Path | None, typer.Option("--out", help="Folder [default: a new runs/NNNN].")] = None,
-    overwrite: OverwriteOption = False,
-    as_json: JsonOption = False,
+    overwrite: Overwrite = False,
+    as_json: Json = False,
 ) -> None:
     """Reproduce the source paper: figures 3 to 7, and every number it states beside the computed one.
 

@@ -1,6 +1,7 @@
 """The command that simulates."""
 
 from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,21 +9,9 @@ import typer
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ehamj.cli.frame import (
-    JsonOption,
-    OutOption,
-    OverwriteOption,
-    ScenarioArgument,
-    SetOption,
-    app,
-    check_out,
-    log,
-    new_folder,
-    out,
-    print_json,
-    print_table,
-    say,
-)
+from ehamj.cli.folders import check_out, new_folder
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
+from ehamj.cli.printing import print_json, print_table, say
 
 if TYPE_CHECKING:
     from ehamj.judge import Summary
@@ -35,13 +24,13 @@ SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
 
 @app.command()
 def run(
-    scenario: ScenarioArgument = "recorded",
-    out_folder: OutOption = None,
-    overwrite: OverwriteOption = False,
-    overrides: SetOption = None,
+    scenario: ScenarioName = "recorded",
+    out_folder: Out = None,
+    overwrite: Overwrite = False,
+    overrides: Set = None,
     no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
-    as_json: JsonOption = False,
+    as_json: Json = False,
 ) -> None:
     """Simulate one scenario into a result folder.
 
@@ -54,10 +43,8 @@ def run(
     from ehamj.store import write_run
 
     check_out(out_folder, overwrite, RESULT_FILES)
-    loaded = load_scenario(scenario, overrides or ())
-    if no_replay or no_report:
-        wanted = {"replay": loaded.output.replay and not no_replay, "report": loaded.output.report and not no_report}
-        loaded = loaded.model_copy(update={"output": loaded.output.model_copy(update=wanted)})
+    off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
+    loaded = load_scenario(scenario, [*(overrides or ()), *off])
     results, failures = _simulate(loaded)
     with new_folder(out_folder, overwrite) as (folder, target), log.status("writing the result"):
         write_run(target, results)
@@ -120,15 +107,17 @@ def _print_levels(summary: "Summary", mount: str) -> None:
     """Peaks and RMS values of the motions, strokes and spools at one mount."""
     rows: list[tuple[Any, ...]] = []
     for axis in "xyz":
-        rows.append((f"ground velocity {axis} ({mount})", "µm/s", 1e6, ("ground_velocity", mount, axis)))
-        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, ("cg_velocity", axis)))
-    rows += [(f"machine rotation {dof}", "µrad", 1e6, ("machine_displacement", dof)) for dof in ("rx", "ry")]
-    rows.append((f"stroke ({mount})", "µm", 1e6, ("stroke", mount)))
-    rows.append((f"spool ({mount})", "mA", 1.0, ("spool", mount)))
+        rows.append((f"ground velocity {axis} ({mount})", "µm/s", 1e6, "ground_velocity", mount, axis))
+        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, "cg_velocity", axis))
+    rows += [(f"machine rotation {dof}", "µrad", 1e6, "machine_displacement", dof) for dof in ("rx", "ry")]
+    rows += [(f"stroke ({mount})", "µm", 1e6, "stroke", mount), (f"spool ({mount})", "mA", 1.0, "spool", mount)]
 
-    def level(levels: dict[str, Any], factor: float, keys: tuple[str, ...]) -> str:
-        value: Any = reduce(lambda table, key: table[key], keys, levels)
-        return "nan" if value is None else f"{factor * float(value):.3g}"
+    def level(levels: dict[str, Any], factor: float, keys: list[str]) -> str:
+        value: Any = reduce(getitem, keys, levels)
+        return "nan" if value is None else f"{factor * value:.3g}"
 
-    cells = [(name, unit, level(summary.peak, *of), level(summary.rms, *of)) for name, unit, *of in rows]
+    cells = [
+        (name, unit, *(level(levels, factor, keys) for levels in (summary.peak, summary.rms)))
+        for name, unit, factor, *keys in rows
+    ]
     print_table("about equilibrium", ("motion", "unit", "peak", "RMS"), cells)

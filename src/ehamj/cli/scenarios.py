@@ -2,11 +2,12 @@
 
 import sys
 
-from ehamj.cli.frame import JsonOption, app, print_names
+from ehamj.cli.frame import Json, app
+from ehamj.cli.printing import print_names
 
 
 @app.command()
-def scenarios(as_json: JsonOption = False) -> None:
+def scenarios(as_json: Json = False) -> None:
     """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
     from ehamj.scenario.load import load_scenario, shipped_scenarios
 

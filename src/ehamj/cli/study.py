@@ -9,22 +9,10 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from ehamj.cli.frame import (
-    JsonOption,
-    OutOption,
-    OverwriteOption,
-    ScenarioArgument,
-    SetOption,
-    app,
-    check_out,
-    log,
-    new_folder,
-    out,
-    print_json,
-    print_names,
-    say,
-)
+from ehamj.cli.folders import check_out, new_folder
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.options import with_options
+from ehamj.cli.printing import print_json, print_names, say
 from ehamj.errors import InputError
 from ehamj.scenario.load import load_scenario
 from ehamj.studies.catalogue import STUDIES
@@ -54,7 +42,7 @@ app.add_typer(studies, name="study")
 
 
 @studies.callback()
-def study(context: typer.Context, as_json: JsonOption = False) -> None:
+def study(context: typer.Context, as_json: Json = False) -> None:
     """Answer one question about a machine: maps, boundaries of stability, failures, waves, soft mounts.
 
     `ehamj study` lists the questions; `ehamj study NAME --help` shows its settings. Each writes study.html (read it
@@ -69,14 +57,14 @@ def _command(one: Study[Any]) -> Callable[..., None]:
     @with_options(one.settings)
     def command(
         given: dict[str, Any],
-        scenario: ScenarioArgument = "recorded",
+        scenario: ScenarioName = "recorded",
         settings: Annotated[
             Path | None, typer.Option("--settings", metavar="study.json", help="Settings of a study that was run.")
         ] = None,
-        out_folder: OutOption = None,
-        overwrite: OverwriteOption = False,
-        overrides: SetOption = None,
-        as_json: JsonOption = False,
+        out_folder: Out = None,
+        overwrite: Overwrite = False,
+        overrides: Set = None,
+        as_json: Json = False,
     ) -> None:
         check_out(out_folder, overwrite, STUDY_FILES)
         wanted = one.with_settings({**(_stored(settings, one) if settings else {}), **given})

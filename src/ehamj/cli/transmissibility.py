@@ -1,26 +1,15 @@
 """The command that shows how the floor's motion reaches the machine."""
 
 import math
-from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ehamj.cli.frame import (
-    JsonOption,
-    OutOption,
-    OverwriteOption,
-    SetOption,
-    app,
-    check_out,
-    log,
-    new_folder,
-    print_json,
-    print_table,
-    say,
-)
+from ehamj.cli.folders import check_out, new_folder
+from ehamj.cli.frame import Json, Out, Overwrite, Set, app, log
 from ehamj.cli.options import with_options
+from ehamj.cli.printing import finite, print_json, print_table, say
 from ehamj.errors import InputError
 from ehamj.result import load_result
 from ehamj.rig.comparison import Comparison, TransmissibilitySettings, compare_result, compare_scenario
@@ -33,7 +22,13 @@ SHOWN_BANDS = ("1", "2", "5", "10", "20", "50", "100", "200")
 """Third-octave bands whose attenuation is printed [Hz]."""
 NONLINEAR = 0.02
 """Deviation from linear above which a reader wants to know why [-]."""
-OF_METHOD = {"multisine": ("lines", "realisations", "velocity"), "welch": ("segment", "joint")}
+OF_METHOD = {
+    "lines": "multisine",
+    "realisations": "multisine",
+    "velocity": "multisine",
+    "segment": "welch",
+    "joint": "welch",
+}
 """Options that only one way of measuring has."""
 FILES = ("transmissibility.html", "transmissibility.nc", "transmissibility.csv", "attenuation.csv")
 
@@ -45,10 +40,10 @@ def transmissibility(
     source: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="A TOML file, a shipped scenario's name, or a result folder.")
     ] = "recorded",
-    out_folder: OutOption = None,
-    overwrite: OverwriteOption = False,
-    overrides: SetOption = None,
-    as_json: JsonOption = False,
+    out_folder: Out = None,
+    overwrite: Overwrite = False,
+    overrides: Set = None,
+    as_json: Json = False,
 ) -> None:
     """Floor to machine: the linear transmissibility beside the one measured in nonlinear runs, with coherence.
 
@@ -61,7 +56,9 @@ def transmissibility(
     check_out(out_folder, overwrite, FILES)
     stored = Path(source).is_dir()
     settings = checked(TransmissibilitySettings, {"method": "welch" if stored else "multisine"} | given)
-    _refuse_unused(given, settings.method)
+    for name in given:
+        if OF_METHOD.get(name, settings.method) != settings.method:
+            raise InputError(f"--{name}: belongs to --method {OF_METHOD[name]}; this measures by {settings.method}")
     found = _compare(source, stored, overrides or [], settings)
     with new_folder(out_folder, overwrite) as (folder, target), log.status("writing"):
         (target / "scenario.toml").write_text(found.scenario.to_toml(), encoding="utf-8")
@@ -85,27 +82,14 @@ def _percent(share: float) -> str:
     return f"{100 * share:.{0 if share >= 0.1 else 2}{'f' if share >= 0.1 else 'g'}} %"
 
 
-def _refuse_unused(given: Collection[str], method: str) -> None:
-    """Raise InputError if an option was given that the way of measuring does not have."""
-    for other, names in OF_METHOD.items():
-        for name in names:
-            if other != method and name in given:
-                raise InputError(f"--{name}: belongs to --method {other}; this measures by {method}")
-
-
 def _compare(source: str, stored: bool, overrides: list[str], settings: TransmissibilitySettings) -> Comparison:
-    if stored:
-        if overrides:
-            raise InputError(f"--set {overrides[0]!r}: a stored result cannot be changed; name its scenario.toml")
-        result = load_result(source)
-        if settings.method == "welch":
-            return compare_result(result, settings)
-        scenario = result.scenario
-    else:
-        scenario = load_scenario(source, overrides)
+    if stored and overrides:
+        raise InputError(f"--set {overrides[0]!r}: a stored result cannot be changed; name its scenario.toml")
+    result = load_result(source) if stored else None
+    scenario = result.scenario if result else load_scenario(source, overrides)
     with log.status("measuring"):
         if settings.method == "welch":
-            return compare_result(simulate(scenario), settings)
+            return compare_result(result or simulate(scenario), settings)
         return compare_scenario(scenario, settings)
 
 
@@ -113,16 +97,12 @@ def _plain(found: Comparison) -> dict[str, Any]:
     """Attenuation and agreement as plain data."""
     attenuation: dict[str, Any] = {}
     for variant, kind, dof, levels in found.attenuation():
-        bands = {
-            band.name: None if math.isnan(level) else float(level)
-            for band, level in zip(found.chosen, levels, strict=True)
-        }
+        bands = {band.name: finite(level) for band, level in zip(found.chosen, levels, strict=True)}
         attenuation.setdefault(variant, {}).setdefault(kind, {})[dof] = bands
-    measured = {variant.name: [one.method for one in variant.measured] for variant in found.variants}
     return {
         "reference": found.settings.reference,
         "outputs": list(found.outputs),
-        "method": {name: list(dict.fromkeys(methods)) for name, methods in measured.items()},
+        "method": {one.name: list(dict.fromkeys(part.method for part in one.measured)) for one in found.variants},
         "attenuation_db": attenuation,
         "largest_deviation": found.agreement(),
     }

@@ -6,14 +6,15 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.frame import JsonOption, app, log, print_json, print_table
+from ehamj.cli.frame import Json, app, log
+from ehamj.cli.printing import print_json, print_table
 from ehamj.errors import InputError
 
 
 @app.command()
 def verify(
     out_file: Annotated[Path | None, typer.Option("--out", help="Also write the table as an HTML page.")] = None,
-    as_json: JsonOption = False,
+    as_json: Json = False,
 ) -> None:
     """Check the simulator against independent solutions, and print the table of errors; exit 1 if a case fails.
 

@@ -1,0 +1,70 @@
+"""The folder of a result: where it may be written, and that it appears whole or not at all."""
+
+import itertools
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ehamj.errors import InputError
+
+RUNS = Path("runs")
+
+
+def check_out(folder: Path | None, overwrite: bool, marks: Sequence[str]) -> None:
+    """Raise InputError unless ``folder`` may be written; called before anything is computed.
+
+    Only a folder that holds the files ``marks`` is replaced: it is of the kind that will be written.
+    """
+    where, why = folder or RUNS, ""
+    above = next(path for path in (where.absolute(), *where.absolute().parents) if path.exists())
+    if folder is not None and folder.exists():
+        if not overwrite:
+            why = "exists already; name another folder or add --overwrite"
+        elif not folder.is_dir():
+            why = "is a file, not a folder"
+        elif any(folder.iterdir()) and not all((folder / name).is_file() for name in marks):
+            why = "--overwrite replaces a folder of its own kind only, and this is none"
+        elif Path.cwd().is_relative_to(folder.resolve()):
+            why = "is where you stand; replace it from a folder above"
+    if not why and not (above.is_dir() and os.access(above, os.W_OK)):
+        why = f"cannot be written, since {str(above)!r} is no writable folder"
+    if why:
+        raise InputError(f"--out {str(where)!r}: {why}")
+
+
+def _numbered() -> Path:
+    """Make the next number under runs/; of two runs that end together each gets its own."""
+    RUNS.mkdir(exist_ok=True)
+    numbers = [int(found.group()) for path in RUNS.glob("*") if (found := re.match(r"\d+", path.name))]
+    for number in itertools.count(max(numbers, default=0) + 1):
+        with suppress(FileExistsError):
+            (RUNS / f"{number:04d}").mkdir()
+            break
+    return RUNS / f"{number:04d}"
+
+
+@contextmanager
+def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Path]]:
+    """The result's folder, and a temporary one that takes its place when everything in it is written."""
+    try:
+        folder = wanted or _numbered()
+        final = folder.resolve()
+        final.parent.mkdir(parents=True, exist_ok=True)
+        temporary = final.with_name(f".{final.name}-{secrets.token_hex(4)}")
+        temporary.mkdir()
+    except OSError as error:
+        raise InputError(f"--out {str(wanted or RUNS)!r}: cannot be written ({error.strerror})") from error
+    try:
+        yield folder, temporary
+        if overwrite and final.is_dir():
+            shutil.rmtree(final)
+        temporary.replace(final)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+        if wanted is None:
+            with suppress(OSError):
+                final.rmdir()  # only succeeds where nothing took its place
