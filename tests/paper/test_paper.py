@@ -231,12 +231,12 @@ def test_csv_and_page_hold_every_row(folder: Path, paper: Reproduction) -> None:
 
 def test_figures_show_both_panels_with_units(paper: Reproduction) -> None:
     for name, (_, cases) in FIGURES.items():
-        above, below = figure(paper, name).axes
+        drawn = figure(paper, name)
+        above, below = drawn.axes
         assert above.get_ylabel() == "magnitude [dB re 1 m/V]"
         assert (below.get_ylabel(), below.get_xlabel()) == ("phase [deg]", "frequency [Hz]")
         assert above.get_xscale() == below.get_xscale() == "log"
-        legend = above.get_legend()
-        assert legend is not None
+        (legend,) = drawn.legends
         assert len(legend.get_texts()) == 5  # three designs and two marks
         marked = [text.get_text().strip() for text in above.texts]
         assert marked == ["valve 250 Hz", "valve 400 Hz"][: 1 + ("recommended_fast_valve" in cases)]

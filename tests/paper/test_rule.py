@@ -75,8 +75,7 @@ def test_figures_show_the_designs_and_take_other_studies() -> None:
     study = RuleStudy(points=15, damping=(0.2, 0.4))
     marks = paper_marks()
     assert [len(drawn.axes) for drawn in rule_maps(study, marks)] == [1, 1]  # the prototype's damping, and the other
-    legend = rule_maps(study, marks)[0].axes[0].get_legend()
-    assert legend is not None
+    (legend,) = rule_maps(study, marks)[0].legends
     assert "first prototype, valve at ±5 %: 232 Hz" in [text.get_text() for text in legend.get_texts()]
     bare, marked = rule_chart(study, {}).axes, rule_chart(study, marks).axes
     assert [len(after.lines) - len(before.lines) for before, after in zip(bare, marked, strict=True)] == [4, 4]

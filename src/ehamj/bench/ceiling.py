@@ -63,8 +63,8 @@ def rates(motion, valves, t, system, force, out, valves_out):  # type: ignore[no
         valves_out[3, i] = pressure_rate(flows.into_2, -area * rise, two, own.cylinder.volume_2, beta, wall)
         spring, damper = lift(height, rise, own.membrane)
         up = area * (one - two) - spring - damper
-        pull_x = -pull(motion[0] - y * motion[5], motion[6] - y * motion[11], own.membrane)
-        pull_y = -pull(motion[1] + x * motion[5], motion[7] + x * motion[11], own.membrane)
+        pull_x = -pull(motion[0] - y * motion[5], motion[6] - y * motion[11], 1.0, own.membrane)
+        pull_y = -pull(motion[1] + x * motion[5], motion[7] + x * motion[11], 1.0, own.membrane)
         force[0] += pull_x
         force[1] += pull_y
         force[2] += up

@@ -19,6 +19,8 @@ from ehamj.cli.frame import (
     print_table,
     say,
 )
+from ehamj.design.synthesis import SYNTHESES
+from ehamj.design.tuning import DESIGNABLE
 
 
 @app.command()
@@ -26,9 +28,7 @@ def design(
     scenario: ScenarioArgument = "recorded",
     architecture: Annotated[
         str | None,
-        typer.Option(
-            help="combined, modal, skyhook, stroke-servo, feedforward, h-infinity or lqg [default: the scenario's own]."
-        ),
+        typer.Option(help=f"{', '.join((*DESIGNABLE, *SYNTHESES))} [default: the scenario's own]."),
     ] = None,
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,

@@ -23,6 +23,8 @@ def verify(
     from ehamj.verify import to_dict, write_table
     from ehamj.verify import verify as check
 
+    if out_file is not None and not out_file.absolute().parent.is_dir():
+        raise InputError(f"--out {str(out_file)!r}: cannot be written, since {str(out_file.parent)!r} is no folder")
     with log.status("verifying") as status:
         outcomes = check(progress=lambda done: status.update(f"verified: {done.case.name}"))
     if out_file is not None:

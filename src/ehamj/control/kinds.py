@@ -21,14 +21,15 @@ from ehamj.settings import one_of
 ARCHITECTURES: Final[Registry[type[DigitalSettings]]] = Registry("architecture")
 """Digital laws, which run alone or as parts of `CombinedSettings`."""
 
-for _architecture in (
+_LAWS: tuple[type[DigitalSettings], ...] = (
     FeedforwardSettings,
     StrokeServoSettings,
     SkyhookSettings,
     ModalSettings,
     ResonantSettings,
-):
-    ARCHITECTURES.add(_architecture.name(), _architecture)
+)
+for _law in _LAWS:
+    ARCHITECTURES.add(_law.name(), _law)
 
 if TYPE_CHECKING:
     Part = DigitalSettings
@@ -87,8 +88,8 @@ def _without_shared(part: DigitalSettings) -> DigitalSettings:
 CONTROLS: Final[Registry[type[ControlSettings]]] = Registry("control")
 """Everything that [control] of a scenario may be."""
 
-_kinds: tuple[type[ControlSettings], ...] = (Passive, OpenLoop, *ARCHITECTURES.values(), CombinedSettings, Law)
-for _control in _kinds:
+_CONTROLS: tuple[type[ControlSettings], ...] = (Passive, OpenLoop, *_LAWS, CombinedSettings, Law)
+for _control in _CONTROLS:
     CONTROLS.add(_control.name(), _control)
 
 STANDARD: Final[dict[str, ControlSettings]] = {

@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Final
 
 from ehamj.control.architectures.file import Law
-from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import budget
 from ehamj.design.outcome import outcome
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
-from ehamj.design.tuning import Design, judged, tune
+from ehamj.design.tuning import DESIGNABLE, Design, judged, tune
 from ehamj.errors import InputError
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
@@ -22,9 +21,6 @@ from ehamj.studies.page import write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
-
-DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
-"""Architectures that can be designed: the settings of each begin from their defaults."""
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,9 @@ Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
 
+DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
+"""Architectures that can be designed: the settings of each begin from their defaults."""
+
 STEP: Final = 1.03
 STEPS: Final = 3.0 * STEP ** -np.arange(116.0)
 """Factors on a crossing that are tried, from 3 down to 0.1."""
@@ -82,10 +85,10 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     members = control.members if isinstance(control, DigitalSettings) else ()
     tunable = [number for number, member in enumerate(members) if member.loops()]
     if not isinstance(control, DigitalSettings) or len(tunable) != 1:
-        able = [name for name, one in STANDARD.items() if isinstance(one, DigitalSettings) and one.loops()]
+        able = [name for name, one in DESIGNABLE.items() if any(member.loops() for member in one.members)]
         raise InputError(
             f"control.kind = {control.kind!r}: has {len(tunable) or 'no'} laws with loops to tune; there must be one "
-            f"loop to tune, {', '.join(able[:-1])} or {able[-1]}, alone or as one part of combined"
+            f"loop to tune, {', '.join(able[:-1])} or {able[-1]}"
         )
     model = machines.models["as designed"]
     shaped = members[tunable[0]].fitted([(one.name, one.frequency) for one in modes(model)], model.plant.machine.cg[2])

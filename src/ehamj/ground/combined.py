@@ -10,9 +10,11 @@ from ehamj.signals import Array
 
 @dataclass(frozen=True)
 class Combined:
-    """The sum of several motions."""
+    """The sum of several motions, ``factor`` times as large; ``note`` says what it is."""
 
     parts: tuple[Motion, ...]
+    factor: float = 1.0
+    note: str | None = None
 
     @property
     def at_rest(self) -> bool:
@@ -20,7 +22,8 @@ class Combined:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        return tuple(note for part in self.parts for note in part.notes)
+        said = tuple(note for part in self.parts for note in part.notes)
+        return said if self.note is None else (self.note, *dict.fromkeys(said))
 
     @property
     def usable_to(self) -> float:
@@ -31,4 +34,4 @@ class Combined:
         for part in self.parts[1:]:
             for whole, own in zip(total, part.sample(time), strict=True):
                 np.add(whole, own, out=whole)
-        return total
+        return total if self.factor == 1 else GroundSample(*(self.factor * part for part in total))

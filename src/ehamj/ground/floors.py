@@ -6,7 +6,6 @@ Each floor is a sum of the other kinds of ground. The frequencies are those that
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
@@ -14,13 +13,12 @@ from pydantic import Field
 from ehamj.ground.broadband import BroadbandGround, BurstGround
 from ehamj.ground.coherence import Coherence
 from ehamj.ground.combined import Combined
-from ehamj.ground.motion import GroundSample, GroundSettings, Motion, Start
+from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import Dof, MultisineGround, ShockGround
 from ehamj.ground.targets import PetersonTarget
 from ehamj.ground.waves import Wave
 from ehamj.settings import Positive
-from ehamj.signals import Array
 
 Part = BroadbandGround | BurstGround | ShapedGround | MultisineGround | ShockGround
 
@@ -135,29 +133,4 @@ class FloorGround(GroundSettings):
                 passing["coherence"] = self.coherence
             moving.append(part.model_copy(update=passing).motion(replace(start, part=(*start.part, k))))
         times = "" if self.scale == 1 else f", {self.scale:g} times as strong"
-        return Scaled(Combined(tuple(moving)), self.scale, f"floor {self.floor}{times}: {entry.description}")
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """A motion ``factor`` times as large, and a note on what it is."""
-
-    motion: Combined
-    factor: float
-    note: str
-
-    @property
-    def at_rest(self) -> bool:
-        return self.motion.at_rest
-
-    @cached_property
-    def notes(self) -> tuple[str, ...]:
-        return (self.note, *dict.fromkeys(self.motion.notes))
-
-    @property
-    def usable_to(self) -> float:
-        return self.motion.usable_to
-
-    def sample(self, time: Array) -> GroundSample:
-        moved = self.motion.sample(time)
-        return moved if self.factor == 1 else GroundSample(*(self.factor * part for part in moved))
+        return Combined(tuple(moving), self.scale, f"floor {self.floor}{times}: {entry.description}")

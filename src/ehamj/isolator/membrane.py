@@ -49,6 +49,9 @@ def lift(ground: float, rate: float, own: MembraneValues) -> tuple[float, float]
 
 
 @kernel
-def pull(ground: float, rate: float, own: MembraneValues) -> float:
-    """Lateral force on the machine by ground that moved, in one direction [N]."""
-    return own.lateral_stiffness * ground + own.lateral_damping * rate
+def pull(ground: float, slope: float, rate: float, own: MembraneValues) -> float:
+    """Lateral force on the machine by ground that moved, in one direction [N].
+
+    ``slope``·``rate`` is the ground's velocity [m/s]: motion per step [m], and steps per second.
+    """
+    return own.lateral_stiffness * ground + own.lateral_damping * slope * rate

@@ -59,7 +59,7 @@ def stage_inputs(s, rate, isolators, mounts, force):  # type: ignore[no-untyped-
         mount.ground = z
         mount.ground_rate = z_slope * rate
         mount.command = hermite(cubic_of(mount.open_loop), s)[0]
-        pull_x, pull_y = pull(x, x_slope * rate, own), pull(y, y_slope * rate, own)
+        pull_x, pull_y = pull(x, x_slope, rate, own), pull(y, y_slope, rate, own)
         force[X] += pull_x
         force[Y] += pull_y
         force[RZ] += isolator.mount_x * pull_y - isolator.mount_y * pull_x

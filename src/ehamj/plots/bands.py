@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ehamj.plots.axes import decibel_axis, frequency_axis, log_axis
 from ehamj.plots.style import FAINT, FLOOR_COLOR, GREY, MARKERS, Array, arrange, new_figure, shown, styled
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-BAND_TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 
 LABEL_HEIGHT: Final = 8.0
 """Least distance between the names of two curves [pt]."""
@@ -48,11 +47,8 @@ def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
         figure = new_figure(title)
         axes = figure.add_subplot()
         _band_axis(axes, curves)
-        values = np.concatenate([curve.values[np.isfinite(curve.values)] for curve in curves] or [np.zeros(0)])
-        bottom = min(-10.0, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
-        top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
-        axes.set_ylim(bottom, top)
-        axes.axhspan(bottom, 0.0, color="#FBEDEA", zorder=0)
+        decibel_axis(axes, np.concatenate([curve.values for curve in curves] or [np.zeros(0)]), (-10.0, 10.0))
+        axes.axhspan(axes.get_ylim()[0], 0.0, color="#FBEDEA", zorder=0)
         axes.axhline(0.0, color=GREY, linewidth=1.2)
         axes.set_ylabel("attenuation [dB], up = quieter")
         entries = _band_lines(axes, curves)
@@ -130,14 +126,8 @@ def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "t
 
 
 def _level_axis(axes: "Axes", bottom: float, top: float, quantity: str) -> None:
-    """A logarithmic axis of levels, with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    axes.set_yscale("log")
     axes.set_ylim(bottom, top)
-    axes.yaxis.set_major_locator(LogLocator(10))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_locator(NullLocator())  # ticks without names cost a tenth of a page's time
+    log_axis(axes.yaxis, few=True)
     axes.set_ylabel(quantity)
 
 
@@ -153,16 +143,8 @@ def _positive(values: Array) -> Array:
 
 def _band_axis(axes: "Axes", curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> None:
     """A logarithmic axis of frequency that spans all bands, known or not."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
-    axes.set_xscale("log")
     frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
-    low, high = float(frequency.min()) / 1.12, float(frequency.max()) * 1.12
-    axes.set_xlim(low, high)
-    axes.xaxis.set_major_locator(FixedLocator([tick for tick in BAND_TICKS if low <= tick <= high]))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_xlabel(across)
+    frequency_axis(axes, float(frequency.min()) / 1.12, float(frequency.max()) * 1.12, across)
 
 
 def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":

@@ -5,33 +5,37 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.plots.axes import log_axis
 from ehamj.plots.style import (
     BLUE,
     GREEN,
     GREY,
-    INCH,
     INK,
     LIMIT_COLOR,
     ORANGE,
     PURPLE,
     SKY,
     VERMILLION,
-    WIDTH,
+    arrange,
+    new_figure,
+    share,
+    shown,
     styled,
 )
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
 COLORS: Final = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, GREY, INK)
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
-HEIGHT: Final = 280.0
-"""Height of a chart [pt]."""
+LONGEST: Final = 50
+"""Letters of a name in the legend."""
+HEIGHT: Final = 190.0
+"""Height of a single panel [pt]."""
 
 
 @dataclass(frozen=True)
@@ -52,36 +56,6 @@ class Line:
         return self.color if isinstance(self.color, str) else COLORS[self.color % len(COLORS)]
 
 
-def _new(title: str, panels: int = 1, height: float = HEIGHT) -> "tuple[Figure, list[Axes]]":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH / INCH, height / INCH), layout="constrained")
-    figure.suptitle(title, x=0.015, ha="left")
-    axes = figure.subplots(panels, 1, squeeze=False, sharex=panels > 1)[:, 0]
-    return figure, list(axes)
-
-
-def _plain(axis: Any) -> None:
-    """Numbers of a logarithmic axis as people write them."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    low, high = axis.get_view_interval()
-    decades = np.log10(high / low)
-    wide = high >= 1e5 or low < 1e-3  # numbers with exponents need room
-    steps = (
-        (1.0,)
-        if decades > (1.3 if wide else 4.0)
-        else (1.0, 2.0, 5.0)
-        if decades > 0.7
-        else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
-    )
-    axis.set_major_locator(LogLocator(10, subs=steps))
-    axis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("-", "−"))
-    )
-    axis.set_minor_formatter(NullFormatter())
-
-
 def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
     for line in lines:
         look: dict[str, Any] = {"color": line.hue, "label": line.label or "_"}
@@ -93,17 +67,20 @@ def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
         axes.plot(np.asarray(line.x, float), np.asarray(line.y, float), **look)
 
 
-def _legend(axes: "Sequence[Axes]", extra: Sequence[Any] = ()) -> None:
-    """One legend for all axes, above the first."""
-    entries: dict[str, Any] = {artist.get_label(): artist for artist in extra}
+def _entries(axes: "Sequence[Axes]", extra: "Sequence[Artist]" = ()) -> "dict[str, Artist]":
+    """What has a name, once."""
+    entries = {str(artist.get_label()): artist for artist in extra}
     for one in axes:
         handles, names = one.get_legend_handles_labels()
-        entries |= {name: handle for handle, name in zip(handles, names, strict=True) if name not in entries}
-    if not entries:
-        return
-    columns = max(1, min(len(entries), int(62 / (max(map(len, entries)) + 7))))
-    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.02), "borderaxespad": 0.0}
-    axes[0].legend(list(entries.values()), list(entries), ncols=columns, **place)
+        entries |= {shown(name, LONGEST): handle for handle, name in zip(handles, names, strict=True)}
+    return entries
+
+
+def _scales(axes: "Axes", wanted: str) -> None:
+    """Make the axes logarithmic that ``wanted`` names: "x", "y" or "xy"."""
+    for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+        if name in wanted:
+            log_axis(axis)
 
 
 def lines_chart(
@@ -125,29 +102,30 @@ def lines_chart(
         limits: quantity → lowest and highest value shown.
     """
     with styled():
-        figure, axes = _new(title, len(panels), HEIGHT * (1.0 if len(panels) == 1 else 0.65 * len(panels)))
+        figure = new_figure(title)
+        axes = list(figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0])
         for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
             _draw(one, lines)
             one.set_ylabel(quantity)
+            one.set_xlabel(x)
+            if "x" in logarithmic:
+                one.set_xscale("log")
             if "y" in logarithmic:
                 one.set_yscale("log")
             if limits and quantity in limits:
                 one.set_ylim(*limits[quantity])
-            if "y" in logarithmic:
-                _plain(one.yaxis)
             for place in (marks or {}).values():
                 one.axvline(place, color=GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
         last = axes[-1]
-        last.set_xlabel(x)
-        if "x" in logarithmic:
-            last.set_xscale("log")
-            _plain(last.xaxis)
         last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
+        for one in axes:
+            _scales(one, logarithmic)
         for name, place in (marks or {}).items():
             side = "left" if _share(last, place) < 0.6 else "right"
             axes[0].annotate(name, (place, 1.0), (3 if side == "left" else -3, -2), ha=side, va="top", fontsize=8.8,
                              color=GREY, xycoords=("data", "axes fraction"), textcoords="offset points")  # fmt: skip
-        _legend(axes)
+        share(axes)
+        arrange(figure, [(one, HEIGHT if len(axes) == 1 else 0.65 * HEIGHT) for one in axes], _entries(axes), gap=12.0)
     return figure
 
 
@@ -190,7 +168,8 @@ def map_chart(
     if boundary is not None:
         field = np.ma.masked_where(np.asarray(boundary[1], float) > 0.0, field)
     with styled():
-        figure, (axes,) = _new(title, height=1.15 * HEIGHT)
+        figure = new_figure(title)
+        axes = figure.add_subplot()
         axes.grid(False)
         if levels is None:
             levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(float(field.min()), float(field.max()))
@@ -209,14 +188,11 @@ def map_chart(
         _draw(axes, points)
         axes.set_xlabel(x[0])
         axes.set_ylabel(y[0])
-        for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
-            if name in logarithmic:
-                (axes.set_xscale if name == "x" else axes.set_yscale)("log")
-                _plain(axis)
         axes.set_xlim(across.min(), across.max())
         axes.set_ylim(up.min(), up.max())
+        _scales(axes, logarithmic)
         handles.insert(0, Line2D([], [], color=colors[len(colors) // 2], linewidth=6.0, label=values[0]))
-        _legend([axes], handles)
+        arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes], handles))
     return figure
 
 
@@ -231,7 +207,8 @@ def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -
     """
     factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
     with styled():
-        figure, (axes,) = _new(title, height=1.15 * HEIGHT)
+        figure = new_figure(title)
+        axes = figure.add_subplot()
         shown = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
         place = np.broadcast_to(factor[:, None], roots.shape)[shown]
         drawn = axes.scatter(roots.real[shown], roots.imag[shown], c=place, s=5.0, cmap="viridis", linewidths=0.0)
@@ -248,8 +225,10 @@ def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -
         axes.set_ylim(0.0, 1.02 * span)
         axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
         axes.set_ylabel("imaginary part/2π [Hz]")
-        figure.colorbar(drawn, ax=axes, label="factor on the loop's gain [-]", pad=0.02)
-        _legend([axes])
+        arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
+        box = axes.get_position()
+        beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
+        figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
     return figure
 
 
@@ -264,10 +243,7 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
     """
     angle = np.radians(np.asarray(degrees, float))
     with styled():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(WIDTH / INCH, 1.25 * HEIGHT / INCH), layout="constrained")
-        figure.suptitle(title, x=0.015, ha="left")
+        figure = new_figure(title)
         axes: Any = figure.add_subplot(projection="polar")
         axes.set_theta_zero_location("N")
         axes.set_theta_direction(1)
@@ -277,8 +253,7 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
             axes.plot(np.append(angle, angle[0] + 2 * np.pi), closed, color=line.hue, label=line.label,
                       linestyle=DASHES[line.dash % len(DASHES)], linewidth=line.width)  # fmt: skip
         axes.set_rlabel_position(22.5)
-        axes.set_title(" ", fontsize=9)  # room between the legend and the name of the front
         axes.tick_params(labelsize=8.5)
         axes.set_xlabel(radius)
-        _legend([axes])
+        arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
     return figure

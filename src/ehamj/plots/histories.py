@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ehamj.plots.axes import linear_axis
 from ehamj.plots.style import LIMIT_COLOR, Array, arrange, new_figure, shown, styled
 
 if TYPE_CHECKING:
@@ -95,8 +96,6 @@ def history(
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
     """
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
-
     with styled():
         figure = new_figure(title)
         above, *below = figure.subplots(2 if window else 1, 1, squeeze=False)[:, 0]
@@ -113,8 +112,7 @@ def history(
         entries |= _limits(above, [*whole, *([] if window else detail)], limits)
         for axes in (above, *below):
             axes.set_ylabel(quantity)
-            axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
-            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+            linear_axis(axes.yaxis)
         if window:
             above.set_xlabel("time [s], whole run")
             below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")

@@ -1,6 +1,5 @@
 """Frequency responses: magnitude, phase and coherence over frequency, and the matrix of all magnitudes."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.plots.bands import BAND_TICKS
+from ehamj.plots.axes import decibel_axis, frequency_axis
 from ehamj.plots.style import (
     BELOW,
     GREY,
@@ -20,6 +19,7 @@ from ehamj.plots.style import (
     arrange,
     legend_columns,
     new_figure,
+    share,
     shown,
     styled,
 )
@@ -103,10 +103,7 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
         panels = [(above, 120.0), (middle, 70.0), *((axes, 56.0) for axes in below)]
         for axes, _ in panels:
             _frequency_axis(axes, curves)
-            axes.set_xlabel("frequency [Hz]")
-            if axes is not panels[-1][0]:  # they share it
-                axes.tick_params(labelbottom=False)
-                axes.xaxis.label.set_visible(False)
+        share(axes for axes, _ in panels)
         arrange(figure, panels, entries, gap=10.0)
     return figure
 
@@ -143,6 +140,7 @@ def response_matrix(
             grid[i, 0].set_ylabel(row, fontsize=8.8)
         first = grid[0, 0]
         _frequency_axis(first, everything, few=True)
+        first.set_xlabel("")
         _decibels(first, everything)
         figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
         figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
@@ -191,26 +189,11 @@ def _in_decibels(size: Array) -> Array:
 
 
 def _decibels(axes: "Axes", curves: Sequence[Response]) -> None:
-    """Limits at multiples of 10 dB around everything that is known."""
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
-
     parts = [_in_decibels(np.abs(curve.known)) for curve in curves]
-    values = np.concatenate([part[np.isfinite(part)] for part in parts] or [np.zeros(0)])
-    bottom = max(DEEPEST, 10.0 * math.floor(float(values.min(initial=0.0)) / 10.0))
-    top = max(10.0, 10.0 * math.ceil(float(values.max(initial=0.0)) / 10.0))
-    axes.set_ylim(bottom, top)
-    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 4, 5, 10]))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+    decibel_axis(axes, np.concatenate(parts or [np.zeros(0)]), (0.0, 10.0), DEEPEST)
 
 
 def _frequency_axis(axes: "Axes", curves: Sequence[Response], few: bool = False) -> None:
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
-    axes.set_xscale("log")
     ends = [(curve.frequency.min(), curve.frequency.max()) for curve in curves if curve.frequency.size]
     low, high = (min(low for low, _ in ends), max(high for _, high in ends)) if ends else (1.0, 300.0)
-    axes.set_xlim(low / 1.03, high * 1.03)
-    ticks = [tick for tick in BAND_TICKS if low <= tick <= high and (not few or math.log10(tick) % 1 == 0)]
-    axes.xaxis.set_major_locator(FixedLocator(ticks))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    frequency_axis(axes, low / 1.03, high * 1.03, few=few)

@@ -84,12 +84,26 @@ def new_figure(title: str) -> "Figure":
     return figure
 
 
+def share(axes: "Iterable[Axes]") -> None:
+    """Let axes below each other share the lowest one's horizontal axis: the others keep its name, unseen."""
+    for one in list(axes)[:-1]:
+        one.tick_params(labelbottom=False)
+        one.xaxis.label.set_visible(False)
+
+
+def _room(axes: "Axes") -> float:
+    """What the numbers and the name of an axis need on the left [pt]."""
+    ticks = axes.yaxis.get_major_formatter().format_ticks(list(axes.yaxis.get_major_locator()()))
+    return max([LEFT, *(5.6 * len(text) + 24.0 for text in ticks)])
+
+
 def arrange(
     figure: "Figure",
     panels: Sequence[tuple["Axes", float]],
     entries: Mapping[str, "Artist"],
     right: float = 14.0,
     gap: float = BELOW,
+    head: float = 0.0,
 ) -> None:
     """Place title, legend and axes below each other, the same margins in every figure.
 
@@ -101,21 +115,23 @@ def arrange(
         entries: of the legend, which stands between title and axes, over no data.
         right: margin on the right [pt].
         gap: room below all axes but the last [pt].
+        head: room above the first [pt].
     """
-    columns = legend_columns(list(entries), WIDTH - LEFT)
+    left = max(_room(axes) for axes, _ in panels)
+    columns = legend_columns(list(entries), WIDTH - left)
     rows = -(-len(entries) // columns)
-    title, legend = 24.0, 12.0 * rows + 8.0
+    title, legend = 24.0, 12.0 * rows + 8.0 + head
     height = title + legend + sum(panel for _, panel in panels) + gap * (len(panels) - 1) + BELOW
     figure.set_size_inches(WIDTH / INCH, height / INCH)
     figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
     if entries:
-        place = (LEFT / WIDTH, 1.0 - title / height)
+        place = (left / WIDTH, 1.0 - title / height)
         handles, names = list(entries.values()), list(entries)
         figure.legend(handles, names, loc="upper left", bbox_to_anchor=place, ncols=columns, borderaxespad=0.0)
-    top, width = height - title - legend, WIDTH - LEFT - right
+    top, width = height - title - legend, WIDTH - left - right
     for axes, panel in panels:
-        axes.set_position((LEFT / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
-        axes.yaxis.set_label_coords(-44.0 / width, 0.5)
+        axes.set_position((left / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
+        axes.yaxis.set_label_coords((14.0 - left) / width, 0.5)
         top -= panel + gap
 
 
@@ -140,7 +156,7 @@ def legend_columns(names: Sequence[str], room: float) -> int:
     return 1
 
 
-def shown(label: str) -> str:
+def shown(label: str, most: int = 36) -> str:
     """A label as a legend can show it: not endless, and no underscore first, which would hide it."""
-    label = label if len(label) <= 36 else label[:35] + "…"
+    label = label if len(label) <= most else f"{label[: most - 1]}…"
     return f"\u2009{label}" if label.startswith("_") else label

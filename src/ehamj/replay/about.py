@@ -1,7 +1,7 @@
 """The page beside the picture: what was simulated, what came out, how to read the picture."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,10 +9,17 @@ import numpy as np
 from ehamj.replay.marks import length_text
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
-from ehamj.settings import Parameters
+from ehamj.scenario.model import Scenario
+from ehamj.settings import Parameters, Settings
 
-DIRECTIONS = {"vertical": "z", "horizontal": "xy"}
-"""Axes of each verdict."""
+
+def _labels_of(results: Mapping[str, Result], texts: Callable[[Result], Iterable[str]]) -> dict[str, list[str]]:
+    """What is said of the results, each text once, with the labels of those that share it."""
+    found: dict[str, list[str]] = {}
+    for label, result in results.items():
+        for text in texts(result):
+            found.setdefault(text, []).append(label)
+    return found
 
 
 def page(results: Mapping[str, Result], factor: float, arrows: float, speed: float) -> str:
@@ -104,12 +111,9 @@ def _speed(velocity: float) -> str:
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
-    said: dict[str, list[str]] = {}
-    for label, result in results.items():
-        summary = result.summary
-        texts = [*([] if summary.failure is None else [summary.failure]), *summary.warnings]
-        for text in texts:
-            said.setdefault(text, []).append(label)
+    said = _labels_of(
+        results, lambda r: [*([] if r.summary.failure is None else [r.summary.failure]), *r.summary.warnings]
+    )
     lines = [
         f"- {text}" if len(labels) == len(results) else f"- {', '.join(labels)}: {text}"
         for text, labels in said.items()
@@ -139,19 +143,19 @@ def _reading(factor: float, arrows: float, speed: float, rows: int) -> str:
 
 def _parameters(results: Mapping[str, Result]) -> list[str]:
     """Parameters with unit and source; once where results share them."""
-    found: dict[str, list[str]] = {}
-    for label, result in results.items():
-        scenario = result.scenario
-        tables: dict[str, Parameters] = {"Machine": scenario.machine}
-        tables |= {f"Actuator {name}": actuator for name, actuator in scenario.running.items()}
-        tables["Supply"] = scenario.supply
-        text = "\n\n".join(f"### {name}\n\n{_quantities(values)}" for name, values in tables.items())
-        found.setdefault(text, []).append(label)
+    found = _labels_of(results, lambda result: [_tables(result.scenario)])
     parts = []
     for text, labels in found.items():
         whose = f" of {', '.join(labels)}" if len(found) > 1 else ""
         parts += [f"## Parameters{whose}", text]
     return [*parts, "## Ground and control", *_settings(results)]
+
+
+def _tables(scenario: Scenario) -> str:
+    tables: dict[str, Parameters] = {"Machine": scenario.machine}
+    tables |= {f"Actuator {name}": actuator for name, actuator in scenario.running.items()}
+    tables["Supply"] = scenario.supply
+    return "\n\n".join(f"### {name}\n\n{_quantities(values)}" for name, values in tables.items())
 
 
 def _quantities(values: Parameters) -> str:
@@ -164,14 +168,15 @@ def _quantities(values: Parameters) -> str:
 
 def _settings(results: Mapping[str, Result]) -> list[str]:
     """Ground and control in one line each, once where results share them, without long tables of numbers."""
-    lines: dict[str, list[str]] = {}
-    for label, result in results.items():
-        for what in ("ground", "control"):
-            settings = getattr(result.scenario, what).model_dump()
-            kind = settings.pop("kind", "")
-            plain = [f"{key} {value}" for key, value in settings.items() if isinstance(value, str | int | float)]
-            lines.setdefault(f"{what} {kind}{': ' if plain else ''}{', '.join(plain)}", []).append(label)
-    return ["\n".join(f"- {', '.join(labels)}: {line}" for line, labels in lines.items())]
+    said = _labels_of(results, lambda r: [_line("ground", r.scenario.ground), _line("control", r.scenario.control)])
+    return ["\n".join(f"- {', '.join(labels)}: {line}" for line, labels in said.items())]
+
+
+def _line(what: str, settings: Settings) -> str:
+    values = settings.model_dump()
+    kind = values.pop("kind", "")
+    plain = [f"{key} {value}" for key, value in values.items() if isinstance(value, str | int | float)]
+    return f"{what} {kind}{': ' if plain else ''}{', '.join(plain)}"
 
 
 def _number(value: Any) -> str:
