@@ -133,7 +133,7 @@ class Evaluation:
         """Rigid floor to machine measured from the run by Welch's method, by degree of freedom that moves; nothing of a
         run that is too short."""
         outputs, found = machine_channels(), {}
-        usable = self.result.summary.get("analysis", {}).get("usable_to_hz") or math.inf
+        usable = self.result.summary.analysis.usable_to_hz or math.inf
         last = min(float(FREQUENCIES[-1]), usable, USABLE * self.result.scenario.record_rate)
         with suppress(InputError):
             for one in by_welch(self.result, [([own_output(outputs, dof)], [dof]) for dof in DIRECTIONS]):

@@ -14,7 +14,7 @@ import obspy
 import pytest
 import typer
 
-from ehamj.cli import app, main
+from ehamj.cli import app
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import load_result
 from ehamj.scenario.load import shipped_scenarios
@@ -41,27 +41,6 @@ class Said(NamedTuple):
 
 
 Cli = Callable[..., Said]
-
-
-@pytest.fixture(autouse=True)
-def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")  # what is printed for people does not break in the middle of a word
-    monkeypatch.setenv("NO_COLOR", "1")
-
-
-@pytest.fixture
-def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Cli:
-    """The command line inside this process (a process of its own costs seconds)."""
-
-    def call(*arguments: str) -> Said:
-        monkeypatch.setattr(sys, "argv", ["ehamj", *arguments])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        assert isinstance(stop.value.code, int)
-        return Said(stop.value.code, *capsys.readouterr())
-
-    return call
 
 
 def process(*arguments: str) -> Said:
@@ -417,10 +396,6 @@ def test_schema_is_json_and_nothing_else(cli: Cli) -> None:
     properties = one_json(said.out)["properties"]
     assert isinstance(properties, dict)
     assert {"machine", "mount", "ground", "control"} <= set(properties)
-
-
-def test_promised_commands_are_there() -> None:
-    assert {"run", "scenarios", "schema", "replay", "bench"} <= set(COMMANDS)
 
 
 def test_help_lists_the_commands(cli: Cli) -> None:

@@ -1,12 +1,11 @@
 """`ehamj design`: what it prints and writes, that what it writes runs, and what it refuses."""
 
 import json
-import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from ehamj.cli import main
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario
 
@@ -14,21 +13,10 @@ QUICK = ("--set", "plates='tied'", "--set", "compare=[]", "--set", "duration=5",
 FILES = {"design.json", "design.html", "controller.json", "scenario.toml"}
 
 
-@pytest.fixture(autouse=True)
-def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("NO_COLOR", "1")
-
-
 @pytest.fixture
-def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):  # type: ignore[no-untyped-def]
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["ehamj", "design", *arguments])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        return (int(stop.value.code or 0), *capsys.readouterr())
-
-    return call
+def cli(cli):  # type: ignore[no-untyped-def]
+    """The command in the common harness."""
+    return partial(cli, "design")
 
 
 def test_a_design_is_written_told_and_runs(cli) -> None:  # type: ignore[no-untyped-def]

@@ -1,34 +1,21 @@
 """`ehamj modes`: what it prints for people and for programs."""
 
 import json
-import sys
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import pytest
 
-from ehamj.cli import main
-from ehamj.cli.frame import out
 from ehamj.rig import modal_test
 
 Cli = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def cli(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Cli:
-    """The command in this process: exit code, standard output, standard error."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(out, "_width", 200)  # words stay whole
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["ehamj", "modes", *arguments])
-        with pytest.raises(SystemExit) as stop:
-            main()
-        assert isinstance(stop.value.code, int)
-        return stop.value.code, *capsys.readouterr()
-
-    return call
+def cli(cli: Any) -> Cli:
+    """The command in the common harness."""
+    return partial(cli, "modes")
 
 
 def test_tables_say_the_modes_and_what_moves(cli: Cli) -> None:

@@ -16,14 +16,10 @@ from ehamj.control.compiled.signals import Layout
 from ehamj.memory import ISOLATOR_STATE, size
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.levers import lever
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-_LAYOUT = Layout.of(N_MOUNTS)
-DISPLACEMENT, VELOCITY, ACCELERATION = _LAYOUT.displacement, _LAYOUT.velocity, _LAYOUT.acceleration
-GROUND, STATE, PLATE, N_SIGNALS = _LAYOUT.ground, _LAYOUT.state, _LAYOUT.plate, _LAYOUT.size
 
 _MOTIONS = ("displacement", "velocity", "acceleration")
 STATIC = ("displacement", "pressure")
@@ -35,16 +31,16 @@ class UnknownChannelError(ValueError):
 
 
 @cache
-def channel_names() -> tuple[str, ...]:
-    """Every channel there is."""
+def channel_names(mounts: tuple[str, ...] = MOUNTS) -> tuple[str, ...]:
+    """Every channel there is, with these mounts."""
     names = []
     for motion in _MOTIONS:
-        names += [f"ground_{motion} {mount} {axis}" for mount in MOUNTS for axis in AXES]
-        names += [f"foot_{motion} {mount} {axis}" for mount in MOUNTS for axis in AXES]
+        names += [f"ground_{motion} {mount} {axis}" for mount in mounts for axis in AXES]
+        names += [f"foot_{motion} {mount} {axis}" for mount in mounts for axis in AXES]
         names += [f"cg_{motion} {axis}" for axis in AXES]
         names += [f"machine_{motion} {dof}" for dof in DOFS]
-    names += [f"{name} {mount}" for name in ("stroke", "stroke_velocity", "spool", "load_pressure") for mount in MOUNTS]
-    names += [f"chamber_pressure {mount} {chamber}" for mount in MOUNTS for chamber in CHAMBERS]
+    names += [f"{name} {mount}" for name in ("stroke", "stroke_velocity", "spool", "load_pressure") for mount in mounts]
+    names += [f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS]
     return tuple(names)
 
 
@@ -53,44 +49,49 @@ def valve_commands(mounts: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"valve_command {mount}" for mount in mounts)
 
 
-def check_channel(name: str) -> None:
+def check_channel(name: str, mounts: tuple[str, ...]) -> None:
     """Refuse a name that no channel has.
 
     Raises:
         UnknownChannelError: with what is near it.
     """
-    if name not in channel_names():
-        near = difflib.get_close_matches(name, channel_names(), n=3, cutoff=0.0)
+    names = channel_names(mounts)
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=3, cutoff=0.0)
         raise UnknownChannelError(f"channel {name!r} is unknown; near it are: {', '.join(map(repr, near))}")
 
 
 def channel_row(name: str, plant: Plant) -> Array:
-    """The channel as a row over the vector of signals, shape (N_SIGNALS,).
+    """The channel as a row over the vector of signals, shape (signals,).
 
     Raises:
         UnknownChannelError: if there is no such channel.
     """
-    check_channel(name)
-    row = np.zeros(N_SIGNALS)
+    check_channel(name, plant.mounts)
+    at, places = Layout.of(len(plant.mounts)), plant.mounts
+    row = np.zeros(at.size)
     variable, *labels = name.split(" ")
     what, _, motion = variable.rpartition("_")
     if what in ("ground", "foot", "cg", "machine") and motion in _MOTIONS:
         order = _MOTIONS.index(motion)
         if what == "ground":
-            row[GROUND + 12 * order + 3 * MOUNTS.index(labels[0]) + AXES.index(labels[1])] = 1.0
-        elif what == "machine":
-            row[6 * order + DOFS.index(labels[0])] = 1.0
+            first = (at.ground, at.ground_velocity, at.ground_acceleration)[order]
+            row[first + len(AXES) * places.index(labels[0]) + AXES.index(labels[1])] = 1.0
+            return row
+        first = (at.displacement, at.velocity, at.acceleration)[order]
+        if what == "machine":
+            row[first + DOFS.index(labels[0])] = 1.0
         else:
             foot = what == "foot"
-            point = plant.positions[MOUNTS.index(labels[0])] if foot else plant.machine.cg
-            row[6 * order : 6 * order + 6] = lever(point)[AXES.index(labels[-1])]
+            point = plant.positions[places.index(labels[0])] if foot else plant.machine.cg
+            row[first : first + len(DOFS)] = lever(point)[AXES.index(labels[-1])]
         return row
-    mount = MOUNTS.index(labels[0])
-    state = STATE + size(ISOLATOR_STATE) * mount
+    mount = places.index(labels[0])
+    state = at.state + size(ISOLATOR_STATE) * mount
     if variable in ("stroke", "stroke_velocity"):
-        order = int(variable == "stroke_velocity")
-        row[PLATE + N_MOUNTS * order + mount] = 1.0
-        row[GROUND + 12 * order + 3 * mount + AXES.index("z")] = -1.0
+        plate, ground = (at.plate, at.ground) if variable == "stroke" else (at.plate_velocity, at.ground_velocity)
+        row[plate + mount] = 1.0
+        row[ground + len(AXES) * mount + AXES.index("z")] = -1.0
     elif variable == "spool":
         row[state] = 1.0
     elif variable == "load_pressure":

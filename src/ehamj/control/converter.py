@@ -66,7 +66,7 @@ class Sampled(Converter):
         object.__setattr__(self, "inputs", tuple(self.inputs))
         for name in self.inputs:
             try:
-                check_channel(name)
+                check_channel(name, self.mounts)
             except UnknownChannelError as error:
                 raise InputError(f"controller.inputs: {error}") from error
         positive("period", self.period)

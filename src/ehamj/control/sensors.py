@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
-from ehamj.control.channels import N_SIGNALS, channel_row, quantity_of
+from ehamj.control.channels import channel_row, quantity_of
+from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
     Accelerometer,
@@ -81,7 +82,9 @@ class Sensors(Settings):
     def rows(self, channels: Sequence[str], plant: Plant, seed: int) -> Array:
         """What the sensors at the channels see, as rows over the vector of signals; see `ehamj.control.channels`."""
         names, shares = self.mixtures(channels, seed)
-        return shares @ np.array([channel_row(name, plant) for name in names]).reshape(len(names), N_SIGNALS)
+        return shares @ np.array([channel_row(name, plant) for name in names]).reshape(
+            len(names), Layout.of(len(plant.mounts)).size
+        )
 
     def response(self, channels: Sequence[str], hertz: ArrayLike) -> NDArray[np.complex128]:
         """Reading over channel at ``hertz`` [Hz], shape (frequency, channels); sensors do not couple."""

@@ -9,17 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control import statespace
-from ehamj.control.channels import (
-    ACCELERATION,
-    DISPLACEMENT,
-    GROUND,
-    N_SIGNALS,
-    PLATE,
-    STATE,
-    VELOCITY,
-    channel_names,
-    channel_row,
-)
+from ehamj.control.channels import channel_names, channel_row
+from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
 from ehamj.memory import states_of
@@ -83,15 +74,15 @@ class LinearModel:
         Raises:
             InputError: if a channel is unknown, or is the ground's acceleration.
         """
-        rows = np.array([self._row(name, points or {}) for name in outputs]).reshape(len(outputs), N_SIGNALS)
+        signals = self.signals[0].shape[0]
+        rows = np.array([self._row(name, points or {}) for name in outputs]).reshape(len(outputs), signals)
         return rows @ self.signals[0], rows @ self.signals[1]
 
     def _row(self, name: str, points: Mapping[str, Point]) -> Array:
         variable, _, label = name.partition(" ")
         body, _, motion = variable.rpartition("_")
         if body in points and motion in ("displacement", "velocity", "acceleration") and label in AXES:
-            row = np.zeros(N_SIGNALS)
-            first = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}[motion]
+            row, first = np.zeros(self.signals[0].shape[0]), getattr(Layout.of(len(self.plant.mounts)), motion)
             row[first : first + len(DOFS)] = lever(points[body])[AXES.index(label)]
             return row
         if name.startswith("ground_acceleration"):
@@ -227,19 +218,19 @@ def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held
 def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) -> tuple[Array, Array]:
     """The vector of signals (`ehamj.control.channels`) from state and input."""
     at = {name: k for k, name in enumerate(states)}
-    n = len(plant.mounts)
-    C, D = np.zeros((N_SIGNALS, A.shape[0])), np.zeros((N_SIGNALS, B.shape[1]))
+    n, layout = len(plant.mounts), Layout.of(len(plant.mounts))
+    C, D = np.zeros((layout.size, A.shape[0])), np.zeros((layout.size, B.shape[1]))
     for dof, name in enumerate(DOFS):
         moves = at[f"velocity {name}"]
-        C[DISPLACEMENT + dof, at[f"displacement {name}"]] = C[VELOCITY + dof, moves] = 1.0
-        C[ACCELERATION + dof], D[ACCELERATION + dof] = A[moves], B[moves]
+        C[layout.displacement + dof, at[f"displacement {name}"]] = C[layout.velocity + dof, moves] = 1.0
+        C[layout.acceleration + dof], D[layout.acceleration + dof] = A[moves], B[moves]
     size = 2 * n * len(AXES)
-    D[GROUND : GROUND + size, n : n + size] = np.eye(size)
+    D[layout.ground : layout.ground + size, n : n + size] = np.eye(size)
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
-        C[STATE + row, at[name]] = 1.0
+        C[layout.state + row, at[name]] = 1.0
     for order, what in enumerate(("displacement", "velocity")):
         for mount, (name, (x, y)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
             height = {f"plate {name}": 1.0} if plant.plates == "sliding" else {"z": 1.0, "rx": y, "ry": -x}
             for joint, share in height.items():
-                C[PLATE + n * order + mount, at[f"{what} {joint}"]] = share
+                C[layout.plate + n * order + mount, at[f"{what} {joint}"]] = share
     return C, D

@@ -29,7 +29,7 @@ def report_page(shown: Results | Shown, sections: Sequence[Callable[[Shown], Sec
     """The report as a page; arguments as of `write_report`, and the sections that it has."""
     shown = shown if isinstance(shown, Shown) else Shown.of(shown)
     scenario, summary = shown.scenario, shown.first.summary
-    versions = ", ".join(f"{name} {version}" for name, version in summary.get("versions", {}).items())
+    versions = ", ".join(f"{name} {version}" for name, version in summary.versions.items())
     return Page(
         f"{scenario.name}: vibration isolation report",
         scenario.name,

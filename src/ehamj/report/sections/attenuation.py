@@ -18,7 +18,7 @@ def attenuation(shown: Shown) -> Section:
 
 def _figures(shown: Shown) -> Iterator[Picture]:
     for axis, words in AXIS_NAMES.items():
-        tables = {label: result.summary.get("attenuation_db", {}).get(axis) for label, result in shown.results.items()}
+        tables = {label: result.summary.attenuation_db.get(axis) for label, result in shown.results.items()}
         curves = [
             Levels.of_bands(label, table, shown.colors[label])
             for label, table in tables.items()
@@ -32,7 +32,7 @@ def at_places(shown: Shown) -> Table:
     """Vertical attenuation at feet, CG and points in a few bands; without rows where nothing is known."""
     rows: list[list[str]] = []
     for label, result in shown.results.items():
-        tables = {"machine": result.summary.get("attenuation_db", {}), **result.summary.get("attenuation_at_db", {})}
+        tables = {"machine": result.summary.attenuation_db, **result.summary.attenuation_at_db}
         own = [
             [place_in_words(place), *(decibel(table.get("z", {}).get(band)) for band in HEADLINE_BANDS)]
             for place, table in tables.items()
@@ -52,7 +52,7 @@ def _notes(shown: Shown) -> list[str]:
         "Up is quieter. Along x, y and z: the mean of the floor at the mounts over the machine's centre of gravity; "
         "roll and pitch: of the plane fitted to the floor, over those of the machine. Gaps are undecided bands."
     ]
-    tables = [result.summary.get("attenuation_db", {}) for result in shown.results.values()]
+    tables = [result.summary.attenuation_db for result in shown.results.values()]
     silent = [name for axis, name in AXIS_NAMES.items() if not known(table.get(axis, {}) for table in tables)]
     if silent:
         why = "since the floor moves too little or the run is short"

@@ -22,7 +22,7 @@ WORSE: Final = "The worse of x and y in each band."
 
 def criteria(shown: Shown) -> Section:
     """Levels of floor and machines beside the norms that judge the first result."""
-    norms = shown.scenario.criteria.chosen() if shown.first.summary.get("criteria") else {}
+    norms = shown.scenario.criteria.chosen()
     figures = [picture for name, norm in norms.items() for picture in _figures(shown, name, norm)]
     return Section("criterion", "Criteria", figures, [_at_places(shown, norms)], _notes(shown))
 
@@ -31,7 +31,7 @@ def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
     """Floor and machines against the curves of a norm, if it has curves; VC curves along each axis."""
     if not any(norm.needed(axis) for axis in CRITERION_AXES):
         return
-    usable = {result.summary.get("analysis", {}).get("usable_to_hz") for result in shown.results.values()}
+    usable = {result.summary.analysis.usable_to_hz for result in shown.results.values()}
     known_to = min((value for value in usable if value is not None), default=None)
     views = {axis: AXIS_NAMES[axis] for axis in CRITERION_AXES} if name == "vc" else VIEWS
     for view, words in views.items():
@@ -53,7 +53,7 @@ def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
 def _notes(shown: Shown) -> list[str]:
     """How to read the figures, and why some are missing."""
     found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
-    velocities = [result.summary.get("third_octave_velocity", {}) for result in shown.results.values()]
+    velocities = [result.summary.third_octave_velocity for result in shown.results.values()]
     quiet = []
     for axis in CRITERION_AXES:
         levels = known(table.get(who, {}).get(axis, {}) for table in velocities for who in ("floor", "machine"))
@@ -86,7 +86,7 @@ def _seen(norm: Norm, view: str, result: Result) -> dict[str, dict[str, float | 
     found: dict[str, dict[str, float | None]] = {}
     for place in ("floor", "machine"):
         found[place] = {}
-        for name in summary.get("third_octave_velocity", {}).get(place, {}).get(view[0], {}):
+        for name in summary.third_octave_velocity.get(place, {}).get(view[0], {}):
             band = of_band.get(name)
             limit = None if band is None else norm.limit(norm.classes[-1], view[0], band)
             quantity = "velocity" if limit is None else limit.quantity

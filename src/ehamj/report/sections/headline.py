@@ -19,7 +19,7 @@ PROCESSING: Final = re.compile(
 
 def headline(shown: Shown) -> Section:
     """Vertical attenuation at a few bands."""
-    tables = {label: result.summary.get("attenuation_db", {}).get("z", {}) for label, result in shown.results.items()}
+    tables = {label: result.summary.attenuation_db.get("z", {}) for label, result in shown.results.items()}
     rows = [[label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)] for label, table in tables.items()]
     note = f"{DASH}: undecided." if any(DASH in row for row in rows) else ""
     if not known(tables.values()):
@@ -62,7 +62,7 @@ def told(shown: Shown, processing: bool) -> list[str]:
     """Warnings in plain words, each with the results that it holds for; ``processing``: those about a record's."""
     found: dict[str, list[str]] = {}
     for label, result in shown.results.items():
-        for text in result.summary.get("warnings", []):
+        for text in result.summary.warnings:
             if bool(PROCESSING.match(text)) == processing:
                 found.setdefault(text, []).append(label)
     return [text if len(who) == len(shown.results) else f"{', '.join(who)}: {text}" for text, who in found.items()]

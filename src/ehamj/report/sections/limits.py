@@ -82,7 +82,7 @@ def _when_limited(shown: Shown) -> Table:
     """When each limit was first reached, and for how long; only limits that were."""
     rows = []
     for label, result in shown.results.items():
-        reached = {name: part for name, part in result.summary.get("at_limit", {}).items() if part}
+        reached = {name: part for name, part in result.summary.at_limit.items() if part}
         if reached and not shown.alone:
             rows.append([label])
         for name, part in reached.items():
@@ -97,7 +97,7 @@ def _saturation(shown: Shown) -> Table:
     rows = []
     for label, result in shown.results.items():
         rows += [] if shown.alone else [[label]]
-        for name, shares in result.summary.get("saturation", {}).items():
+        for name, shares in result.summary.saturation.items():
             percent = [measured(scaled(shares.get(mount), 100.0)) for mount in mounts]
             rows.append([name.replace("_", " "), *percent])
     return Table("Share of the time at a limit [%]", ["", *mounts], rows)
@@ -122,7 +122,7 @@ def of_each(title: str, key: str, quantities: Iterable[tuple[str, str, float]], 
 
 def _margins(shown: Shown) -> Table:
     """What each law's loop has in hand before it becomes unstable, as the summary says it."""
-    tables = {label: result.summary.get("margins") for label, result in shown.results.items()}
+    tables = {label: result.summary.margins for label, result in shown.results.items()}
     known = {label: table for label, table in tables.items() if table}
     rows: list[list[str]] = []
     for label, table in known.items():

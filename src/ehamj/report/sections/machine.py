@@ -48,7 +48,7 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
         bits = "exact" if law.converter.bits is None else f"{law.converter.bits} bit"
         size = f"{law.states} states, {len(law.inputs)} inputs"
         yield "law", f"{size}, {' + '.join(rates)}, ±{exact(law.converter.voltage_limit)} V, {bits}"
-    simulated = exact(result.summary.get("timing", {}).get("simulated_s", 0.0))
+    simulated = exact(result.summary.timing.simulated_s)
     yield "simulated", f"{simulated} of {exact(scenario.duration)} s, seed {scenario.seed}"
     if law is not None:
         sensors = {name: getattr(scenario.sensors, name) for name in type(scenario.sensors).model_fields}
@@ -62,5 +62,5 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
         places = (force.point if isinstance(force.point, str) else str(list(force.point)) for force in scenario.force)
         pushed = (f"{force.kind} at {place}" for force, place in zip(scenario.force, places, strict=True))
         yield "forces on the machine", ", ".join(pushed)
-    if analysis := result.summary.get("analysis"):
-        yield "levels taken", f"from {exact(analysis['from_s'])} to {exact(analysis['to_s'])} s"
+    analysis = result.summary.analysis
+    yield "levels taken", f"from {exact(analysis.from_s)} to {exact(analysis.to_s)} s"

@@ -41,8 +41,8 @@ def _bands(shown: Shown) -> Table:
     for band, level in first.get("third_octave_velocity", {}).get("floor", {}).get("z", {}).items():
         row = [band, measured(scaled(level, MICRO))]
         for result in shown.results.values():
-            machine = result.summary.get("third_octave_velocity", {}).get("machine", {}).get("z", {})
-            attenuation = result.summary.get("attenuation_db", {}).get("z", {})
+            machine = result.summary.third_octave_velocity.get("machine", {}).get("z", {})
+            attenuation = result.summary.attenuation_db.get("z", {})
             row += [measured(scaled(machine.get(band), MICRO)), decibel(attenuation.get(band))]
         if set(row[1:]) != {DASH}:
             rows.append(row)
