@@ -134,7 +134,7 @@ MARKS: Final = {
 def paper_marks(study: PaperStudy | None = None) -> dict[str, FiguresOfMerit]:
     """What the paper's designs reach, each with its own exact loop, by the names of `MARKS`."""
     study = study or PaperStudy()
-    return {name: study.merits(study.design(name)) for name in MARKS}
+    return {name: study.merits(study.design(name), study.mass) for name in MARKS}
 
 
 def rule_maps(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> list[Figure]:
