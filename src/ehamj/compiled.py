@@ -26,7 +26,6 @@ COMPILED = (
     "memory.py",
     "mujoco",
     "control/compiled",
-    "control/channels.py",
     "compiled.py",
     "plant/axes.py",
 )
