@@ -7,8 +7,7 @@ from typing import Final
 
 from ehamj.pages import Page, Picture, Section, Table, badge, write_page
 from ehamj.paper.figures import FIGURES, figure
-from ehamj.paper.reproduction import Reproduction
-from ehamj.paper.table import FAILS, GIVEN
+from ehamj.paper.reproduction import FAILS, GIVEN, Reproduction
 from ehamj.result import written_whole
 
 _KINDS: Final = {FAILS: "fails", GIVEN: "given"}

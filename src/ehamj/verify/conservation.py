@@ -58,32 +58,22 @@ def imbalance(result: Result) -> tuple[float, float]:
     return float(oil.max()), float(energy / result.dataset["supplied_energy"].values[-1])
 
 
-@case(
-    "oil is conserved",
-    _ROUGH,
-    "conservation: change of mass in each chamber = ∫ρQ dt",
-    "of the oil that moved",
-    1e-6,
-    "what a long run may lose before a user would see it",
-)
-def oil(subject: Subject) -> Finding:
-    """Oil over a long rough run."""
-    error, _, detail = rough(subject)
-    return Finding(error, detail)
+def _conserved(name: str, source: str, unit: str, tolerance: float, which: int) -> None:
+    """Register the case of one balance over a long rough run."""
+
+    @case(name, _ROUGH, source, unit, tolerance, "what a long run may lose before a user would see it")
+    def measure(subject: Subject) -> Finding:
+        oil, energy, detail = rough(subject)
+        return Finding((oil, energy)[which], detail)
 
 
-@case(
-    "energy is conserved",
-    _ROUGH,
-    "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
-    "of the energy supplied",
-    1e-4,
-    "what a long run may lose before a user would see it",
+_conserved(
+    "oil is conserved", "conservation: change of mass in each chamber = ∫ρQ dt", "of the oil that moved", 1e-6, which=0
 )
-def energy(subject: Subject) -> Finding:
-    """Energy over a long rough run."""
-    _, error, detail = rough(subject)
-    return Finding(error, detail)
+_conserved(
+    "energy is conserved", "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
+    "of the energy supplied", 1e-4, which=1,
+)  # fmt: skip
 
 
 @case(
@@ -98,8 +88,8 @@ def smooth_order(subject: Subject) -> Finding:
     """Order with which both balances close on a smooth run."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0])
     errors = np.array([smooth(subject, float(step))[:2] for step in steps])
-    orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
-    return Finding(max(0.0, 4.0 - min(orders)), f"oil {orders[0]:.2f}, energy {orders[1]:.2f}")
+    oil, energy = fitted_order(steps, errors)
+    return Finding(max(0.0, 4.0 - min(oil, energy)), f"oil {oil:.2f}, energy {energy:.2f}")
 
 
 @case(
@@ -114,6 +104,5 @@ def rough_descent(subject: Subject) -> Finding:
     """Through kinks: the largest factor from one step to a shorter one."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0, 12000.0])
     errors = np.array([rough(subject, float(step), 1.0)[:2] for step in steps])
-    orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
-    worst = float((errors[1:] / errors[:-1]).max())
-    return Finding(worst, f"fitted order: oil {orders[0]:.2f}, energy {orders[1]:.2f}")
+    oil, energy = fitted_order(steps, errors)
+    return Finding(float((errors[1:] / errors[:-1]).max()), f"fitted order: oil {oil:.2f}, energy {energy:.2f}")

@@ -113,5 +113,5 @@ def benchmark_order(subject: Subject) -> Finding:
         motion_error(subject.simulate(load_scenario("benchmark", [f"timestep={1 / rate!r}"])), benchmark_reference())
         for rate in rates.tolist()
     ]
-    order = fitted_order(1.0 / rates, np.array(errors))
+    order = float(fitted_order(1.0 / rates, np.array(errors)))
     return Finding(4.0 - order, f"order {order:.2f}, {errors[-1]:.1e} at 1/8000 s")

@@ -56,6 +56,6 @@ def chamber_pressures(result: Result) -> Array:
     return result.dataset["chamber_pressure"].values
 
 
-def fitted_order(steps: Array, errors: Array) -> float:
-    """Slope of the error over the step, both logarithmic."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+def fitted_order(steps: Array, errors: Array) -> Array:
+    """Slope of each error (steps, …) over the step, both logarithmic."""
+    return np.polyfit(np.log(steps), np.log(errors), 1)[0]
