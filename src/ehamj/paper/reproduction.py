@@ -144,12 +144,8 @@ NUMBERS: Final = (
 )
 """Every frequency, damping ratio and margin of the paper's text."""
 
-AGREES, ROUNDED, FAILS, GIVEN = (
-    "agrees to the printed digit",
-    "agrees within the rounding of Table I",
-    "does not reproduce",
-    "given",
-)
+AGREES, ROUNDED = "agrees to the printed digit", "agrees within the rounding of Table I"
+FAILS, GIVEN = "does not reproduce", "given"
 
 
 @dataclass(frozen=True)
@@ -204,10 +200,8 @@ def _spread(study: PaperStudy, actuator: Actuator, figure: str) -> float:
     spread = 0.0
     for name, half_unit in ROUNDING.items():
         relative = half_unit / (PAPER_MASS if name == "mass" else getattr(FIRST_GENERATION, name))
-        above, below = (
-            _value(*scaled(actuator, study.mass, name, 1.0 + sign * relative), figure) for sign in (1.0, -1.0)
-        )
-        spread += 0.5 * abs(above - below)
+        ends = [_value(*scaled(actuator, study.mass, name, 1.0 + way), figure) for way in (relative, -relative)]
+        spread += 0.5 * abs(ends[0] - ends[1])
     return spread
 
 

@@ -20,6 +20,11 @@ class Subject:
     simulate: Callable[[Scenario], Result] = simulate
     linearise: Callable[[Scenario], LinearModel] = lambda scenario: linear_model(scenario.plant)
 
+    def channels(self, scenario: Scenario, *names: str) -> list[Any]:
+        """Values of some channels of a scenario's run, or ``time``."""
+        dataset = self.simulate(scenario).dataset
+        return [dataset[name].values for name in names]
+
 
 class Finding(NamedTuple):
     """An error, in the case's unit, and what else is worth knowing."""

@@ -23,20 +23,15 @@ def _balanced(amplitude: float, step: float | str, **table: object) -> Scenario:
 @cache
 def rough(subject: Subject, step: float | str = "auto", duration: float = 10.0) -> tuple[float, float, str]:
     """Saturated valves on 20 bar, and blows from below that tear the oil apart: errors of oil and energy."""
-    blows = [
-        {"kind": "shock", "velocity": 0.3, "pulse_time": 0.015, "begin": begin}
-        for begin in (0.5, 4.0, 7.5)
-        if begin < duration
-    ]
+    blow = {"kind": "shock", "velocity": 0.3, "pulse_time": 0.015}
+    blows = [{**blow, "begin": begin} for begin in (0.5, 4.0, 7.5) if begin < duration]
     table = {"supply": {"pressure": 20e5}, "ground": {"kind": "sum", "parts": blows}, "duration": duration}
     result = subject.simulate(_balanced(10.0, step, **table))
     saturation = result.summary.saturation
-    share = {name: max(saturation[name].values()) for name in ("spool", "cavitation")}
+    spool, cavitation = (100 * max(saturation[name].values()) for name in ("spool", "cavitation"))
     void = 1e9 * float(result.dataset["chamber_void"].max())
-    detail = (
-        f"{100 * share['spool']:.1f} % saturated, {100 * share['cavitation']:.2f} % cavitating, void {void:.0f} mm³"
-    )
-    if min(share.values()) == 0.0:
+    detail = f"{spool:.1f} % saturated, {cavitation:.2f} % cavitating, void {void:.0f} mm³"
+    if min(spool, cavitation) == 0.0:
         return float("nan"), float("nan"), f"{detail}: not what this case is about"
     return *imbalance(result), detail
 

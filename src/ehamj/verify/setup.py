@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.plant.mounts import MOUNTS
-from ehamj.result import Result
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -49,11 +48,6 @@ def sines(amplitude: float, hertz: Sequence[float] | Array) -> list[dict[str, An
         {"kind": "sine", "mounts": [mount], "amplitude": amplitude, "frequency": float(f)}
         for mount, f in zip(MOUNTS, hertz, strict=True)
     ]
-
-
-def chamber_pressures(result: Result) -> Array:
-    """Pressures (time, mount, chamber) [Pa]."""
-    return result.dataset["chamber_pressure"].values
 
 
 def fitted_order(steps: Array, errors: Array) -> Array:
