@@ -5,5 +5,6 @@ from ehamj.verify.case import CASES, Case, CaseOutcome, Finding, Subject, case, 
 from ehamj.verify.table import to_dict, write_table
 
 __all__ = [
-    "CASES", "Case", "CaseOutcome", "Finding", "Subject", "case", "cases", "run_case", "to_dict", "verify", "write_table",
+    "CASES", "Case", "CaseOutcome", "Finding", "Subject", "case", "cases", "run_case", "to_dict", "verify",
+    "write_table",
 ]  # fmt: skip

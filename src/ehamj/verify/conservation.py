@@ -27,8 +27,7 @@ def rough(subject: Subject, step: float | str = "auto", duration: float = 10.0) 
     blows = [{**blow, "begin": begin} for begin in (0.5, 4.0, 7.5) if begin < duration]
     table = {"supply": {"pressure": 20e5}, "ground": {"kind": "sum", "parts": blows}, "duration": duration}
     result = subject.simulate(_balanced(10.0, step, **table))
-    saturation = result.summary.saturation
-    spool, cavitation = (100 * max(saturation[name].values()) for name in ("spool", "cavitation"))
+    spool, cavitation = (100 * max(result.summary.saturation[name].values()) for name in ("spool", "cavitation"))
     void = 1e9 * float(result.dataset["chamber_void"].max())
     detail = f"{spool:.1f} % saturated, {cavitation:.2f} % cavitating, void {void:.0f} mm³"
     if min(spool, cavitation) == 0.0:

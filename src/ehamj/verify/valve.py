@@ -93,9 +93,8 @@ def spool_alone(actuator: Actuator, share: float, hertz: float) -> complex:
         return [y[1], limited - 2 * a.valve_damping * a.valve_frequency * y[1]]
 
     times = (10.0 + np.arange(2000) / 400) / hertz  # five periods, transients gone
-    spool = solve_ivp(
-        motion, (0.0, 15.0 / hertz), [0.0, 0.0], t_eval=times, rtol=1e-8, atol=1e-8, max_step=1e-4
-    ).y[0]  # fmt: skip
+    close = {"rtol": 1e-8, "atol": 1e-8, "max_step": 1e-4}
+    spool = solve_ivp(motion, (0.0, 15.0 / hertz), [0.0, 0.0], t_eval=times, **close).y[0]
     return complex(2j * np.mean(spool * np.exp(-1j * omega * times)) / target)
 
 
