@@ -111,9 +111,7 @@ def _speed(velocity: float) -> str:
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
-    said = _labels_of(
-        results, lambda result: [text for text in (result.summary.failure, *result.summary.warnings) if text]
-    )
+    said = _labels_of(results, lambda result: filter(None, (result.summary.failure, *result.summary.warnings)))
     whose = {text: "" if len(labels) == len(results) else f"{', '.join(labels)}: " for text, labels in said.items()}
     lines = [f"- {labels}{text}" for text, labels in whose.items()]
     return ["## Warnings", "\n".join(lines)] if said else []
