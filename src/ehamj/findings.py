@@ -1,11 +1,17 @@
 """What was found, typed: attributes in the code, keys of the JSON file for whoever reads it as plain data."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ehamj.errors import InputError
+
+
+def finite(value: float) -> float | None:
+    """A number as JSON has it: None where it is not finite."""
+    return float(value) if math.isfinite(value) else None
 
 
 class Finding(BaseModel, Mapping[str, Any]):
