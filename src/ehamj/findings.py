@@ -46,10 +46,6 @@ class Finding(BaseModel, Mapping[str, Any]):
     def __hash__(self) -> int:
         return hash(tuple(self))
 
-    def attributes(self) -> dict[str, Any]:
-        """The fields that were set, by name."""
-        return {name: getattr(self, name) for name in self._names().values()}
-
     def to_dict(self) -> dict[str, Any]:
         """As plain data, ready for JSON."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
