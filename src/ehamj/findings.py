@@ -43,9 +43,6 @@ class Finding(BaseModel, Mapping[str, Any]):
             other = other.to_dict()
         return self.to_dict() == other
 
-    def __hash__(self) -> int:
-        return hash(tuple(self))
-
     def to_dict(self) -> dict[str, Any]:
         """As plain data, ready for JSON."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)

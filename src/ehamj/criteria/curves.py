@@ -148,9 +148,9 @@ class Norm:
             for band, value in zip(measured if kind[1] == "rms" else (None,), values, strict=True)
             if np.isfinite(value)
         }
-        said = {band for band, _ in known}
-        needed = [band for band in (*CANDIDATES, None) if any(self.limit(name, axis, band) for name in self.classes)]
-        undecided = tuple(_name(band) for band in needed if band not in said)
+        limited = {band for name in self.classes for band in self._limits[name, axis]}
+        unknown = limited - {band for band, _ in known}
+        undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
         met = deciding = margin = following = following_band = excess = None
         for name in self.classes:
             shares = self._shares(name, axis, known)
