@@ -10,9 +10,10 @@ import xarray as xr
 
 from ehamj.cli.frame import Json, ScenarioName, Set, app, log
 from ehamj.cli.modal_tables import print_measured, print_modes
-from ehamj.cli.printing import finite, print_json, say
+from ehamj.cli.printing import print_json, say
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
+from ehamj.findings import finite
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import Mode

@@ -1,7 +1,6 @@
 """What commands print: tables, lines, lists of names, and JSON."""
 
 import json
-import math
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -46,8 +45,3 @@ def print_names(key: str, found: Mapping[str, str], about: str, as_json: bool) -
         return
     for name, text in found.items():
         out.print(f"[bold]{name:16}[/] {escape(text)}", highlight=False, soft_wrap=True)
-
-
-def finite(value: float) -> float | None:
-    """A number as JSON has it: null where there is none."""
-    return float(value) if math.isfinite(value) else None
