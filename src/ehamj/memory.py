@@ -23,7 +23,7 @@ from ehamj.compiled import kernel
 from ehamj.isolator.actuator import COMPONENTS, STATEFUL
 from ehamj.isolator.component import STAGES, Option
 from ehamj.isolator.equations import Isolator, State
-from ehamj.isolator.supply import Feed, SupplyState, SupplyValues
+from ehamj.isolator.supply import Feed, Supply, SupplyState
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.plant import Plant
 
@@ -57,7 +57,7 @@ ISOLATOR: Final = record(
 """An isolator as the compiled code knows it: values of its components, of its place, and of what it is fed with."""
 
 ISOLATOR_STATE: Final = record(*State._fields)
-SUPPLY: Final = record(*SupplyValues._fields)
+SUPPLY: Final = record(*Supply.Values._fields)
 SUPPLY_STATE: Final = record(*SupplyState._fields)
 
 OIL: Final = record("oil_in_1", "oil_in_2")
@@ -247,7 +247,7 @@ def rows(plant: Plant) -> list[Row]:
         at += own * len(mine)
     if plant.supply.dynamic:
         table["supply_row"], table["supply_at"] = n + len(others), at
-        others.append(Row("supply", size(SUPPLY_STATE), list(SupplyValues.of(plant.supply))))
+        others.append(Row("supply", size(SUPPLY_STATE), list(Supply.values_of(plant.supply))))
         at += size(SUPPLY_STATE)
     if plant.bookkeeping:
         table["ledger_at"] = at
@@ -315,7 +315,7 @@ options_of = _unpack_options()
 put_options = _pack_options()
 """Write the rates of those states."""
 state_of, feed_of = unpacker(State), unpacker(Feed)
-supply_of, supply_state_of = unpacker(SupplyValues), unpacker(SupplyState)
+supply_of, supply_state_of = unpacker(Supply.Values), unpacker(SupplyState)
 
 
 class Cubic(NamedTuple):

@@ -128,12 +128,14 @@ def write_ledger_rates(isolators, mounts, act, act_dot, length, velocity):  # ty
         mount = mounts[k]
         flows = Flows(mount.into_1, mount.into_2, mount.drawn)
         plate, feed = plate_of(mount, length[k], velocity[k]), feed_from(isolators[k], head, act)
-        sums = balance(state_of(states[k]), state_of(rates[k]), flows, plate, feed, isolator_of(isolators[k]))
-        oil[k].oil_in_1, oil[k].oil_in_2 = sums.oil_1, sums.oil_2
-        energy = energy + sums.energy_1 + sums.energy_2
-        work = work + sums.work_1 + sums.work_2
-        supplied += sums.supplied
-        throttled += sums.throttled
+        one, two, power, lost = balance(
+            state_of(states[k]), state_of(rates[k]), flows, plate, feed, isolator_of(isolators[k])
+        )
+        oil[k].oil_in_1, oil[k].oil_in_2 = one.oil, two.oil
+        energy = energy + one.energy + two.energy
+        work = work + one.work + two.work
+        supplied += power
+        throttled += lost
     ledger.energy_in, ledger.piston_work, ledger.supplied_energy, ledger.throttled_energy = (
         energy, work, supplied, throttled,
     )  # fmt: skip

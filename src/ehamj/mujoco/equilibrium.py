@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.isolator.supply import SupplyState, SupplyValues
+from ehamj.isolator.supply import Supply, SupplyState, middle
 from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
 from ehamj.plant.axes import AXES
 
@@ -154,7 +154,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> _Balance:
         kinds.append((number.options, number.options, 1e3 * small, small))
     shared = supply(model)
     if shared is not None:
-        parts.supply[0] = tuple(SupplyValues(*shared).middle)
+        parts.supply[0] = tuple(middle(Supply.Values(*shared)))
         places = number.supply.view(float)
         kinds.append((places, places, np.array([1e6, 1e-5, 1e6]), np.array([1.0, 1e-9, 1.0]) * fine[0]))
     unknown, balance, unit, tolerance = (np.concatenate(parts) for parts in zip(*kinds, strict=True))

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.ground import Motion
-from ehamj.isolator.chambers import Chambers
+from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
 from ehamj.plant.axes import DOF_OF_JOINT
@@ -96,18 +96,17 @@ def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
 def _oil(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
     """Valves, chambers and supply."""
     plant = prepared.scenario.plant
-    chambers, parts = Chambers.of(plant.actuators), activations(prepared.model, rows.act)
-    states = _pressure_states(parts.isolators)
-    pressure = chambers.pressure(states)
+    parts = activations(prepared.model, rows.act)
+    chambers = held(plant.actuators, _pressure_states(parts.isolators), stroke)
     supply = np.full(stroke.shape[0], plant.supply.pressure)
     if plant.supply.dynamic:
         supply = parts.supply["supply_pressure"][:, 0]
     return {
         "spool": parts.isolators["spool"],
         "valve_command": rows.command,
-        "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
-        "chamber_pressure": pressure,
-        "chamber_void": chambers.contents(states, stroke).void,
+        "actuator_force": chambers.force,
+        "chamber_pressure": chambers.pressure,
+        "chamber_void": chambers.void,
         "chamber_flow": rows.flow,
         "supply_pressure": supply,
     }
@@ -142,10 +141,10 @@ def _relative(scenario: Scenario, channels: Channels) -> Channels:
 def _ledger(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
     """What crossed the chambers' borders since the start, and what they hold."""
     parts = activations(prepared.model, rows.act)
-    held = Chambers.of(prepared.scenario.plant.actuators).contents(_pressure_states(parts.isolators), stroke)
+    chambers = held(prepared.scenario.plant.actuators, _pressure_states(parts.isolators), stroke)
     return {
         "oil_in": np.stack([parts.oil["oil_in_1"], parts.oil["oil_in_2"]], axis=-1),
         **{name: parts.ledger[name][:, 0] for name in LEDGER.names or ()},
-        "oil_held": held.mass,
-        "oil_energy": held.energy.sum(axis=(1, 2)),
+        "oil_held": chambers.mass,
+        "oil_energy": chambers.energy.sum(axis=(1, 2)),
     }
