@@ -41,6 +41,13 @@ def view(address, n, dtype):  # type: ignore[no-untyped-def]
     return numba.carray(_pointer(address), n, dtype)
 
 
+@kernel
+def copy(values, result):  # type: ignore[no-untyped-def]
+    """result = values, element by element: what assigns to a slice takes a second to compile, for its errors."""
+    for k in range(result.size):
+        result[k] = values[k]
+
+
 def c_function(result: types.Type, *kinds: types.Type) -> Any:
     """A call, in compiled code, of C functions of this type: (address, tuple of arguments) → result."""
 

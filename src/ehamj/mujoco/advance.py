@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from ehamj.compiled import c_function, compiled_here, kernel
+from ehamj.compiled import c_function, compiled_here, copy, kernel
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
@@ -176,14 +176,16 @@ def settle_valves(machine):  # type: ignore[no-untyped-def]
 @kernel
 def write_row(machine, rows, row, values, readings):  # type: ignore[no-untyped-def]
     """Record the present state."""
-    rows.qpos[row], rows.qvel[row], rows.qacc[row] = machine.qpos, machine.qvel, machine.qacc
-    rows.act[row] = machine.act
+    copy(machine.qpos, rows.qpos[row])
+    copy(machine.qvel, rows.qvel[row])
+    copy(machine.qacc, rows.qacc[row])
+    copy(machine.act, rows.act[row])
     for k in range(machine.mounts.size):
         mount = machine.mounts[k]
         rows.command[row, k] = machine.control[k] + mount.command
         rows.flow[row, k, 0], rows.flow[row, k, 1] = mount.into_1, mount.into_2
-    rows.states[row] = values[: rows.states.shape[1]]
-    rows.readings[row] = readings
+    copy(values, rows.states[row])
+    copy(readings, rows.readings[row])
 
 
 @cache

@@ -5,7 +5,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numba import types
 
-from ehamj.compiled import c_function, kernel
+from ehamj.compiled import c_function, copy, kernel
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 
 LAW: Final = np.dtype(
@@ -127,7 +127,8 @@ def add_product(matrix_t, vector, result):  # type: ignore[no-untyped-def]
 @kernel
 def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
     """y = C x + D u."""
-    result[:] = 0.0
+    for k in range(result.size):
+        result[k] = 0.0
     add_product(Ct, state, result)
     add_product(Dt, measured, result)
 
@@ -135,10 +136,11 @@ def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
 @kernel
 def advance_states(At, Bt, state, measured, scratch):  # type: ignore[no-untyped-def]
     """x⁺ = A x + B u; ``scratch`` is as long as the state."""
-    scratch[:] = 0.0
+    for k in range(scratch.size):
+        scratch[k] = 0.0
     add_product(At, state, scratch)
     add_product(Bt, measured, scratch)
-    state[:] = scratch
+    copy(scratch, state)
 
 
 @kernel
@@ -172,9 +174,9 @@ def take_sample(number, time, laws, readings, memory):  # type: ignore[no-untype
     if answer == NOT_DUE:
         return answer
     total, lost = memory.totals[0], memory.totals[1]
-    total[:] = 0.0
-    for k in range(laws.table.size):
-        for valve in range(total.size):
+    for valve in range(total.size):
+        total[valve] = 0.0
+        for k in range(laws.table.size):
             total[valve] += memory.values[laws.table[k].latest + valve]
     share = faded(time, laws.converter)
     taken(total, share, laws.converter, lost)
