@@ -16,7 +16,7 @@ from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.hold import default_timer
 from ehamj.mujoco.model import build_model
 from ehamj.plant.plant import Plant
-from ehamj.run.inputs import sample_load
+from ehamj.run.drive import sample_load
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
