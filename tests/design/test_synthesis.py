@@ -13,8 +13,8 @@ from ehamj.control.blocks import Block
 from ehamj.control.inertial import Blend
 from ehamj.control.kinds import CombinedSettings
 from ehamj.design.command import design_controller, write_design
-from ehamj.design.hinfinity import HInfinitySettings, generalised, hinfinity, mixed_sensitivity
-from ehamj.design.lqg import LqgSettings, lqg, regulator
+from ehamj.design.hinfinity import HInfinitySettings, generalised, mixed_sensitivity
+from ehamj.design.lqg import LqgSettings
 from ehamj.design.motions import (
     continuous,
     motion_plants,
@@ -56,8 +56,8 @@ def machines() -> Machines:
 def laws(machines: Machines) -> dict[str, Controller]:
     nominal = machines.models["as designed"]
     return {
-        "h-infinity": hinfinity(scenario(), HInfinitySettings(delay=DELAY), nominal),
-        "lqg": lqg(scenario(), LqgSettings(delay=DELAY), nominal),
+        "h-infinity": HInfinitySettings(delay=DELAY).law(scenario(), nominal),
+        "lqg": LqgSettings(delay=DELAY).law(scenario(), nominal),
     }
 
 
@@ -160,7 +160,7 @@ def test_the_regulator_is_the_h2_optimum_of_slicot(motion: str, plants: dict[str
     """LQG by two Riccati equations of python-control against SB10HD on the same problem."""
     settings, case = LqgSettings(**EXACT), scenario()
     weights = getattr(settings, motion)
-    law = regulator(plants[motion], weights, settings, case)
+    law = settings.loop(plants[motion], weights, case)
     omega = 2 * np.pi * weights.bandwidth
     low, integral = settings.low(weights, case), weights.integral / weights.bandwidth
     plant = plants[motion]
@@ -204,9 +204,9 @@ def test_a_floor_that_asks_for_more_than_the_valves_have_is_followed_more(plants
 
 def test_instruments_noisier_than_the_floor_are_refused(plants: dict[str, Block]) -> None:
     loud = scenario(sensors={**SENSORS, "inertial": {"kind": "geophone", "noise": 1e-5}})
-    for solve, settings in ((mixed_sensitivity, HInfinitySettings()), (regulator, LqgSettings())):
+    for settings in (HInfinitySettings(), LqgSettings()):
         with pytest.raises(InputError, match=r"noise is .* of the floor"):
-            solve(plants["heave"], settings.heave, settings, loud)
+            settings.loop(plants["heave"], settings.heave, loud)
 
 
 # --- the laws --------------------------------------------------------------------------------------------------------

@@ -33,12 +33,9 @@ class Variations(Settings):
     def scenarios(self, scenario: Scenario) -> dict[str, Scenario]:
         """The machine as it is, then each variation, by name."""
         found = {"as designed": scenario}
-        for factor in self.mass:
-            found[f"mass × {factor:g}"] = with_factors(scenario, mass=factor)
-        for factor in self.oil:
-            found[f"oil stiffness × {factor:g}"] = with_factors(scenario, oil=factor)
-        for factor in self.flow:
-            found[f"flow gain × {factor:g}"] = with_factors(scenario, flow=factor)
+        for name, words in (("mass", "mass"), ("oil", "oil stiffness"), ("flow", "flow gain")):
+            for factor in getattr(self, name):
+                found[f"{words} × {factor:g}"] = with_factors(scenario, **{name: factor})
         for shift in self.cg:
             x, y, z = scenario.machine.cg
             machine = scenario.machine.with_values({"cg": (x + shift, y + shift, z)})
@@ -61,13 +58,12 @@ def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: 
 
 @dataclass(frozen=True)
 class Machines:
-    """A scenario's variations with their linear models."""
+    """The linear models of a machine and of its variations, by name."""
 
-    scenarios: dict[str, Scenario]
     models: dict[str, LinearModel] = field(repr=False)
 
     @classmethod
     def of(cls, scenario: Scenario, variations: Variations | None = None) -> "Machines":
         """Linearise the machine and its variations about their equilibria."""
         scenarios = (variations or Variations()).scenarios(scenario)
-        return cls(scenarios, {name: linear_model(one.plant) for name, one in scenarios.items()})
+        return cls({name: linear_model(one.plant) for name, one in scenarios.items()})

@@ -61,6 +61,11 @@ class Design:
         """Whether all machines are stable with the required margins."""
         return all(one.stable and holds(one.worst, self.requirements) for one in self.reports.values())
 
+    def leaves(self, motion: str) -> bool:
+        """Whether the loop of a motion has the required margins on all machines."""
+        found = [one.motions[motion] for one in self.reports.values()]
+        return all(holds((one.gain, one.phase, one.disk), self.requirements) for one in found)
+
 
 def holds(worst: tuple[float, float, float], requirements: Requirements) -> bool:
     """Whether gain [dB], phase [deg] and disk margin suffice."""
@@ -100,9 +105,8 @@ def judged(
     settings: DigitalSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
 ) -> Design:
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
-    if not feeds_back(law):
-        return Design(settings, law, {}, requirements)
-    reports = {name: report(model, Loop.of(scenario, law)) for name, model in machines.models.items()}
+    models = machines.models if feeds_back(law) else {}
+    reports = {name: report(model, Loop.of(scenario, law)) for name, model in models.items()}
     return Design(settings, law, reports, requirements)
 
 
