@@ -7,11 +7,10 @@ from pydantic import Field, model_validator
 
 from ehamj.control.settings import ControlSettings
 from ehamj.plant.mounts import MOUNTS
-from ehamj.settings import Settings
+from ehamj.settings import Positive, Settings
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero, schroeder_phases
 
 MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
-Positive = Annotated[float, Field(gt=0)]
 
 
 class SignalSettings(Settings):

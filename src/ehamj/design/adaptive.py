@@ -23,7 +23,7 @@ from ehamj.control import Controller, PythonController
 from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import volts
-from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
@@ -31,6 +31,7 @@ from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Positive
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

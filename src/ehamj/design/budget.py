@@ -19,7 +19,7 @@ from scipy.special import erfc
 
 from ehamj.control import LinearController
 from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import Sensors, class_of
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
 from ehamj.estimate.periodogram import PowerSpectrum
 from ehamj.ground.broadband import BroadbandGround
@@ -158,14 +158,8 @@ def _per_band(values: Array) -> Array:
 
 def _classes(inputs: tuple[str, ...]) -> dict[str, list[int]]:
     """Numbers of the readings by class of instrument."""
-    found: dict[str, list[int]] = {}
-    for k, name in enumerate(inputs):
-        first = name.partition("_")[0].partition(" ")[0]
-        table = {"ground": "ground", "stroke": "stroke", "load": "pressure", "chamber": "pressure"}.get(
-            first, "inertial"
-        )
-        found.setdefault(table, []).append(k)
-    return found
+    classes = [class_of(name.partition(" ")[0]) for name in inputs]
+    return {one: [k for k, own in enumerate(classes) if own == one] for one in dict.fromkeys(classes) if one}
 
 
 def _density(sensors: Sensors, channel: str, f: Array) -> Array:

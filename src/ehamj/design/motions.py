@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control import Controller, statespace
+from ehamj.control import Controller, blocks
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ModalSettings, SwayDamping
 from ehamj.control.balance import WarpBalance
@@ -27,14 +27,14 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
 from ehamj.control.inverse import volts
 from ehamj.control.law import stack
-from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 Array = NDArray[np.float64]
 
@@ -228,7 +228,7 @@ def reduced(block: Block, order: int) -> Block:
 def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
     """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
     s = 2j / period * np.tan(np.pi * hertz * period)
-    return statespace.response(s, *block)
+    return blocks.response(s, *block)
 
 
 def _with_inner(model: LinearModel, loop: Loop) -> Block:

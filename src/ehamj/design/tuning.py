@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control import LinearController, statespace
+from ehamj.control import LinearController, blocks
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
@@ -197,7 +197,7 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
     if other == loop:
         return trial
     z = np.exp(2j * np.pi * f * period)
-    old, new = (statespace.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
+    old, new = (blocks.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
     return f, rest, each | {name: new / old * each[name]}
 
 

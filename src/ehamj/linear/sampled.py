@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from ehamj.control import Controller, LinearController
+from ehamj.control.blocks import response
 from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
-from ehamj.control.statespace import response
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
 

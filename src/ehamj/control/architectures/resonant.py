@@ -21,11 +21,12 @@ from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
+from ehamj.settings import Positive
 
 Array = NDArray[np.float64]
 

@@ -22,11 +22,11 @@ from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 
 class PressureFeedback(Settings):
@@ -56,10 +56,6 @@ class StrokeServoSettings(DigitalSettings):
     blend: Blend = Blend()
     pressure: PressureFeedback = PressureFeedback()
     balance: WarpBalance = WarpBalance()
-
-    def loops(self) -> dict[str, MotionLoop]:
-        """That of every mount."""
-        return {"loop": self.loop} if self.loop.crossing else {}
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant that is measured by ``sensors``."""
