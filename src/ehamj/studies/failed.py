@@ -4,7 +4,7 @@ The law keeps driving all four valves as if nothing had happened: it is the law 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,7 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -26,9 +26,6 @@ from ehamj.studies.rest import static_forces
 from ehamj.studies.study import WholeHertz, among, study
 from ehamj.studies.tables import modes_table, table
 from ehamj.studies.variants import still, with_actuators
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -280,7 +277,7 @@ def _failure_answers(mount: str, isolation: xr.Dataset, forces: xr.Dataset) -> l
     return found
 
 
-def _failed_chart(curves: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> "Figure":
+def _failed_chart(curves: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> Figure:
     f, dots = curves["frequency"].values, isolation["frequency"].values
     lines = []
     for k, case in enumerate(curves["case"].values):

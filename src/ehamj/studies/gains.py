@@ -1,6 +1,6 @@
 """Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -11,16 +11,13 @@ from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import eigen_of, modes
-from ehamj.plots.charts import Line, lines_chart, locus_chart
+from ehamj.plots import Figure, Line, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.position_loop import highest_factor, inertial_position, scaled
 from ehamj.studies.study import Positive, study
 from ehamj.studies.tables import table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -144,7 +141,7 @@ def _damping_answer(modes_over: xr.Dataset) -> str:
     return f"Damping ratios, valves held → as designed: {', '.join(moved)}."
 
 
-def _damping_chart(modes_over: xr.Dataset, limit: float) -> "Figure":
+def _damping_chart(modes_over: xr.Dataset, limit: float) -> Figure:
     f = modes_over["factor"].values
     lines = [
         Line(str(mode), f, 100 * modes_over["damping"].sel(mode=mode).values, color=k, dash=k % 2)

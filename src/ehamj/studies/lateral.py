@@ -1,7 +1,5 @@
 """Lateral stiffness of the mounts: where sway ends and rocking begins, and what a floor that sways does."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -9,14 +7,11 @@ from pydantic import Field, field_validator
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
-from ehamj.plots.charts import Line, lines_chart, map_chart
+from ehamj.plots import Figure, Line, lines_chart, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
 from ehamj.studies.study import Range, study
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -119,7 +114,7 @@ def _quietest(response: xr.DataArray) -> tuple[float, float, float]:
     )
 
 
-def _modes_chart(modes: xr.Dataset, mean: float) -> "Figure":
+def _modes_chart(modes: xr.Dataset, mean: float) -> Figure:
     k = modes["stiffness"].values
     panels = {}
     for quantity, name, factor in (("frequency [Hz]", "frequency", 1.0), ("damping ratio [%]", "damping_ratio", 100.0)):
@@ -132,7 +127,7 @@ def _modes_chart(modes: xr.Dataset, mean: float) -> "Figure":
     )
 
 
-def _sway_chart(response: xr.DataArray, mean: float) -> "Figure":
+def _sway_chart(response: xr.DataArray, mean: float) -> Figure:
     decibel = 20 * np.log10(response.transpose("factor", "frequency").values)
     return map_chart(
         "A floor that sways along x",

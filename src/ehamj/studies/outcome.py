@@ -2,12 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray as xr
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from ehamj.plots import Figure
 
 Progress = Callable[[str], None]
 """Called with what is being done now."""
@@ -22,7 +21,7 @@ class Drawing:
     """A figure, drawn when it is asked for, and what it says."""
 
     caption: str
-    draw: "Callable[[], Figure]"
+    draw: Callable[[], Figure]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ the static stiffness k: oil or gas that can leak around the piston holds nothing
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,7 @@ from ehamj.linear.response import rigid_floor
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -32,9 +32,6 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.tables import modes_table, table
 from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -291,7 +288,7 @@ def _answers(scenario: Scenario, simulated: int, tipping: xr.Dataset) -> tuple[s
     )
 
 
-def _tipping_chart(tipping: xr.Dataset, height: float) -> "Figure":
+def _tipping_chart(tipping: xr.Dataset, height: float) -> Figure:
     half = tipping["half_distance"].values
     lines = [
         Line(f"{name}: tips above", half, tipping["closed_form"].sel(mounts=name).values, color=k)
@@ -308,7 +305,7 @@ def _tipping_chart(tipping: xr.Dataset, height: float) -> "Figure":
     )
 
 
-def _gain_chart(gains: xr.Dataset, title: str) -> "Figure":
+def _gain_chart(gains: xr.Dataset, title: str) -> Figure:
     lines = [
         Line(str(name), gains["frequency"].values, 20 * np.log10(gains["gain"].sel(system=name).values), k, k)
         for k, name in enumerate(gains["system"].values)

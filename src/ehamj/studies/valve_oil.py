@@ -1,6 +1,6 @@
 """Valve and oil: what their parameters do to the machine's modes, and how fast a position loop may be."""
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
@@ -21,9 +21,6 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
 from ehamj.studies.position_loop import highest_factor, inertial_position
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.tables import table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -171,7 +168,7 @@ def _answers(oil: xr.Dataset, air: xr.Dataset, loops: xr.Dataset) -> tuple[str, 
     )
 
 
-def _modes_chart(oil: xr.Dataset, mode: str) -> "Figure":
+def _modes_chart(oil: xr.Dataset, mode: str) -> Figure:
     one = oil.sel(mode=mode)
     panels = {
         quantity: [
@@ -186,13 +183,13 @@ def _modes_chart(oil: xr.Dataset, mode: str) -> "Figure":
     return lines_chart(mode.capitalize(), "factor on the parameter", panels, "x", {"as it is": 1.0})
 
 
-def _air_chart(air: xr.Dataset) -> "Figure":
+def _air_chart(air: xr.Dataset) -> Figure:
     share = 100 * air["air"].values
     lines = [Line(mode, share, air["frequency"].sel(mode=mode).values, k, k % 2) for k, mode in enumerate(RIGID_MODES)]
     return lines_chart("Modes over entrained air", "air at 1 atm [% by volume]", {"frequency [Hz]": lines})
 
 
-def _loops_chart(loops: xr.Dataset) -> "Figure":
+def _loops_chart(loops: xr.Dataset) -> Figure:
     f = loops["factor"].values
     lines = [
         Line(str(name).replace("_", " "), f, loops["crossover"].sel(parameter=name).values, k, k)
