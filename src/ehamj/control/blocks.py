@@ -82,9 +82,7 @@ class Block(NamedTuple):
 
     def padded(self, before: int, after: int) -> Self:
         """The block with inputs beside its own that it does not read."""
-        return type(self)(
-            self.A, np.pad(self.B, ((0, 0), (before, after))), self.C, np.pad(self.D, ((0, 0), (before, after)))
-        )
+        return self.inserted(self.B.shape[1], after).inserted(0, before)
 
     def inserted(self, at: int, count: int) -> Self:
         """The block with ``count`` inputs that it does not read between its own, before number ``at``."""
@@ -151,9 +149,5 @@ def _groups(roots: ComplexArray) -> list[ComplexArray]:
 
 def joined(blocks: Sequence[Block]) -> Block:
     """Blocks with inputs of their own, one after the other, whose outputs add up."""
-    sizes = [block.B.shape[1] for block in blocks]
-    ends = np.cumsum(sizes)
-    padded = [
-        block.padded(int(end - size), int(ends[-1] - end)) for block, size, end in zip(blocks, sizes, ends, strict=True)
-    ]
-    return added(padded)
+    together = beside(blocks)
+    return Block(together.A, together.B, np.hstack([block.C for block in blocks]), np.hstack([b.D for b in blocks]))

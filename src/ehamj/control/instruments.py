@@ -21,6 +21,7 @@ from pydantic import Field, model_validator
 from scipy import signal
 from scipy.linalg import expm
 
+from ehamj.control.blocks import Block
 from ehamj.control.channels import STATIC
 from ehamj.settings import Parameters, Unlimited, quantity
 
@@ -34,15 +35,6 @@ ALIGNMENT, NOISE = 1, 2
 def randomness(seed: int, channel: str, stream: int) -> np.random.Generator:
     """Random numbers of a channel, whatever other channels there are."""
     return np.random.default_rng([seed, zlib.crc32(channel.encode()), stream])
-
-
-class StateSpace(NamedTuple):
-    """ẋ = A x + B u, y = C x + D u of one sensor."""
-
-    A: Array
-    B: Array
-    C: Array
-    D: float
 
 
 def _values(unit: str, noise: float, low: float, high: float) -> dict[str, tuple[Any, Any]]:
@@ -119,17 +111,15 @@ class Instrument(Parameters):
         passed = 1.0 / np.sqrt(1.0 + (f / self.high) ** (2 * self.order))
         return np.asarray(self.noise * passed * np.sqrt(1.0 + self.noise_corner**2 / (f**2 + self.low**2)))
 
-    def state_space(self) -> StateSpace:
+    def block(self) -> Block:
         """G(s), high-pass before low-pass, states of the size of the signal."""
-        A, B, C, D = np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), 1.0
+        total = Block.gain([[1.0]])
         for kind, corner in self.filters:
             omega = 2 * np.pi * corner
             # In units of the corner the coefficients are of size one.
-            a, b, c, d = signal.tf2ss(*signal.butter(self.order, 1.0, kind, analog=True))
-            A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [omega * b @ C, omega * a]])
-            B = np.vstack([B, omega * b * D])
-            C, D = np.hstack([d @ C, c]), float(d[0, 0]) * D
-        return StateSpace(A, B[:, 0], C[0], D)
+            A, B, C, D = signal.tf2ss(*signal.butter(self.order, 1.0, kind, analog=True))
+            total = total.then(Block(omega * A, omega * B, C, D))
+        return total
 
 
 class Aligned(Instrument):
@@ -192,7 +182,8 @@ class Discrete(NamedTuple):
 
 def discretise(instrument: Instrument, step: float) -> Discrete:
     """Ramp-invariant: exact for an input that is straight between steps [s]."""
-    a, b, c, d = instrument.state_space()
+    whole = instrument.block()
+    a, b, c, d = whole.A, whole.B[:, 0], whole.C[0], float(whole.D[0, 0])
     n = a.shape[0]
     if n == 0:
         return Discrete(a, b, c, d, b)

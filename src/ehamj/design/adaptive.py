@@ -79,11 +79,8 @@ def line_cancellation(
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
     cut = opened_at_samples(linear, Loop.of(scenario, law), z)
     closed = cut.plant @ cut.sensitivity
-    at, spread, fit = (
-        [law.inputs.index(name) for name in feet],
-        volts(plant) @ plane(plant.positions),
-        plane_fit(plant.positions),
-    )
+    at = [law.inputs.index(name) for name in feet]
+    spread, fit = volts(plant) @ plane(plant.positions), plane_fit(plant.positions)
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
     function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
     return PythonController(function, law.inputs, law.period, law.delay, **asdict(law.converter))

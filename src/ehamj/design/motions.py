@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control import Controller, blocks
+from ehamj.control import Controller
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ModalSettings, SwayDamping
 from ehamj.control.balance import WarpBalance
@@ -223,12 +223,6 @@ def reduced(block: Block, order: int) -> Block:
         )
     small = control.balred(control.ss(*block), order, method="truncate")
     return Block(small.A, small.B, small.C, small.D)
-
-
-def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
-    """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
-    s = 2j / period * np.tan(np.pi * hertz * period)
-    return blocks.response(s, *block)
 
 
 def _with_inner(model: LinearModel, loop: Loop) -> Block:

@@ -46,7 +46,8 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         lambda: _budget_chart(limits),
     )
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
-    gain, phase, disk = (float(min(values)) for values in zip(*worst, strict=True))
+    least = (float(min(values)) for values in zip(*worst, strict=True))
+    gain, phase, disk = (value if np.isfinite(value) else None for value in least)
     return Outcome(
         title=f"Controller for {scenario.name}",
         question=f"Which {kind} law leaves the margins, and what limits it?",
@@ -61,18 +62,14 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         ),
         numbers={
             "meets": design.meets,
-            "gain_margin_db": _finite(gain),
-            "phase_margin_deg": _finite(phase),
+            "gain_margin_db": gain,
+            "phase_margin_deg": phase,
             "disk_margin": disk,
             "margins": {name: one.to_dict() for name, one in design.reports.items()},
             "budget": limits.to_dict(),
             "law": {"states": design.law.states, "inputs": len(design.law.inputs)},
         },
     )
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool) -> list[str]:

@@ -7,9 +7,7 @@ from pydantic import Field
 
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
-
-Factor = Annotated[float, Field(gt=0)]
+from ehamj.settings import Positive, Settings
 
 
 class Requirements(Settings):
@@ -25,9 +23,9 @@ class Requirements(Settings):
 class Variations(Settings):
     """Machines that the same law must hold on, each changed in one respect from the one it is designed for."""
 
-    mass: tuple[Factor, ...] = Field((0.7, 1.3), description="factors on the machine's mass")
-    oil: tuple[Factor, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
-    flow: tuple[Factor, ...] = Field((1.5,), description="factors on the valves' flow gain")
+    mass: tuple[Positive, ...] = Field((0.7, 1.3), description="factors on the machine's mass")
+    oil: tuple[Positive, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
+    flow: tuple[Positive, ...] = Field((1.5,), description="factors on the valves' flow gain")
     cg: tuple[float, ...] = Field((), description="sideways shifts of the centre of gravity along x and y [m]")
 
     def scenarios(self, scenario: Scenario) -> dict[str, Scenario]:

@@ -139,7 +139,7 @@ def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, w
             if loop != loops[name]:
                 trials = [_reshaped(trial, name, loops[name], loop, settings.period) for trial in trials]
                 loops[name] = loop
-    while not all(_together(trial, crossings) >= wanted.disk_margin for trial in trials):
+    while not all(disk_margin(_sensitivity(trial, crossings)) >= wanted.disk_margin for trial in trials):
         crossings = {name: value / STEP for name, value in crossings.items()}
         if max(crossings.values()) < 1.0:
             raise InputError(
@@ -220,8 +220,3 @@ def _leaves(
         if not holds((one.gain, one.phase, one.disk), wanted):
             return False
     return True
-
-
-def _together(trial: Trial, crossings: dict[str, float]) -> float:
-    """Disk margin of all valves at once."""
-    return disk_margin(_sensitivity(trial, crossings))

@@ -77,7 +77,6 @@ class ModalSettings(DigitalSettings):
     sway_y: SwayDamping = SwayDamping(gain=4.02e-4, centre=65.9, width=0.32)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         slow = creep(plant)
         sampled = {motion: loop.block(slow).sampled(self.period) for motion, loop in self.loops().items()}
         return self.with_loops(plant, sensors, sampled)

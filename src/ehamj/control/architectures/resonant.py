@@ -40,7 +40,6 @@ class ResonantSettings(DigitalSettings):
     bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant measured by ``sensors``."""
         return self.beside((), plant, sensors)
 
     def beside(self, others: Sequence[DigitalSettings], plant: Plant, sensors: Sensors) -> Controller:

@@ -58,7 +58,6 @@ class StrokeServoSettings(DigitalSettings):
     balance: WarpBalance = WarpBalance()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
         late = self.hold + lag(instrument_poles(sensors.of(at.strokes[0]))[1])
         parts, names = [Block.gain(np.eye(mounts))], at.strokes

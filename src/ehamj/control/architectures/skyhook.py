@@ -35,7 +35,6 @@ class SkyhookSettings(DigitalSettings):
     balance: WarpBalance = WarpBalance()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
         foot = sensors.of(at.feet[0])
         late = self.hold + lag(instrument_poles(foot)[1])
