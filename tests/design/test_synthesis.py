@@ -16,7 +16,7 @@ from ehamj.design.command import design_controller, write_design
 from ehamj.design.hinfinity import HInfinitySettings, generalised, mixed_sensitivity
 from ehamj.design.lqg import LqgSettings
 from ehamj.design.motions import continuous, motion_plants, reduced
-from ehamj.design.requirements import Machines, Requirements
+from ehamj.design.requirements import Machines, Requirements, machines_of
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import holds
 from ehamj.errors import InputError
@@ -50,12 +50,12 @@ def response(block: Block, hertz: np.ndarray, period: float) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def machines() -> Machines:
-    return Machines.of(scenario())
+    return machines_of(scenario())
 
 
 @pytest.fixture(scope="module")
 def laws(machines: Machines) -> dict[str, Controller]:
-    nominal = machines.models["as designed"]
+    nominal = machines["as designed"]
     return {
         "h-infinity": HInfinitySettings(delay=DELAY).law(scenario(), nominal),
         "lqg": LqgSettings(delay=DELAY).law(scenario(), nominal),
@@ -69,7 +69,7 @@ def laws(machines: Machines) -> dict[str, Controller]:
 def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machines: Machines) -> None:
     """With warp open: the readings of `opened_at_samples`, blended by hand as H·v/s + (1 − H)·stroke."""
     settings = LqgSettings(delay=DELAY, warp=WarpBalance(crossing=0.0))
-    case, model = scenario(), machines.models["as designed"]
+    case, model = scenario(), machines["as designed"]
     whole, small = motion_plants(case, model, settings, 12)[motion]
     names = tuple(f"foot_velocity {m} z" for m in MOUNTS)
     names += tuple(name.replace("foot_velocity", "stroke").removesuffix(" z") for name in names)
@@ -101,7 +101,7 @@ def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machi
 def test_the_plant_of_a_motion_is_seen_by_the_instruments_as_they_are_turned(machines: Machines) -> None:
     """Geophones off the vertical in directions that the seed draws see the sway that a command of roll excites."""
     tilted = {**SENSORS, "inertial": {**SENSORS["inertial"], "misalignment": 5.0}}
-    model, settings = machines.models["as designed"], LqgSettings(delay=DELAY)
+    model, settings = machines["as designed"], LqgSettings(delay=DELAY)
     found = [
         response(motion_plants(scenario(sensors=tilted, seed=seed), model, settings, 12)["roll"][0], HERTZ, PERIOD)
         for seed in (1, 2)
@@ -134,7 +134,7 @@ EXACT = {"delay": DELAY, "order": 30}
 @pytest.fixture(scope="module")
 def plants(machines: Machines) -> dict[str, Block]:
     settings = HInfinitySettings(**EXACT)
-    found = motion_plants(scenario(), machines.models["as designed"], settings, settings.plant_order)
+    found = motion_plants(scenario(), machines["as designed"], settings, settings.plant_order)
     return {motion: small for motion, (_, small) in found.items()}
 
 
@@ -217,7 +217,7 @@ KINDS = ("h-infinity", "lqg")
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_leaves_the_margins_on_all_machines(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
-    for name, model in machines.models.items():
+    for name, model in machines.items():
         found = report(model, Loop.of(scenario(), laws[kind]))
         assert found.stable, name
         assert holds(found.worst, Requirements()), (name, found.worst)
@@ -236,7 +236,7 @@ def attenuation(law: Controller, machines: Machines, hertz: Any, motion: str = "
         "roll": ("machine_displacement rx", "rx"),
         "pitch": ("machine_displacement ry", "ry"),
     }[motion]
-    found = rigid_floor(machines.models["as designed"], hertz, Loop.of(scenario(), law), (output,), (dof,))
+    found = rigid_floor(machines["as designed"], hertz, Loop.of(scenario(), law), (output,), (dof,))
     return np.asarray(-20 * np.log10(np.abs(found.response[:, 0, 0])))
 
 
@@ -258,7 +258,7 @@ def test_attenuation_of_the_defaults(kind: str, motion: str, laws: dict[str, Con
 @pytest.mark.parametrize("kind", KINDS)
 def test_sway_is_damped_threefold(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
     """The least damped oscillation about 70 Hz that moves the machine, yaw aside, in each plane."""
-    model = machines.models["as designed"]
+    model = machines["as designed"]
     for axis in ("about x", "about y"):
         (own,) = [mode for mode in modes(model) if mode.name == f"sway-rocking {axis}"]
         dof = 1 if axis == "about x" else 0

@@ -38,7 +38,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         drawings["loops"] = Drawing(
             "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the "
             "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
-            lambda: _loops_chart(spectra, "gain", "sensitivity"),
+            lambda: _loops_chart(spectra),
         )
     tables["budget"] = budget_table(limits)
     drawings["budget"] = Drawing(
@@ -105,13 +105,12 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
         f"noise), beyond their range for {100 * limits.saturated:.2g} % of the time."
     )
     if limits.phases:
-        causes_of_lag = {
-            "the valve": "valve_deg",
-            "computation and hold": "delay_and_hold_deg",
-            "the instrument": "instrument_deg",
-            "oil and membrane": "oil_and_membrane_deg",
+        lags = {
+            "the valve": limits.phases["valve_deg"],
+            "computation and hold": limits.phases["delay_and_hold_deg"],
+            "the instrument": limits.phases["instrument_deg"],
+            "oil and membrane": limits.phases["oil_and_membrane_deg"],
         }
-        lags = {cause: limits.phases[key] for cause, key in causes_of_lag.items()}
         words = ", ".join(f"{cause} {value:.0f}°" for cause, value in lags.items())
         first = max(lags, key=lambda cause: lags[cause])
         found.append(
@@ -147,16 +146,16 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = grid(law)
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
-    gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
+    gain, sensitivity = np.zeros((2, len(machines), len(patterns), f.size))
     loop = Loop.of(scenario, law)
-    for row, model in enumerate(machines.models.values()):
+    for row, model in enumerate(machines.values()):
         moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
         for column in range(len(patterns)):
             one = moved[:, column, column]
             gain[row, column] = 20 * np.log10(np.maximum(np.abs(1.0 / one - 1.0), 1e-12))
             sensitivity[row, column] = 20 * np.log10(np.abs(one))
     over = {
-        "machine": (list(machines.models), "", "machine"),
+        "machine": (list(machines), "", "machine"),
         "pattern": (list(patterns), "", "pattern of motion"),
         "frequency": (f, "Hz", "frequency"),
     }
@@ -180,9 +179,9 @@ def budget_table(limits: Budget) -> xr.Dataset:
     )
 
 
-def _loops_chart(table: xr.Dataset, *quantities: str) -> Figure:
+def _loops_chart(table: xr.Dataset) -> Figure:
     panels = {}
-    for quantity in quantities:
+    for quantity in ("gain", "sensitivity"):
         lines = []
         for row, machine in enumerate(table.machine.values):
             for column, pattern in enumerate(table.pattern.values):

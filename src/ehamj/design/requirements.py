@@ -1,6 +1,6 @@
 """What a design must hold, and on which machines."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import Field
@@ -54,14 +54,10 @@ def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: 
     return scenario.model_copy(update={"actuators": actuators, "machine": machine})
 
 
-@dataclass(frozen=True)
-class Machines:
-    """The linear models of a machine and of its variations, by name."""
+Machines = Mapping[str, LinearModel]
+"""The linear models of a machine, "as designed", and of its variations, by name."""
 
-    models: dict[str, LinearModel] = field(repr=False)
 
-    @classmethod
-    def of(cls, scenario: Scenario, variations: Variations | None = None) -> "Machines":
-        """Linearise the machine and its variations about their equilibria."""
-        scenarios = (variations or Variations()).scenarios(scenario)
-        return cls({name: linear_model(one.plant) for name, one in scenarios.items()})
+def machines_of(scenario: Scenario, variations: Variations | None = None) -> Machines:
+    """The machine and its variations, each linearised about its equilibrium."""
+    return {name: linear_model(one.plant) for name, one in (variations or Variations()).scenarios(scenario).items()}

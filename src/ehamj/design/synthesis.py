@@ -4,17 +4,13 @@ from typing import Any, Final
 
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.settings import ControlSettings, DigitalSettings
-from ehamj.design.hinfinity import HInfinitySettings
-from ehamj.design.lqg import LqgSettings
+from ehamj.design.kinds import SYNTHESES
 from ehamj.design.motions import MotionWeights, SynthesisSettings
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.design.tuning import Design, judged
 from ehamj.errors import InputError
 from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
-
-SYNTHESES: Final[dict[str, type[SynthesisSettings]]] = {one.name(): one for one in (HInfinitySettings, LqgSettings)}
-"""Settings of each synthesis by its name."""
 
 LOWER: Final = 0.85
 TRIES: Final = 12
@@ -39,7 +35,7 @@ def synthesised(
     for _ in range(TRIES):
         short: list[str] = []
         try:
-            law = settings.law(scenario, machines.models["as designed"])
+            law = settings.law(scenario, machines["as designed"])
         except InputError as error:
             failure = error
         else:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from ehamj.control import LinearController, blocks
 from ehamj.control.inertial import MotionLoop
-from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
+from ehamj.design.kinds import DESIGNABLE
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back, loop_gain
@@ -34,9 +34,6 @@ ComplexArray = NDArray[np.complex128]
 Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
-
-DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
-"""Architectures that can be designed: the settings of each begin from their defaults."""
 
 STEP: Final = 1.03
 STEPS: Final = 3.0 * STEP ** -np.arange(116.0)
@@ -95,7 +92,7 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
             f"control.kind = {control.kind!r}: has {len(tunable) or 'no'} laws with loops to tune; there must be one "
             f"loop to tune, {', '.join(able[:-1])} or {able[-1]}"
         )
-    model = machines.models["as designed"]
+    model = machines["as designed"]
     shaped = members[tunable[0]].fitted([(one.name, one.frequency) for one in modes(model)], model.plant.machine.cg[2])
     settings = control.with_member(tunable[0], _raised(shaped, scenario, machines, wanted))
     return judged(settings, settings.controller(scenario.plant, scenario.sensors), scenario, machines, wanted)
@@ -105,7 +102,7 @@ def judged(
     settings: DigitalSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
 ) -> Design:
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
-    models = machines.models if feeds_back(law) else {}
+    models = machines if feeds_back(law) else {}
     reports = {name: report(model, Loop.of(scenario, law)) for name, model in models.items()}
     return Design(settings, law, reports, requirements)
 
@@ -157,7 +154,7 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
     loops = settings.loops()
     alone = {name: _only(settings, name).controller(plant, sensors) for name in loops}
     trials = []
-    for model in machines.models.values():
+    for model in machines.values():
         f = grid(everything, model)
         own = loop_gain(model, Loop.of(scenario, rest), f)
         # A loop alone still holds what the rest is.
