@@ -150,7 +150,8 @@ def _laws(
 
 def _function(law: PythonController, failures: list[Exception], valves: int) -> Any:
     """A Python law as a C function; what it raises goes to ``failures``."""
-    law.reset()
+    if callable(reset := getattr(law.function, "reset", None)):
+        reset()
 
     def call(time: float, measured: int, taken: int, result: int) -> int:
         try:

@@ -70,9 +70,12 @@ def line_cancellation(
         InputError: if a line is at or above half the sampling rate.
     """
     plant = scenario.plant
-    linear = model or linear_model(scenario.plant)
+    linear = model or linear_model(plant)
     feet = MountChannels.of(plant.mounts).feet
-    law = _reading(_nothing(settings, scenario) if beside is None else beside, feet)
+    if beside is None:  # a law that commands nothing, with the clock of the settings
+        nothing = Block.gain(np.zeros((len(plant.mounts), 0)))
+        beside = settings.digital(nothing, (), plant, anti_windup=AntiWindup.NONE)
+    law = _reading(beside, feet)
     high = [line for line in settings.lines if line >= 0.5 / law.period]
     if high:
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
@@ -115,12 +118,6 @@ class _LineLaw:
         if not np.any(limited):
             self._weights -= turn.conj()[:, None] * (self._steps @ measured[self._feet])
         return np.asarray(wanted)
-
-
-def _nothing(settings: LineSettings, scenario: Scenario) -> Controller:
-    """A law that commands nothing, with the clock of the settings."""
-    empty = Block.gain(np.zeros((len(scenario.plant.mounts), 0)))
-    return settings.digital(empty, (), scenario.plant, anti_windup=AntiWindup.NONE)
 
 
 def _reading(law: Controller, feet: tuple[str, ...]) -> Controller:

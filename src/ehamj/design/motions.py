@@ -10,7 +10,6 @@ back by the same map (`Block.sampled`): peaks of responses, and with them H∞ n
 loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated
 
@@ -82,7 +81,8 @@ class SynthesisSettings(DigitalSettings):
     order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
 
     def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
-        """The loop of one motion, piston velocity over displacement (and sideways velocity), by the synthesis.
+        """The loop of one motion by the synthesis: the bilinear image from blended displacement [m, rad], of roll and
+        pitch also from the feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
 
         Raises:
             InputError: if there is none.
@@ -95,10 +95,13 @@ class SynthesisSettings(DigitalSettings):
         Raises:
             InputError: if no law exists for these weights, or it is unstable by itself.
         """
-        plants = motion_plants(scenario, model, self, self.plant_order)
-        return self.assembled(
-            scenario, {name: self.loop(small, getattr(self, name), scenario) for name, (_, small) in plants.items()}
-        )
+        plant, sensors = scenario.plant, scenario.sensors
+        plants = motion_plants(scenario, model, self, self.plant_order).items()
+        loops = {name: self.loop(own, getattr(self, name), scenario).sampled(self.period) for name, own in plants}
+        laws = [self.modal().with_loops(plant, sensors, loops)]
+        if self.feedforward is not None:
+            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
+        return stack(laws)
 
     def noise_over_floor(self, weights: MotionWeights, scenario: Scenario) -> float:
         """r: the inertial instruments' noise over the floor's motion in the third-octave at the bandwidth [-]."""
@@ -129,26 +132,9 @@ class SynthesisSettings(DigitalSettings):
         still = dict.fromkeys(MOTIONS, NO_LOOP) | {"sway_x": NO_SWAY, "sway_y": NO_SWAY}
         return ModalSettings().model_copy(update={**self.shared, "blend": self.blend, "warp": self.warp, **still})
 
-    def assembled(self, scenario: Scenario, loops: Mapping[str, Block]) -> Controller:
-        """The whole law.
 
-        Args:
-            scenario: machine and instruments.
-            loops: of each motion the bilinear image from blended displacement [m, rad], of roll and pitch also from the
-                feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
-        """
-        plant, sensors = scenario.plant, scenario.sensors
-        sampled = {motion: loop.sampled(self.period) for motion, loop in loops.items()}
-        laws = [self.modal().with_loops(plant, sensors, sampled)]
-        if self.feedforward is not None:
-            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
-        return stack(laws)
-
-
-def motion_plants(
-    scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int
-) -> dict[str, tuple[Block, Block]]:
-    """Of each motion the bilinear image of its plant, whole and with ``order`` states (balanced truncation).
+def motion_plants(scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int) -> dict[str, Block]:
+    """Of each motion the bilinear image of its plant, with at most ``order`` states (balanced truncation).
 
     One input, the piston velocity [m/s, rad/s]; outputs are the blended displacement [m, rad], of roll and pitch also
     the feet's mean sideways velocity [m/s].
@@ -172,8 +158,8 @@ def motion_plants(
         if motion in sideways:
             readings = np.vstack([readings, np.pad(sideways[motion], (2 * mounts, 0))])
             after = beside([blend, Block.gain([[1.0]])])
-        whole = continuous(machine.between(spread[:, [k]], readings).then(after), settings.period)
-        found[motion] = whole, reduced(whole, order)
+        whole = machine.between(spread[:, [k]], readings).then(after)
+        found[motion] = reduced(continuous(whole, settings.period), order)
     return found
 
 
