@@ -174,6 +174,7 @@ class Controller(Sampled):
             raise InputError(f"controller.outputs = {table['outputs']}: must be {list(OUTPUTS)}")
         given = {name: table[key] for name, key in KEYS.items() if key in table}
         try:
+            given |= {name: list(given[name]) for name in "ABCD"}
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:
                     given[name] = float(given[name])
