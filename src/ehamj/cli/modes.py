@@ -12,6 +12,7 @@ from ehamj.cli.frame import JsonOption, ScenarioArgument, SetOption, app, log, p
 from ehamj.cli.modal_tables import print_measured, print_modes
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
+from ehamj.findings import finite
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import Mode
@@ -87,7 +88,7 @@ def modes(
         with log.status(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
-        from ehamj.replay.mode_replay import replay_modes
+        from ehamj.replay.modes import replay_modes
 
         with log.status("drawing"):
             replay_modes(replay, loaded, {SHORT[key]: found[key] for key in SHORT if key in found})
@@ -151,12 +152,8 @@ def _plain_slopes(slopes: xr.Dataset) -> dict[str, Any]:
         str(key): {
             "value": float(slopes["value"].sel(parameter=key)),
             "unit": slopes["unit"].sel(parameter=key).item(),
-            "frequency": [_finite(value) for value in slopes["frequency"].sel(parameter=key).values],
-            "damping": [_finite(value) for value in slopes["damping"].sel(parameter=key).values],
+            "frequency": [finite(value) for value in slopes["frequency"].sel(parameter=key).values],
+            "damping": [finite(value) for value in slopes["damping"].sel(parameter=key).values],
         }
         for key in slopes["parameter"].values
     }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

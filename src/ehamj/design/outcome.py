@@ -9,6 +9,7 @@ from ehamj.control import LinearController
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
+from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots import Figure, Line, lines_chart
@@ -46,8 +47,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         lambda: _budget_chart(limits),
     )
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
-    least = (float(min(values)) for values in zip(*worst, strict=True))
-    gain, phase, disk = (value if np.isfinite(value) else None for value in least)
+    gain, phase, disk = (float(min(values)) for values in zip(*worst, strict=True))
     return Outcome(
         title=f"Controller for {scenario.name}",
         question=f"Which {kind} law leaves the margins, and what limits it?",
@@ -62,8 +62,8 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         ),
         numbers={
             "meets": design.meets,
-            "gain_margin_db": gain,
-            "phase_margin_deg": phase,
+            "gain_margin_db": finite(gain),
+            "phase_margin_deg": finite(phase),
             "disk_margin": disk,
             "margins": {name: one.to_dict() for name, one in design.reports.items()},
             "budget": limits.to_dict(),
