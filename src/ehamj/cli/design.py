@@ -19,8 +19,7 @@ from ehamj.cli.frame import (
     print_table,
     say,
 )
-from ehamj.design.synthesis import SYNTHESES
-from ehamj.design.tuning import DESIGNABLE
+from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 
 
 @app.command()

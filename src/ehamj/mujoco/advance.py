@@ -14,7 +14,7 @@ from ehamj.compiled import c_function, compiled_here, copy, kernel
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
-from ehamj.control.loop import Loop, no_loop
+from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.equations import settled
 from ehamj.isolator.spool import limits_reached
@@ -254,7 +254,7 @@ def _arguments(
     stretch: Stretch,
     given: tuple[Array, Array],
     recording: Recording,
-    loop: Loop,
+    loop: DigitalLoop,
     noise: Array | None = None,
     load: tuple[Array, Array] = NOT_LOADED,
 ) -> tuple[Any, ...]:
@@ -278,7 +278,7 @@ def advance(
     given: tuple[Array, Array],
     recording: Recording,
     last: bool = False,
-    loop: Loop | None = None,
+    loop: DigitalLoop | None = None,
     noise: Array | None = None,
     load: tuple[Array, Array] = NOT_LOADED,
 ) -> tuple[Stopped, int]:
@@ -294,7 +294,7 @@ def advance(
         recording: where rows and counts go.
         last: also evaluate (and record) the state after the last step; ``given`` then has one row more.
         loop: digital controller, whose memory is advanced.
-        noise: noise of its readings at the samples among these steps (`Loop.samples`), (samples, channels).
+        noise: noise of its readings at the samples among these steps (`DigitalLoop.samples`), (samples, channels).
         load: force on the machine itself, value and slope·timestep at the start and at the end of each step,
             (steps (+1), 6, 2) each.
 
