@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control.loop import Loop, no_loop
+from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import NOT_LOADED, advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
@@ -41,7 +41,7 @@ class Run:
         with hydraulics():
             equilibrium(self.model, self.start, Inputs.rest(self.model))
 
-    def __call__(self, loop: Loop | None = None, load: tuple[Array, Array] = NOT_LOADED) -> None:
+    def __call__(self, loop: DigitalLoop | None = None, load: tuple[Array, Array] = NOT_LOADED) -> None:
         """Take the steps, with a controller or under a force."""
         data, loop = mujoco.MjData(self.model), loop or self.alone
         data.qpos[:], data.act[:] = self.start.qpos, self.start.act
