@@ -80,11 +80,12 @@ def test_imports_go_down(path: Path) -> None:
     assert not upward, f"{path.name} (rank {RANK[own]}) imports {upward}"
 
 
-def test_import_does_nothing() -> None:
-    """Importing ehamj installs no callback and pulls in none of the slow libraries."""
+@pytest.mark.parametrize("module", ["ehamj", "ehamj.cli"])
+def test_import_does_nothing(module: str) -> None:
+    """Importing ehamj, and starting its command line, installs no callback and pulls in none of the slow libraries."""
     code = (
-        "import sys, ehamj; from ehamj.mujoco.hold import installed; "
-        "slow = {'obspy', 'rerun', 'control', 'matplotlib'} & set(sys.modules); "
+        f"import sys, {module}; from ehamj.mujoco.hold import installed; "
+        "slow = {'obspy', 'rerun', 'control', 'slycot', 'matplotlib', 'ehamj.design.tuning'} & set(sys.modules); "
         "sys.exit(f'{slow} {installed()}' if slow or any(installed().values()) else 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -17,6 +17,7 @@ Source = Literal["paper", "identified", "assumed", "given"]
 Position2 = tuple[float, float]
 Vector3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
 Unlimited = Annotated[float, Field(allow_inf_nan=True)]
 
 FILE = "file"

@@ -12,7 +12,7 @@ from ehamj.control.kinds import ARCHITECTURES, CONTROLS, STANDARD
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup, anti_windup_gain
-from ehamj.design.tuning import DESIGNABLE
+from ehamj.design.kinds import DESIGNABLE
 from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate

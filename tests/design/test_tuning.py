@@ -7,7 +7,7 @@ import pytest
 
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.kinds import CombinedSettings
-from ehamj.design.requirements import Machines, Requirements, Variations, with_factors
+from ehamj.design.requirements import Requirements, Variations, machines_of, with_factors
 from ehamj.design.tuning import Design, tune
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
@@ -27,7 +27,7 @@ MODAL = {"kind": "modal", "delay": 1.5e-4}
 
 def tuned(table: dict[str, Any], control: dict[str, Any] = MODAL, **wanted: float) -> Design:
     scenario = parse_scenario({"plates": "tied", "control": control, **table})
-    return tune(scenario, Machines.of(scenario), Requirements.model_validate(wanted))
+    return tune(scenario, machines_of(scenario), Requirements.model_validate(wanted))
 
 
 def crossings(design: Design) -> list[float]:
@@ -70,7 +70,7 @@ def test_on_other_machines_too(table: dict[str, Any]) -> None:
 
 def test_damping_of_sway_stands_at_the_machine_s_own_modes_however_often_it_is_tuned() -> None:
     scenario = parse_scenario({"plates": "tied", "control": MODAL, **HEAVY})
-    machines = Machines.of(scenario)
+    machines = machines_of(scenario)
     first = tune(scenario, machines)
     assert_holds(first)
     once = first.settings
@@ -78,7 +78,7 @@ def test_damping_of_sway_stands_at_the_machine_s_own_modes_however_often_it_is_t
     assert isinstance(once, ModalSettings)
     assert isinstance(twice, ModalSettings)
     assert (twice.sway_x, twice.sway_y) == (once.sway_x, once.sway_y)
-    found = {mode.name: mode.frequency for mode in modes(machines.models["as designed"])}
+    found = {mode.name: mode.frequency for mode in modes(machines["as designed"])}
     assert once.sway_x.centre == pytest.approx(found["sway-rocking about y"], rel=0.15)
     assert once.sway_y.centre == pytest.approx(found["sway-rocking about x"], rel=0.15)
 

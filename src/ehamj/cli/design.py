@@ -8,8 +8,7 @@ from rich.text import Text
 from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log
 from ehamj.cli.printing import print_json, print_table, say
-from ehamj.design.synthesis import SYNTHESES
-from ehamj.design.tuning import DESIGNABLE
+from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 
 
 @app.command()

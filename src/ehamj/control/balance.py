@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.blocks import TWO_PI, Block
-from ehamj.control.settings import NotNegative
 from ehamj.plant.levers import warp
 from ehamj.plant.plant import Plant
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Settings
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,10 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag, expm
+from scipy.sparse.csgraph import connected_components
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 TWO_PI = 2.0 * np.pi
 
 
@@ -80,9 +82,7 @@ class Block(NamedTuple):
 
     def padded(self, before: int, after: int) -> Self:
         """The block with inputs beside its own that it does not read."""
-        return type(self)(
-            self.A, np.pad(self.B, ((0, 0), (before, after))), self.C, np.pad(self.D, ((0, 0), (before, after)))
-        )
+        return self.inserted(self.B.shape[1], after).inserted(0, before)
 
     def inserted(self, at: int, count: int) -> Self:
         """The block with ``count`` inputs that it does not read between its own, before number ``at``."""
@@ -106,11 +106,7 @@ class Block(NamedTuple):
 
 def beside(blocks: Sequence[Block]) -> Block:
     """Blocks side by side, each with inputs and outputs of its own."""
-    return Block(*(np.asarray(block_diag(*part)) for part in zip(*map(_kept, blocks), strict=True)))
-
-
-def _kept(block: Block) -> tuple[Array, Array, Array, Array]:
-    return block.A, block.B, block.C, block.D
+    return Block(*(np.asarray(block_diag(*matrices)) for matrices in zip(*blocks, strict=True)))
 
 
 def added(blocks: Sequence[Block]) -> Block:
@@ -120,13 +116,27 @@ def added(blocks: Sequence[Block]) -> Block:
     return Block(A, B, C, np.sum([block.D for block in blocks], axis=0))
 
 
-def pair(frequency: float, damping: float) -> NDArray[np.complex128]:
+def pair(frequency: float, damping: float) -> ComplexArray:
     """Roots of s² + 2ζωs + ω² for a ``frequency`` [Hz]."""
     omega = TWO_PI * frequency
     return np.asarray(np.roots([1.0, 2.0 * damping * omega, omega**2]), complex)
 
 
-def _groups(roots: NDArray[np.complex128]) -> list[NDArray[np.complex128]]:
+def response(points: ComplexArray, A: Array, B: Array, C: Array, D: Array | None = None) -> ComplexArray:
+    """C (p − A)⁻¹ B + D at each point p, s = jω or z = e^{jωT}, shape (points, outputs, inputs); D without: zero."""
+    outputs, inputs = C.shape[0], B.shape[1]
+    found = np.zeros((points.size, outputs, inputs), complex)
+    if D is not None:
+        found += D
+    # Laws are made of many small blocks that do not know each other: solved one by one, far faster than together.
+    count, labels = connected_components(A != 0.0, directed=False) if A.size else (0, np.zeros(0))
+    for own in (np.flatnonzero(labels == k) for k in range(count)):
+        systems = points[:, None, None] * np.eye(own.size) - A[np.ix_(own, own)]
+        found += C[:, own] @ np.linalg.solve(systems, np.broadcast_to(B[own], (points.size, own.size, inputs)))
+    return found
+
+
+def _groups(roots: ComplexArray) -> list[ComplexArray]:
     """Roots in pairs, complex ones with their conjugates, real ones by size and the last alone; slow pairs first."""
     upper = sorted(roots[roots.imag > 1e-9 * np.abs(roots)], key=abs)
     real = sorted(roots[np.abs(roots.imag) <= 1e-9 * np.abs(roots)].real, key=abs)
@@ -139,9 +149,5 @@ def _groups(roots: NDArray[np.complex128]) -> list[NDArray[np.complex128]]:
 
 def joined(blocks: Sequence[Block]) -> Block:
     """Blocks with inputs of their own, one after the other, whose outputs add up."""
-    sizes = [block.B.shape[1] for block in blocks]
-    ends = np.cumsum(sizes)
-    padded = [
-        block.padded(int(end - size), int(ends[-1] - end)) for block, size, end in zip(blocks, sizes, ends, strict=True)
-    ]
-    return added(padded)
+    together = beside(blocks)
+    return Block(together.A, together.B, np.hstack([block.C for block in blocks]), np.hstack([b.D for b in blocks]))

@@ -68,36 +68,34 @@ def channel_row(name: str, plant: Plant) -> Array:
         UnknownChannelError: if there is no such channel.
     """
     check_channel(name, plant.mounts)
-    at, places = Layout.of(len(plant.mounts)), plant.mounts
-    row = np.zeros(at.size)
+    at, row = Layout.of(len(plant.mounts)), np.zeros(Layout.of(len(plant.mounts)).size)
     variable, *labels = name.split(" ")
     what, _, motion = variable.rpartition("_")
+    mount = plant.mounts.index(labels[0]) if labels[0] in plant.mounts else 0
+    ground = [first + len(AXES) * mount for first in (at.ground, at.ground_velocity, at.ground_acceleration)]
     if what in ("ground", "foot", "cg", "machine") and motion in _MOTIONS:
         order = _MOTIONS.index(motion)
-        if what == "ground":
-            first = (at.ground, at.ground_velocity, at.ground_acceleration)[order]
-            row[first + len(AXES) * places.index(labels[0]) + AXES.index(labels[1])] = 1.0
-            return row
         first = (at.displacement, at.velocity, at.acceleration)[order]
-        if what == "machine":
+        if what == "ground":
+            row[ground[order] + AXES.index(labels[1])] = 1.0
+        elif what == "machine":
             row[first + DOFS.index(labels[0])] = 1.0
         else:
-            foot = what == "foot"
-            point = plant.positions[places.index(labels[0])] if foot else plant.machine.cg
+            point = plant.positions[mount] if what == "foot" else plant.machine.cg
             row[first : first + len(DOFS)] = lever(point)[AXES.index(labels[-1])]
         return row
-    mount = places.index(labels[0])
-    state = at.state + size(ISOLATOR_STATE) * mount
-    if variable in ("stroke", "stroke_velocity"):
-        plate, ground = (at.plate, at.ground) if variable == "stroke" else (at.plate_velocity, at.ground_velocity)
-        row[plate + mount] = 1.0
-        row[ground + len(AXES) * mount + AXES.index("z")] = -1.0
-    elif variable == "spool":
-        row[state] = 1.0
-    elif variable == "load_pressure":
-        row[state + 2], row[state + 3] = 1.0, -1.0
-    else:
-        row[state + 1 + int(labels[1])] = 1.0
+    assert ISOLATOR_STATE.names is not None
+    first, z = at.state + size(ISOLATOR_STATE) * mount, AXES.index("z")
+    state = {name: first + k for k, name in enumerate(ISOLATOR_STATE.names)}
+    shares = {
+        "stroke": {at.plate + mount: 1.0, ground[0] + z: -1.0},
+        "stroke_velocity": {at.plate_velocity + mount: 1.0, ground[1] + z: -1.0},
+        "spool": {state["spool"]: 1.0},
+        "load_pressure": {state["pressure_1"]: 1.0, state["pressure_2"]: -1.0},
+        "chamber_pressure": {state[f"pressure_{labels[-1]}"]: 1.0} if variable == "chamber_pressure" else {},
+    }
+    for place, share in shares[variable].items():
+        row[place] = share
     return row
 
 

@@ -1,7 +1,7 @@
 """Rational time: periods and delays as exact fractions of a second, and what they have in common."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 
@@ -12,17 +12,15 @@ def exact(time: float) -> Fraction:
 
 def common_divisor(times: Iterable[float]) -> Fraction:
     """The longest time of which all are multiples [s]."""
-    first, *others = map(exact, times)
-    for other in others:
-        n = math.gcd(first.numerator * other.denominator, other.numerator * first.denominator)
-        first = Fraction(n, first.denominator * other.denominator)
-    return first
+    return _common(math.gcd, times)
 
 
 def common_multiple(times: Iterable[float]) -> Fraction:
     """The shortest time that is a multiple of all [s]."""
-    first, *others = map(exact, times)
-    for other in others:
-        n = math.lcm(first.numerator * other.denominator, other.numerator * first.denominator)
-        first = Fraction(n, first.denominator * other.denominator)
-    return first
+    return _common(math.lcm, times)
+
+
+def _common(of: Callable[..., int], times: Iterable[float]) -> Fraction:
+    found = [exact(time) for time in times]
+    unit = math.lcm(*(time.denominator for time in found))
+    return Fraction(of(*(int(time * unit) for time in found)), unit)

@@ -33,11 +33,11 @@ class Converter:
     """Names of the mounts whose valves are commanded, in order."""
 
     def __post_init__(self) -> None:
-        positive("voltage_limit", self.voltage_limit)
-        if self.bits is not None and not (isinstance(self.bits, int) and 2 <= self.bits <= 52):
-            raise InputError(f"controller.bits = {self.bits}: must be a whole number from 2 to 52, or none")
-        not_negative("switch_on", self.switch_on)
-        not_negative("fade", self.fade)
+        _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
+        whole = self.bits is None or (isinstance(self.bits, int) and 2 <= self.bits <= 52)
+        _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
+        for name in ("switch_on", "fade"):
+            _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
 
     @property
     def converter(self) -> "Converter":
@@ -69,9 +69,8 @@ class Sampled(Converter):
                 check_channel(name, self.mounts)
             except UnknownChannelError as error:
                 raise InputError(f"controller.inputs: {error}") from error
-        positive("period", self.period)
-        if self.delay is not None:
-            not_negative("delay", self.delay)
+        _must(0.0 < self.period < np.inf, "period", self.period, "a positive number")
+        _must(self.delay is None or 0.0 <= self.delay < np.inf, "delay", self.delay, "zero or positive [s]")
         super().__post_init__()
 
     @property
@@ -94,13 +93,7 @@ def difference(laws: Sequence[Converter], more: Sequence[str] = ()) -> tuple[str
     return None
 
 
-def positive(name: str, value: float) -> None:
-    """Refuse a number that is not positive and finite."""
-    if not (value > 0.0 and np.isfinite(value)):
-        raise InputError(f"controller.{name} = {value}: must be a positive number")
-
-
-def not_negative(name: str, value: float) -> None:
-    """Refuse a time that is negative or none."""
-    if not (np.isfinite(value) and value >= 0.0):
-        raise InputError(f"controller.{name} = {value}: must be zero or positive [s]")
+def _must(good: Any, name: str, value: Any, be: str) -> None:
+    """Refuse a setting that is not good."""
+    if not good:
+        raise InputError(f"controller.{name} = {value}: must be {be}")

@@ -43,12 +43,6 @@ class PythonController(Sampled):
         """A function's states are its own affair."""
         return 0
 
-    def reset(self) -> None:
-        """Let the function begin anew, if it can."""
-        reset = getattr(self.function, "reset", None)
-        if callable(reset):
-            reset()
-
     def wanted(self, time: float, measured: Array, limited: Array) -> Array:
         """The function's commands, checked, (valves,) [V].
 

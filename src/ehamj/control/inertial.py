@@ -23,9 +23,8 @@ from ehamj.control.blocks import TWO_PI, Block, added, beside, pair
 from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import instrument_poles, restoring
 from ehamj.control.lowend import yielding
-from ehamj.control.settings import NotNegative, Positive
 from ehamj.errors import InputError
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 LEAK = 0.01
 """Corner at which the loops' integrals end [Hz]: static loads remain, and nothing winds up for ever."""

@@ -21,6 +21,7 @@ from pydantic import Field, model_validator
 from scipy import signal
 from scipy.linalg import expm
 
+from ehamj.control.blocks import Block
 from ehamj.control.channels import STATIC
 from ehamj.settings import Parameters, Unlimited, quantity
 
@@ -36,23 +37,31 @@ def randomness(seed: int, channel: str, stream: int) -> np.random.Generator:
     return np.random.default_rng([seed, zlib.crc32(channel.encode()), stream])
 
 
-class StateSpace(NamedTuple):
-    """ẋ = A x + B u, y = C x + D u of one sensor."""
-
-    A: Array
-    B: Array
-    C: Array
-    D: float
+def _values(unit: str, noise: float, low: float, high: float) -> dict[str, tuple[Any, Any]]:
+    """Type and field of each value that an instrument has, in its ``unit`` and with its defaults."""
+    made: dict[str, tuple[Any, Any]] = {
+        "low": (float, quantity(low, "Hz", "f_l", "corner of the high-pass (0: none)", "assumed", ge=0)),
+        "high": (Unlimited, quantity(high, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)),
+    }
+    for name, default, over, symbol, text in (
+        ("noise", noise, "/√Hz", "n", "noise density above its corner, one-sided"),
+        ("resolution", 0.0, "", "Δ", "the reading is a multiple of this (0: exact)"),
+        ("drift", 0.0, "/s", "d", "steady drift of the reading, its sign by chance"),
+        ("random_walk", 0.0, "/√s", "w", "spread of a random walk of the reading after 1 s"),
+    ):
+        made[name] = (float, quantity(default, unit + over, symbol, text, "assumed", ge=0))
+    text = "the reading is limited to ± this (inf: not)"
+    return made | {"range": (Unlimited, quantity(math.inf, unit, "R", text, "assumed", gt=0))}
 
 
 class Instrument(Parameters):
-    """What every instrument has; the kinds below add values in their own units."""
+    """What every instrument has; a kind states its unit and defaults where its class is named."""
 
     measures: ClassVar[str]
     """Quantity that the instrument measures: displacement, velocity, acceleration or pressure."""
 
-    low: float = quantity(0.0, "Hz", "f_l", "corner of the high-pass (0: none)", "assumed", ge=0)
-    high: Unlimited = quantity(math.inf, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
+    low: float
+    high: Unlimited
     order: int = Field(2, ge=1, le=4, description="order of each Butterworth filter")
     noise: float
     noise_corner: float = quantity(1.0, "Hz", "f_n", "frequency below which the noise rises as 1/f", "assumed", ge=0)
@@ -60,6 +69,12 @@ class Instrument(Parameters):
     resolution: float
     drift: float
     random_walk: float
+
+    def __init_subclass__(cls, unit: str = "", noise: float = 0.0, low: float = 0.0, high: float = math.inf) -> None:
+        super().__init_subclass__()
+        for name, (kind, field) in (_values(unit, noise, low, high) if unit else {}).items():
+            cls.__annotations__[name] = kind
+            setattr(cls, name, field)
 
     @model_validator(mode="after")
     def _band(self) -> Self:
@@ -96,122 +111,63 @@ class Instrument(Parameters):
         passed = 1.0 / np.sqrt(1.0 + (f / self.high) ** (2 * self.order))
         return np.asarray(self.noise * passed * np.sqrt(1.0 + self.noise_corner**2 / (f**2 + self.low**2)))
 
-    def state_space(self) -> StateSpace:
+    def block(self) -> Block:
         """G(s), high-pass before low-pass, states of the size of the signal."""
-        A, B, C, D = np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), 1.0
+        total = Block.gain([[1.0]])
         for kind, corner in self.filters:
             omega = 2 * np.pi * corner
             # In units of the corner the coefficients are of size one.
-            a, b, c, d = signal.tf2ss(*signal.butter(self.order, 1.0, kind, analog=True))
-            A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [omega * b @ C, omega * a]])
-            B = np.vstack([B, omega * b * D])
-            C, D = np.hstack([d @ C, c]), float(d[0, 0]) * D
-        return StateSpace(A, B[:, 0], C[0], D)
-
-
-def _density(default: float, unit: str) -> Any:
-    return quantity(default, f"{unit}/√Hz", "n", "noise density above its corner, one-sided", "assumed", ge=0)
-
-
-def _range(unit: str) -> Any:
-    return quantity(math.inf, unit, "R", "the reading is limited to ± this (inf: not)", "assumed", gt=0)
-
-
-def _resolution(unit: str) -> Any:
-    return quantity(0.0, unit, "Δ", "the reading is a multiple of this (0: exact)", "assumed", ge=0)
-
-
-def _drift(unit: str) -> Any:
-    return quantity(0.0, f"{unit}/s", "d", "steady drift of the reading, its sign by chance", "assumed", ge=0)
-
-
-def _walk(unit: str) -> Any:
-    return quantity(0.0, f"{unit}/√s", "w", "spread of a random walk of the reading after 1 s", "assumed", ge=0)
-
-
-def _misalignment() -> Any:
-    text = "angle between the sensor's axis and the channel's, its direction by chance"
-    return quantity(0.0, "deg", "α", text, "assumed", ge=0, le=45)
+            A, B, C, D = signal.tf2ss(*signal.butter(self.order, 1.0, kind, analog=True))
+            total = total.then(Block(omega * A, omega * B, C, D))
+        return total
 
 
 class Aligned(Instrument):
     """An instrument with an axis."""
 
-    misalignment: float
+    misalignment: float = quantity(
+        0.0, "deg", "α", "angle between the sensor's axis and the channel's, its direction by chance", "assumed", ge=0,
+        le=45,
+    )  # fmt: skip
 
     @property
     def tilt(self) -> float:
         return math.radians(self.misalignment)
 
 
-class Geophone(Aligned):
+class Geophone(Aligned, unit="m/s", noise=3e-9, low=0.1, high=1000.0):
     """Measures velocity. Defaults are an instrument good enough for 56 dB on a VC-C floor."""
 
     measures: ClassVar[str] = "velocity"
     kind: Literal["geophone"]
-    low: float = quantity(0.1, "Hz", "f_l", "corner of the high-pass (0: none)", "assumed", ge=0)
-    high: Unlimited = quantity(1000.0, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
-    noise: float = _density(3e-9, "m/s")
-    range: Unlimited = _range("m/s")
-    resolution: float = _resolution("m/s")
-    drift: float = _drift("m/s")
-    random_walk: float = _walk("m/s")
-    misalignment: float = _misalignment()
 
 
-class Accelerometer(Aligned):
+class Accelerometer(Aligned, unit="m/s²", noise=9.8e-6, low=0.1, high=1000.0):
     """Measures acceleration. The default noise is that of a seismic accelerometer, 1 µg/√Hz."""
 
     measures: ClassVar[str] = "acceleration"
     kind: Literal["accelerometer"]
-    low: float = quantity(0.1, "Hz", "f_l", "corner of the high-pass (0: none)", "assumed", ge=0)
-    high: Unlimited = quantity(1000.0, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
-    noise: float = _density(9.8e-6, "m/s²")
-    range: Unlimited = _range("m/s²")
-    resolution: float = _resolution("m/s²")
-    drift: float = _drift("m/s²")
-    random_walk: float = _walk("m/s²")
-    misalignment: float = _misalignment()
 
 
-class DisplacementSensor(Aligned):
+class DisplacementSensor(Aligned, unit="m", noise=1e-10, high=5000.0):
     """Measures displacement, against a reference that stands still."""
 
     measures: ClassVar[str] = "displacement"
     kind: Literal["displacement"]
-    high: Unlimited = quantity(5000.0, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
-    noise: float = _density(1e-10, "m")
-    range: Unlimited = _range("m")
-    resolution: float = _resolution("m")
-    drift: float = _drift("m")
-    random_walk: float = _walk("m")
-    misalignment: float = _misalignment()
 
 
-class StrokeSensor(Instrument):
+class StrokeSensor(Instrument, unit="m", noise=1e-10, high=5000.0):
     """Measures the stroke of an actuator, built into it and so without misalignment."""
 
     measures: ClassVar[str] = "displacement"
     kind: Literal["displacement"] = "displacement"
-    high: Unlimited = quantity(5000.0, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
-    noise: float = _density(1e-10, "m")
-    range: Unlimited = _range("m")
-    resolution: float = _resolution("m")
-    drift: float = _drift("m")
-    random_walk: float = _walk("m")
 
 
-class PressureSensor(Instrument):
+class PressureSensor(Instrument, unit="Pa", noise=5.0, high=5000.0):
     """Measures a chamber's absolute pressure, or the difference of both."""
 
     measures: ClassVar[str] = "pressure"
     kind: Literal["pressure"] = "pressure"
-    high: Unlimited = quantity(5000.0, "Hz", "f_h", "corner of the low-pass (inf: none)", "assumed", gt=0)
-    noise: float = _density(5.0, "Pa")
-    range: Unlimited = _range("Pa")
-    resolution: float = _resolution("Pa")
-    drift: float = _drift("Pa")
-    random_walk: float = _walk("Pa")
 
 
 class Discrete(NamedTuple):
@@ -226,7 +182,8 @@ class Discrete(NamedTuple):
 
 def discretise(instrument: Instrument, step: float) -> Discrete:
     """Ramp-invariant: exact for an input that is straight between steps [s]."""
-    a, b, c, d = instrument.state_space()
+    whole = instrument.block()
+    a, b, c, d = whole.A, whole.B[:, 0], whole.C[0], float(whole.D[0, 0])
     n = a.shape[0]
     if n == 0:
         return Discrete(a, b, c, d, b)

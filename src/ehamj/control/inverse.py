@@ -62,14 +62,11 @@ def valve_poles(actuator: Actuator) -> ComplexArray:
 
 def instrument_poles(sensor: Instrument | None) -> tuple[ComplexArray, ComplexArray]:
     """Poles of an instrument's high-pass and of its low-pass [rad/s]; empty for an ideal one."""
-    slow: list[complex] = []
-    fast: list[complex] = []
-    if sensor is None:
-        return np.array(slow, complex), np.array(fast, complex)
-    for kind, corner in sensor.filters:
-        _, poles, _ = signal.butter(sensor.order, 2 * np.pi * corner, kind, analog=True, output="zpk")
-        (slow if kind == "highpass" else fast).extend(poles)
-    return np.array(slow, complex), np.array(fast, complex)
+    found: dict[str, list[complex]] = {"highpass": [], "lowpass": []}
+    if sensor is not None:
+        for kind, corner in sensor.filters:
+            found[kind].extend(signal.butter(sensor.order, 2 * np.pi * corner, kind, analog=True, output="zpk")[1])
+    return np.array(found["highpass"], complex), np.array(found["lowpass"], complex)
 
 
 def lag(poles: ArrayLike) -> float:

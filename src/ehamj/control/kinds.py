@@ -74,7 +74,6 @@ class CombinedSettings(DigitalSettings):
         return self.model_copy(update={"parts": tuple(part.isolating_from(hertz) for part in self.parts)})
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         laws = self.members
         return stack([law.beside(laws[:k] + laws[k + 1 :], plant, sensors) for k, law in enumerate(laws)])
 

@@ -15,7 +15,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.control import statespace
+from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.windup import anti_windup_gain, limited_radius
@@ -36,7 +36,6 @@ KEYS: Final = {
 }  # fmt: skip
 """Keys of a law's file by what they hold; `NEEDED` must be there."""
 NEEDED: Final = ("inputs", "period", *"ABCD")
-MATRICES: Final = (*"ABCD", "anti_windup")
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +63,7 @@ class Controller(Sampled):
     anti_windup: Array | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        n, p, valves = np.atleast_2d(self.A).shape[0], len(self.inputs), len(self.mounts)
+        n, p, valves = len(np.atleast_1d(self.A)), len(self.inputs), len(self.mounts)
         shapes = {"A": (n, n), "B": (n, p), "C": (valves, n), "D": (valves, p)}
         shapes |= {} if self.anti_windup is None else {"anti_windup": (n, valves)}
         for name, shape in shapes.items():
@@ -138,7 +137,7 @@ class Controller(Sampled):
 
     def at(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """C (z − A)⁻¹ B + D from sample to sample, (z, valves, inputs)."""
-        return statespace.response(z, self.A, self.B, self.C, self.D)
+        return blocks.response(z, self.A, self.B, self.C, self.D)
 
     def response(self, hertz: ArrayLike) -> NDArray[np.complex128]:
         """Command over measured channel at ``hertz`` [Hz], shape (frequency, valves, inputs), with delay and hold.
@@ -175,19 +174,14 @@ class Controller(Sampled):
             raise InputError(f"controller.outputs = {table['outputs']}: must be {list(OUTPUTS)}")
         given = {name: table[key] for name, key in KEYS.items() if key in table}
         try:
-            n, p, m = len(table["A"]), len(table["inputs"]), len(MOUNTS)
-            sizes = {"A": (n, n), "B": (n, p), "C": (m, n), "D": (m, p), "anti_windup": (n, m)}
-            for name in MATRICES:
-                if given.get(name) is not None:
-                    matrix = np.array(given[name], float)
-                    given[name] = matrix if matrix.size else matrix.reshape(sizes[name])
+            given |= {name: list(given[name]) for name in "ABCD"}
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:
                     given[name] = float(given[name])
             return cls(**given)
+        except InputError:
+            raise
         except (TypeError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
             raise InputError(f"controller: not a law ({error})") from error
 
     @classmethod

@@ -2,7 +2,7 @@
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ehamj.control.compiled.converter import Conversion
 from ehamj.control.compiled.laws import LAW, LawMemory, Laws
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
+from ehamj.control.converter import Converter
 from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
@@ -25,18 +26,19 @@ _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) 
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class DigitalLoop:
     """A controller and its sensors as the stepping loop runs them, for one simulation, with all that they remember."""
 
     laws: Laws
     law_memory: LawMemory
     sensing: Sensing
     readings: Readings
-    states: int = 0
+    states: int
     """Of all laws; they come first in ``law_memory``."""
-    functions: tuple[Any, ...] = ()
+    functions: tuple[Any, ...]
     """Python laws as C functions; kept alive here."""
-    failures: list[Exception] = field(default_factory=list)
+    failures: list[Exception]
+    """What Python laws raised."""
 
     def samples(self, first: int, count: int) -> tuple[int, int]:
         """Of ``count`` steps from ``first``: the number of the first sample among them, and how many there are."""
@@ -47,27 +49,14 @@ class Loop:
         return begin, end - begin
 
 
-def _empty(*shape: int) -> Array:
-    return np.zeros(shape)
-
-
-def _loop(laws: Laws, memory: int, sensing: Sensing, mounts: int, **others: Any) -> Loop:
-    return Loop(laws, LawMemory.of(memory, laws.inputs_of.size, mounts), sensing, Readings.of(sensing), **others)
-
-
-def no_loop(mounts: int) -> Loop:
+def no_loop(mounts: int) -> DigitalLoop:
     """No controller and nothing to read."""
-    laws = Laws(np.zeros(0, LAW), _empty(0), np.zeros(0, np.int64), Conversion(0.0, 0.0, 0.0, 0.0), 0)
-    terms = np.zeros((0, 0), np.int64)
-    sensing = Sensing(
-        Layout.of(mounts), terms, _empty(0, 0), _empty(3, 0, 0), _empty(0), _empty(0), _empty(0), _empty(0)
-    )
-    return _loop(laws, 0, sensing, mounts)
+    return _made((), (), Converter(), np.zeros((0, 0)), IDEAL, 1.0, mounts)
 
 
 def make_loop(
     controller: AnyController | None, plant: Plant, timestep: float, sensors: Sensors = IDEAL, seed: int = 0
-) -> Loop:
+) -> DigitalLoop:
     """A controller made ready for a step that divides its periods and delays, at the beginning of a simulation.
 
     Raises:
@@ -76,26 +65,28 @@ def make_loop(
     mounts = len(plant.mounts)
     if controller is None:
         return no_loop(mounts)
-    channels = tuple(controller.inputs)
+    rows = sensors.rows(controller.inputs, plant, seed)
+    return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, mounts)
+
+
+def _made(
+    parts: Sequence[Controller | PythonController], channels: tuple[str, ...], converter: Converter, rows: Array,
+    sensors: Sensors, timestep: float, mounts: int,
+) -> DigitalLoop:  # fmt: skip
     failures: list[Exception] = []
-    parts: Sequence[Controller | PythonController] = controller.parts
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
-    terms, weights = _terms(sensors.rows(channels, plant, seed))
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
-    converter = controller.converter
     statics = [converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
-    return _loop(
-        Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"]))),
-        size,
-        Sensing(Layout.of(mounts), terms, weights, filters, feedthrough, np.array(statics, float), *grid),
-        mounts,
-        states=controller.states,
-        functions=tuple(functions.values()),
-        failures=failures,
-    )
+    laws = Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"])))
+    layout = Layout.of(mounts)
+    sensing = Sensing(layout, *_terms(rows), filters, feedthrough, np.array(statics, float), *grid)
+    return DigitalLoop(
+        laws, LawMemory.of(size, inputs_of.size, mounts), sensing, Readings.of(sensing),
+        sum(part.states for part in parts), tuple(functions.values()), failures,
+    )  # fmt: skip
 
 
 def _terms(rows: Array) -> tuple[Integers, Array]:
@@ -109,7 +100,8 @@ def _instruments(
     channels: tuple[str, ...], sensors: Sensors, timestep: float
 ) -> tuple[Array, Array, tuple[Array, Array]]:
     """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter."""
-    exact = Discrete(_empty(0, 0), _empty(0), _empty(0), 1.0, _empty(0))
+    none = np.zeros(0)
+    exact = Discrete(np.zeros((0, 0)), none, none, 1.0, none)
     found = [sensors.of(name) for name in channels]
     discrete = [exact if sensor is None else discretise(sensor, timestep) for sensor in found]
     n = max((d.A.shape[0] for d in discrete), default=0)
@@ -153,13 +145,13 @@ def _laws(
         inputs_of += [channels.index(name) for name in part.inputs]
         states += part.states
         size = int(law["ring"] + mounts * law["places"])
-    flat = np.concatenate(matrices) if matrices else _empty(0)
-    return table, flat, np.array(inputs_of, np.int64), size
+    return table, np.concatenate([np.zeros(0), *matrices]), np.array(inputs_of, np.int64), size
 
 
 def _function(law: PythonController, failures: list[Exception], valves: int) -> Any:
     """A Python law as a C function; what it raises goes to ``failures``."""
-    law.reset()
+    if callable(reset := getattr(law.function, "reset", None)):
+        reset()
 
     def call(time: float, measured: int, taken: int, result: int) -> int:
         try:
@@ -175,6 +167,4 @@ def _function(law: PythonController, failures: list[Exception], valves: int) -> 
 
 def _vector(address: int, size: int) -> Array:
     """The numbers at an address, not copied."""
-    if size == 0:
-        return np.zeros(0)
-    return np.ctypeslib.as_array((ctypes.c_double * size).from_address(address))
+    return np.ctypeslib.as_array((ctypes.c_double * size).from_address(address)) if size else np.zeros(0)

@@ -45,7 +45,7 @@ class Sensors(Settings):
             InputError: if the instrument there measures another quantity.
         """
         variable = channel.partition(" ")[0]
-        table = _class_of(variable)
+        table = class_of(variable)
         sensor: Instrument | None = getattr(self, table) if table else None
         if sensor is None:
             return None
@@ -97,7 +97,7 @@ IDEAL = Sensors()
 """Everything is measured exactly."""
 
 
-def _class_of(variable: str) -> str | None:
+def class_of(variable: str) -> str | None:
     """Table of [sensors] that a variable belongs to; the spool's own transducer is taken as exact."""
     if variable in ("chamber_pressure", "load_pressure"):
         return "pressure"

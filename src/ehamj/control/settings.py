@@ -1,6 +1,6 @@
 """What a control is: what a scenario, a sum of laws and a design may ask of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
@@ -8,22 +8,19 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.blocks import Block
+from ehamj.control.inertial import MotionLoop
 from ehamj.control.law import UNSTABLE, Controller
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 from ehamj.signals import Signal, Zero
 
 if TYPE_CHECKING:
     from ehamj.control import LinearController
-    from ehamj.control.inertial import MotionLoop
     from ehamj.control.sensors import Sensors
 
 Array = NDArray[np.float64]
-
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
 
 ISOLATE_FROM = (
     "frequency at which isolation begins on floors too strong for the voltage; below it the machine follows the floor "
@@ -59,7 +56,7 @@ class DigitalSettings(ControlSettings):
     """What every architecture has; it alone commands the valves.
 
     An architecture builds its `controller`. The other methods say what a sum of laws, a design or a study may do with
-    it; their defaults: it has no loops to tune, and nothing that depends on the machine or that others must know.
+    it; by default its loops are its fields of that kind, and nothing depends on the machine or must be known to others.
     """
 
     rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
@@ -103,9 +100,10 @@ class DigitalSettings(ControlSettings):
         """The whole with another law in place of one of its `members`."""
         return member
 
-    def loops(self) -> "Mapping[str, MotionLoop]":
+    def loops(self) -> dict[str, MotionLoop]:
         """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name."""
-        return {}
+        fields = ((name, getattr(self, name)) for name in type(self).model_fields)
+        return {name: loop for name, loop in fields if isinstance(loop, MotionLoop) and loop.crossing}
 
     def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
         """The settings for a machine: names and frequencies of its modes [Hz], height of its centre of gravity [m]."""

@@ -23,7 +23,7 @@ from ehamj.control import Controller, PythonController
 from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import volts
-from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
@@ -31,6 +31,7 @@ from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Positive
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -69,20 +70,20 @@ def line_cancellation(
         InputError: if a line is at or above half the sampling rate.
     """
     plant = scenario.plant
-    linear = model or linear_model(scenario.plant)
+    linear = model or linear_model(plant)
     feet = MountChannels.of(plant.mounts).feet
-    law = _reading(_nothing(settings, scenario) if beside is None else beside, feet)
+    if beside is None:  # a law that commands nothing, with the clock of the settings
+        nothing = Block.gain(np.zeros((len(plant.mounts), 0)))
+        beside = settings.digital(nothing, (), plant, anti_windup=AntiWindup.NONE)
+    law = _reading(beside, feet)
     high = [line for line in settings.lines if line >= 0.5 / law.period]
     if high:
         raise InputError(f"lines: {high[0]:g} Hz must be below half the sampling rate, {0.5 / law.period:g} Hz")
     z = np.exp(1j * TWO_PI * np.array(settings.lines) * law.period)
     cut = opened_at_samples(linear, Loop.of(scenario, law), z)
     closed = cut.plant @ cut.sensitivity
-    at, spread, fit = (
-        [law.inputs.index(name) for name in feet],
-        volts(plant) @ plane(plant.positions),
-        plane_fit(plant.positions),
-    )
+    at = [law.inputs.index(name) for name in feet]
+    spread, fit = volts(plant) @ plane(plant.positions), plane_fit(plant.positions)
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
     function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
     return PythonController(function, law.inputs, law.period, law.delay, **asdict(law.converter))
@@ -117,12 +118,6 @@ class _LineLaw:
         if not np.any(limited):
             self._weights -= turn.conj()[:, None] * (self._steps @ measured[self._feet])
         return np.asarray(wanted)
-
-
-def _nothing(settings: LineSettings, scenario: Scenario) -> Controller:
-    """A law that commands nothing, with the clock of the settings."""
-    empty = Block.gain(np.zeros((len(scenario.plant.mounts), 0)))
-    return settings.digital(empty, (), scenario.plant, anti_windup=AntiWindup.NONE)
 
 
 def _reading(law: Controller, feet: tuple[str, ...]) -> Controller:

@@ -19,7 +19,7 @@ from scipy.special import erfc
 
 from ehamj.control import LinearController
 from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import class_of
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
 from ehamj.estimate.periodogram import PowerSpectrum
 from ehamj.ground.broadband import BroadbandGround
@@ -82,13 +82,15 @@ class Budget:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, SI."""
-        names = [band.name for band in self.bands]
-        per_band = {key: dict(zip(names, map(float, part), strict=True)) for key, part in self.contributions.items()}
+
+        def per_band(values: Array) -> dict[str, float]:
+            return {band.name: float(value) for band, value in zip(self.bands, values, strict=True)}
+
         return {
-            "floor_m_s": dict(zip(names, map(float, self.floor), strict=True)),
-            "machine_m_s": dict(zip(names, map(float, self.total), strict=True)),
-            "contributions_m_s": per_band,
-            "binding": dict(zip(names, self.binding, strict=True)),
+            "floor_m_s": per_band(self.floor),
+            "machine_m_s": per_band(self.total),
+            "contributions_m_s": {cause: per_band(part) for cause, part in self.contributions.items()},
+            "binding": {band.name: cause for band, cause in zip(self.bands, self.binding, strict=True)},
             "command_rms_v": dict(self.command),
             "command_limit_v": self.limit,
             "saturated_share": self.saturated,
@@ -121,10 +123,11 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
     left = np.sqrt(_per_band(np.abs(passed[:, 0, 0]) ** 2)) * floor
     moved = (drive @ closed)[:, 0, :]
     contributions = {"law, delay and valve": left}
-    for table, members in _classes(law.inputs).items():
-        density = np.array([_density(loop.sensors, law.inputs[k], f) for k in members]).T
-        motion = np.sum(np.abs(moved[:, members]) ** 2 * density**2, axis=1)
-        if np.any(density):
+    density, classes = _densities(loop, f), [class_of(name.partition(" ")[0]) for name in law.inputs]
+    for table in dict.fromkeys(classes):
+        own = [k for k, one in enumerate(classes) if one == table]
+        motion = np.sum(np.abs(moved[:, own]) ** 2 * density[:, own] ** 2, axis=1)
+        if np.any(density[:, own]):
             contributions[f"noise of {table} sensors"] = np.sqrt(_per_band(motion * widths) * PER_BAND)
     shaken = np.sum(np.abs((drive @ sensitivity)[:, 0, :]) ** 2, axis=1)
     nyquist = 0.5 / min(part.period for part in law.parts)
@@ -156,21 +159,10 @@ def _per_band(values: Array) -> Array:
     return np.asarray(values.reshape(len(BANDS), PER_BAND).mean(axis=1))
 
 
-def _classes(inputs: tuple[str, ...]) -> dict[str, list[int]]:
-    """Numbers of the readings by class of instrument."""
-    found: dict[str, list[int]] = {}
-    for k, name in enumerate(inputs):
-        first = name.partition("_")[0].partition(" ")[0]
-        table = {"ground": "ground", "stroke": "stroke", "load": "pressure", "chamber": "pressure"}.get(
-            first, "inertial"
-        )
-        found.setdefault(table, []).append(k)
-    return found
-
-
-def _density(sensors: Sensors, channel: str, f: Array) -> Array:
-    sensor = sensors.of(channel)
-    return np.zeros(f.size) if sensor is None else sensor.noise_density(f)
+def _densities(loop: Loop, f: Array) -> Array:
+    """Noise density of each reading of the law, (f, reading)."""
+    found = [loop.sensors.of(name) for name in loop.law.inputs]
+    return np.array([np.zeros(f.size) if one is None else one.noise_density(f) for one in found]).T
 
 
 def _turbulence(scenario: Scenario, floor: Array, sensitivity: ComplexArray) -> Array:
@@ -192,8 +184,8 @@ def _noise_command(model: LinearModel, loop: Loop, nyquist: float) -> float:
     closed = cut.sensitivity @ cut.law
     # The hold belongs to what acts on the machine; the command itself jumps from sample to sample without it.
     held = np.abs(np.sinc(0.5 * f / nyquist))
-    density = np.array([_density(loop.sensors, name, f) for name in loop.law.inputs]).T
-    return float(np.sqrt(np.trapezoid(np.sum(np.abs(closed[:, 0]) ** 2 * density**2, axis=1) / held**2, f)))
+    noise = np.sum(np.abs(closed[:, 0]) ** 2 * _densities(loop, f) ** 2, axis=1)
+    return float(np.sqrt(np.trapezoid(noise / held**2, f)))
 
 
 def _phases(model: LinearModel, loop: Loop, scenario: Scenario) -> dict[str, float]:

@@ -8,10 +8,11 @@ from typing import Final
 from ehamj.control.architectures.file import Law
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import budget
+from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.design.outcome import outcome
-from ehamj.design.requirements import Machines, Requirements
-from ehamj.design.synthesis import SYNTHESES, beginning, synthesised
-from ehamj.design.tuning import DESIGNABLE, Design, judged, tune
+from ehamj.design.requirements import Machines, Requirements, machines_of
+from ehamj.design.synthesis import beginning, synthesised
+from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
@@ -71,14 +72,14 @@ def design_controller(
         shared = given.shared if isinstance(given, DigitalSettings) else {}
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
-    machines = Machines.of(scenario)
+    machines = machines_of(scenario)
     if kind in SYNTHESES:
         design = synthesised(scenario, machines, beginning(kind, given), wanted)
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
     else:
         design = _designed(scenario, machines, wanted)
         scenario = scenario.model_copy(update={"control": design.settings})
-    limits = budget(scenario, machines.models["as designed"], design.law)
+    limits = budget(scenario, machines["as designed"], design.law)
     return Designed(scenario, design, outcome(scenario, kind, machines, design, limits))
 
 

@@ -23,21 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control import Controller
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.inverse import Inverse
-from ehamj.design.motions import (
-    MotionWeights,
-    SynthesisSettings,
-    motion_plants,
-    normalised,
-    reduced,
-    restored,
-    towards_one,
-)
+from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
 from ehamj.errors import InputError
-from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
@@ -49,11 +38,7 @@ FLOOR_FROM = 1.0
 
 
 class HInfinitySettings(SynthesisSettings):
-    """H∞ mixed sensitivity of the machine's motions beside feedforward.
-
-    The default weights leave the default machine 6 dB, 45° and a disk margin of 0.5 with its mass ±30 %, half the oil's
-    stiffness or 1.5 times the flow gain, and damp its sway threefold (differential evolution over the weights).
-    """
+    """H∞ mixed sensitivity of the machine's motions beside feedforward."""
 
     kind: Literal["h-infinity"] = "h-infinity"
     heave: MotionWeights = MotionWeights(bandwidth=27.0, integral=23.7, effort=0.00256, inside=2.26)
@@ -65,26 +50,8 @@ class HInfinitySettings(SynthesisSettings):
     )
     above: Annotated[float, Field(gt=1)] = Field(1.05, description="norm of the law over the least possible [-]")
 
-
-def hinfinity(
-    scenario: Scenario, settings: HInfinitySettings | None = None, model: LinearModel | None = None
-) -> Controller:
-    """Synthesise a law for the machine and the instruments of a scenario.
-
-    Args:
-        scenario: machine, sensors; ground and control play no part.
-        settings: weights; by default those for the default machine on a VC-C floor.
-        model: the linearised machine, where the caller has it already.
-
-    Raises:
-        InputError: if no law exists for these weights.
-    """
-    chosen = settings or HInfinitySettings()
-    plants = motion_plants(scenario, model or linear_model(scenario.plant), chosen, chosen.plant_order)
-    loops = {
-        motion: mixed_sensitivity(plants[motion][1], getattr(chosen, motion), chosen, scenario)[0] for motion in MOTIONS
-    }
-    return chosen.assembled(scenario, loops)
+    def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
+        return mixed_sensitivity(plant, weights, self, scenario)[0]
 
 
 def mixed_sensitivity(

@@ -19,31 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from ehamj.control import Controller
 from ehamj.control.blocks import Block
-from ehamj.design.motions import (
-    MotionWeights,
-    SynthesisSettings,
-    motion_plants,
-    normalised,
-    reduced,
-    restored,
-    towards_one,
-)
+from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
 from ehamj.errors import InputError
-from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 
 
 class LqgSettings(SynthesisSettings):
-    """LQG control of the machine's motions beside feedforward.
-
-    The default weights leave the default machine 6 dB, 45° and a disk margin of 0.5 with its mass ±30 %, half the oil's
-    stiffness or 1.5 times the flow gain, and damp its sway threefold (differential evolution over the weights).
-    """
+    """LQG control of the machine's motions beside feedforward."""
 
     kind: Literal["lqg"] = "lqg"
     heave: MotionWeights = MotionWeights(bandwidth=94.4, integral=40.0, effort=0.00311, inside=0.0841)
@@ -54,49 +39,26 @@ class LqgSettings(SynthesisSettings):
         bandwidth=144.0, integral=57.1, effort=0.0032, inside=0.0632, sway=0.732, doubt=0.127
     )
 
+    def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
+        import control
 
-def lqg(scenario: Scenario, settings: LqgSettings | None = None, model: LinearModel | None = None) -> Controller:
-    """Synthesise a law for the machine and the instruments of a scenario.
-
-    Args:
-        scenario: machine, sensors; ground and control play no part.
-        settings: weights; by default those for the default machine on a VC-C floor.
-        model: the linearised machine, where the caller has it already.
-
-    Raises:
-        InputError: if no law exists for these weights, or it is unstable by itself.
-    """
-    chosen = settings or LqgSettings()
-    plants = motion_plants(scenario, model or linear_model(scenario.plant), chosen, chosen.plant_order)
-    loops = {motion: regulator(plants[motion][1], getattr(chosen, motion), chosen, scenario) for motion in MOTIONS}
-    return chosen.assembled(scenario, loops)
-
-
-def regulator(plant: Block, weights: MotionWeights, settings: LqgSettings, scenario: Scenario) -> Block:
-    """The loop of one motion, piston velocity over displacement.
-
-    Raises:
-        InputError: if there is none.
-    """
-    import control
-
-    integral, low = weights.integral / weights.bandwidth, settings.low(weights, scenario)
-    G = normalised(plant, weights)
-    own = towards_one(1.0, low).then(G)  # from c
-    # Floor: white noise through (s + integral)/(s + low)·1/(s + low).
-    last = Block(np.array([[-low]]), np.array([[1.0]]), np.array([[1.0]]), np.zeros((1, 1)))
-    floor = towards_one(integral, low).then(last)
-    n, m, outputs = own.A.shape[0], floor.A.shape[0], G.C.shape[0]
-    A, B = np.asarray(block_diag(own.A, floor.A)), np.vstack([own.B, np.zeros((m, 1))])
-    C, D = np.hstack([own.C, np.eye(outputs, 1) @ floor.C]), own.D
-    behind = np.vstack([np.zeros((1, 1)), G.B, np.zeros((m, 1))])  # the state of (s + 1)/(s + low) comes first
-    shakes = np.hstack([weights.inside * behind, np.vstack([np.zeros((n, 1)), floor.B])])
-    counts, doubts = np.diag([1.0, weights.sway**2][:outputs]), np.diag([1.0, weights.doubt**2][:outputs])
-    try:
-        # What counts is C x + D c: the cost has terms of state and command together.
-        F, _, _ = control.lqr(A, B, C.T @ counts @ C, D.T @ counts @ D + weights.effort**2, C.T @ counts @ D)
-        L, _, _ = control.lqe(A, shakes, C, np.eye(2), doubts)
-    except (np.linalg.LinAlgError, control.ControlDimension, ValueError, ArithmeticError) as error:
-        raise InputError(f"design: no LQG law for {weights!r} ({error}); change the weights") from error
-    inside = Block(A - B @ F - L @ (C - D @ F), L, -F, np.zeros((1, outputs)))
-    return reduced(restored(inside.then(towards_one(1.0, low)), weights), settings.order)
+        integral, low = weights.integral / weights.bandwidth, self.low(weights, scenario)
+        G = normalised(plant, weights)
+        own = towards_one(1.0, low).then(G)  # from c
+        # Floor: white noise through (s + integral)/(s + low)·1/(s + low).
+        last = Block(np.array([[-low]]), np.array([[1.0]]), np.array([[1.0]]), np.zeros((1, 1)))
+        floor = towards_one(integral, low).then(last)
+        n, m, outputs = own.A.shape[0], floor.A.shape[0], G.C.shape[0]
+        A, B = np.asarray(block_diag(own.A, floor.A)), np.vstack([own.B, np.zeros((m, 1))])
+        C, D = np.hstack([own.C, np.eye(outputs, 1) @ floor.C]), own.D
+        behind = np.vstack([np.zeros((1, 1)), G.B, np.zeros((m, 1))])  # the state of (s + 1)/(s + low) comes first
+        shakes = np.hstack([weights.inside * behind, np.vstack([np.zeros((n, 1)), floor.B])])
+        counts, doubts = np.diag([1.0, weights.sway**2][:outputs]), np.diag([1.0, weights.doubt**2][:outputs])
+        try:
+            # What counts is C x + D c: the cost has terms of state and command together.
+            F, _, _ = control.lqr(A, B, C.T @ counts @ C, D.T @ counts @ D + weights.effort**2, C.T @ counts @ D)
+            L, _, _ = control.lqe(A, shakes, C, np.eye(2), doubts)
+        except (np.linalg.LinAlgError, control.ControlDimension, ValueError, ArithmeticError) as error:
+            raise InputError(f"design: no LQG law for {weights!r} ({error}); change the weights") from error
+        inside = Block(A - B @ F - L @ (C - D @ F), L, -F, np.zeros((1, outputs)))
+        return reduced(restored(inside.then(towards_one(1.0, low)), weights), self.order)

@@ -10,7 +10,6 @@ back by the same map (`Block.sampled`): peaks of responses, and with them H∞ n
 loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated
 
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.control import Controller, statespace
+from ehamj.control import Controller
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ModalSettings, SwayDamping
 from ehamj.control.balance import WarpBalance
@@ -27,14 +26,14 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
 from ehamj.control.inverse import volts
 from ehamj.control.law import stack
-from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 Array = NDArray[np.float64]
 
@@ -58,7 +57,12 @@ class MotionWeights(Settings):
 
 
 class SynthesisSettings(DigitalSettings):
-    """What every synthesised law has around the loops of heave, roll and pitch."""
+    """What every synthesised law has around the loops of heave, roll and pitch.
+
+    The default weights of each synthesis leave the default machine 6 dB, 45° and a disk margin of 0.5 with its mass
+    ±30 %, half the oil's stiffness or 1.5 times the flow gain, and damp its sway threefold (differential evolution over
+    the weights).
+    """
 
     kind: str
     heave: MotionWeights
@@ -75,6 +79,29 @@ class SynthesisSettings(DigitalSettings):
     )
     plant_order: Annotated[int, Field(ge=4)] = Field(12, description="states kept of each motion's plant")
     order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
+
+    def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
+        """The loop of one motion by the synthesis: the bilinear image from blended displacement [m, rad], of roll and
+        pitch also from the feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
+
+        Raises:
+            InputError: if there is none.
+        """
+        raise NotImplementedError
+
+    def law(self, scenario: Scenario, model: LinearModel) -> Controller:
+        """The law for the linearised machine and the instruments of a scenario; ground and control play no part.
+
+        Raises:
+            InputError: if no law exists for these weights, or it is unstable by itself.
+        """
+        plant, sensors = scenario.plant, scenario.sensors
+        plants = motion_plants(scenario, model, self, self.plant_order).items()
+        loops = {name: self.loop(own, getattr(self, name), scenario).sampled(self.period) for name, own in plants}
+        laws = [self.modal().with_loops(plant, sensors, loops)]
+        if self.feedforward is not None:
+            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
+        return stack(laws)
 
     def noise_over_floor(self, weights: MotionWeights, scenario: Scenario) -> float:
         """r: the inertial instruments' noise over the floor's motion in the third-octave at the bandwidth [-]."""
@@ -102,29 +129,12 @@ class SynthesisSettings(DigitalSettings):
 
     def modal(self) -> ModalSettings:
         """The modal law without loops: the warp balance, which runs inside the loops of the motions."""
-        still = {"heave": NO_LOOP, "roll": NO_LOOP, "pitch": NO_LOOP, "sway_x": NO_SWAY, "sway_y": NO_SWAY}
+        still = dict.fromkeys(MOTIONS, NO_LOOP) | {"sway_x": NO_SWAY, "sway_y": NO_SWAY}
         return ModalSettings().model_copy(update={**self.shared, "blend": self.blend, "warp": self.warp, **still})
 
-    def assembled(self, scenario: Scenario, loops: Mapping[str, Block]) -> Controller:
-        """The whole law.
 
-        Args:
-            scenario: machine and instruments.
-            loops: of each motion the bilinear image from blended displacement [m, rad], of roll and pitch also from the
-                feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
-        """
-        plant, sensors = scenario.plant, scenario.sensors
-        sampled = {motion: loop.sampled(self.period) for motion, loop in loops.items()}
-        laws = [self.modal().with_loops(plant, sensors, sampled)]
-        if self.feedforward is not None:
-            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
-        return stack(laws)
-
-
-def motion_plants(
-    scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int
-) -> dict[str, tuple[Block, Block]]:
-    """Of each motion the bilinear image of its plant, whole and with ``order`` states (balanced truncation).
+def motion_plants(scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int) -> dict[str, Block]:
+    """Of each motion the bilinear image of its plant, with at most ``order`` states (balanced truncation).
 
     One input, the piston velocity [m/s, rad/s]; outputs are the blended displacement [m, rad], of roll and pitch also
     the feet's mean sideways velocity [m/s].
@@ -148,8 +158,8 @@ def motion_plants(
         if motion in sideways:
             readings = np.vstack([readings, np.pad(sideways[motion], (2 * mounts, 0))])
             after = beside([blend, Block.gain([[1.0]])])
-        whole = continuous(machine.between(spread[:, [k]], readings).then(after), settings.period)
-        found[motion] = whole, reduced(whole, order)
+        whole = machine.between(spread[:, [k]], readings).then(after)
+        found[motion] = reduced(continuous(whole, settings.period), order)
     return found
 
 
@@ -199,12 +209,6 @@ def reduced(block: Block, order: int) -> Block:
         )
     small = control.balred(control.ss(*block), order, method="truncate")
     return Block(small.A, small.B, small.C, small.D)
-
-
-def response(block: Block, hertz: Array, period: float) -> NDArray[np.complex128]:
-    """Response of a bilinear image at true frequencies [Hz], (f, output, input)."""
-    s = 2j / period * np.tan(np.pi * hertz * period)
-    return statespace.response(s, *block)
 
 
 def _with_inner(model: LinearModel, loop: Loop) -> Block:

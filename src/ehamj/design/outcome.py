@@ -14,7 +14,8 @@ from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots import Figure, Line, lines_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Drawing, Outcome, labelled
+from ehamj.studies.outcome import Drawing, Outcome
+from ehamj.studies.tables import table
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
@@ -31,24 +32,20 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         limits: its budget on the machine as designed.
     """
     has_loop = feeds_back(design.law)
-    table = margin_table(design) if has_loop else None
-    spectra = loop_table(scenario, machines, design.law) if has_loop else None
-    tables = {"budget": budget_table(limits)}
-    drawings = {
-        "budget": Drawing(
-            "Vertical velocity of the machine's centre of gravity by what causes it, and the floor's.",
-            lambda: _budget_chart(limits),
+    tables, drawings = {}, {}
+    if has_loop:
+        spectra = loop_table(scenario, machines, design.law)
+        tables = {"margins": margin_table(design), "loops": spectra}
+        drawings["loops"] = Drawing(
+            "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the "
+            "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
+            lambda: _loops_chart(spectra),
         )
-    }
-    if table is not None and spectra is not None:
-        tables = {"margins": table, "loops": spectra} | tables
-        drawings = {
-            "loops": Drawing(
-                "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the "
-                "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
-                lambda: _loops_chart(spectra, "gain", "sensitivity"),
-            ),
-        } | drawings
+    tables["budget"] = budget_table(limits)
+    drawings["budget"] = Drawing(
+        "Vertical velocity of the machine's centre of gravity by what causes it, and the floor's.",
+        lambda: _budget_chart(limits),
+    )
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
     gain, phase, disk = (float(min(values)) for values in zip(*worst, strict=True))
     return Outcome(
@@ -108,13 +105,12 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
         f"noise), beyond their range for {100 * limits.saturated:.2g} % of the time."
     )
     if limits.phases:
-        causes_of_lag = {
-            "the valve": "valve_deg",
-            "computation and hold": "delay_and_hold_deg",
-            "the instrument": "instrument_deg",
-            "oil and membrane": "oil_and_membrane_deg",
+        lags = {
+            "the valve": limits.phases["valve_deg"],
+            "computation and hold": limits.phases["delay_and_hold_deg"],
+            "the instrument": limits.phases["instrument_deg"],
+            "oil and membrane": limits.phases["oil_and_membrane_deg"],
         }
-        lags = {cause: limits.phases[key] for cause, key in causes_of_lag.items()}
         words = ", ".join(f"{cause} {value:.0f}°" for cause, value in lags.items())
         first = max(lags, key=lambda cause: lags[cause])
         found.append(
@@ -128,25 +124,21 @@ def margin_table(design: Design) -> xr.Dataset:
     """Margins of each pattern of motion on each machine, and of all valves at once."""
     names = list(design.reports)
     values = np.full((4, len(names), len(PATTERNS)), np.nan)
-    together, worst = np.zeros(len(names)), np.zeros((3, len(names)))
+    together = np.array([one.disk for one in design.reports.values()])
     for row, one in enumerate(design.reports.values()):
-        together[row], worst[:, row] = one.disk, one.worst
         for column, pattern in enumerate(PATTERNS):
             m = one.motions[pattern]
             values[:, row, column] = m.gain, m.phase, m.disk, m.peak
     values[~np.isfinite(values)] = np.nan
-    over = ("machine", "pattern")
-    quantities = (
-        ("gain_margin", "dB", "gain margin"), ("phase_margin", "deg", "phase margin"),
-        ("disk_margin", "1", "disk margin"), ("peak_sensitivity", "1", "peak sensitivity"),
-    )  # fmt: skip
-    data = {name: labelled(over, values[k], unit, text) for k, (name, unit, text) in enumerate(quantities)}
-    data["disk_margin_all_valves"] = labelled(("machine",), together, "1", "disk margin, all valves at once")
-    coordinates = {
-        "machine": labelled(("machine",), names, "", "machine"),
-        "pattern": labelled(("pattern",), list(PATTERNS), "", "pattern of motion"),
-    }
-    return xr.Dataset(data, coordinates, {"title": "margins"})
+    return table(
+        "margins",
+        {"machine": (names, "", "machine"), "pattern": (list(PATTERNS), "", "pattern of motion")},
+        gain_margin=(values[0], "dB", "gain margin"),
+        phase_margin=(values[1], "deg", "phase margin"),
+        disk_margin=(values[2], "1", "disk margin"),
+        peak_sensitivity=(values[3], "1", "peak sensitivity"),
+        disk_margin_all_valves=(("machine",), together, "1", "disk margin, all valves at once"),
+    )
 
 
 def loop_table(scenario: Scenario, machines: Machines, law: LinearController) -> xr.Dataset:
@@ -154,48 +146,42 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     f = grid(law)
     f = f[(f >= 0.5) & (f <= 2000.0)]
     patterns = PATTERNS[:3]
-    gain, sensitivity = np.zeros((2, len(machines.models), len(patterns), f.size))
+    gain, sensitivity = np.zeros((2, len(machines), len(patterns), f.size))
     loop = Loop.of(scenario, law)
-    for row, model in enumerate(machines.models.values()):
+    for row, model in enumerate(machines.values()):
         moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
         for column in range(len(patterns)):
             one = moved[:, column, column]
             gain[row, column] = 20 * np.log10(np.maximum(np.abs(1.0 / one - 1.0), 1e-12))
             sensitivity[row, column] = 20 * np.log10(np.abs(one))
-    over = ("machine", "pattern", "frequency")
-    return xr.Dataset(
-        {
-            "gain": labelled(over, gain, "dB", "loop gain"),
-            "sensitivity": labelled(over, sensitivity, "dB", "sensitivity"),
-        },
-        {
-            "machine": labelled(("machine",), list(machines.models), "", "machine"),
-            "pattern": labelled(("pattern",), list(patterns), "", "pattern of motion"),
-            "frequency": labelled(("frequency",), f, "Hz", "frequency"),
-        },
-        {"title": "loop gains"},
-    )
+    over = {
+        "machine": (list(machines), "", "machine"),
+        "pattern": (list(patterns), "", "pattern of motion"),
+        "frequency": (f, "Hz", "frequency"),
+    }
+    return table("loop gains", over, gain=(gain, "dB", "loop gain"), sensitivity=(sensitivity, "dB", "sensitivity"))
 
 
 def budget_table(limits: Budget) -> xr.Dataset:
     """Floor, machine and contributions per third-octave band."""
-    over = ("band",)
-    data = {
-        "floor": labelled(over, limits.floor, "m/s", "floor, RMS velocity"),
-        "machine": labelled(over, limits.total, "m/s", "machine, RMS velocity"),
-        "attenuation": labelled(over, 20 * np.log10(limits.floor / limits.total), "dB", "attenuation"),
-        "binding": labelled(over, list(limits.binding), "", "largest contribution"),
+    causes = {
+        name.replace(",", "").replace(" ", "_"): (values, "m/s", f"by {name}")
+        for name, values in limits.contributions.items()
     }
-    for name, values in limits.contributions.items():
-        key = name.replace(",", "").replace(" ", "_")
-        data[key] = labelled(over, values, "m/s", f"by {name}")
-    centres = labelled(over, [float(band.name) for band in limits.bands], "Hz", "third-octave band")
-    return xr.Dataset(data, {"band": centres}, {"title": "what limits the isolation"})
+    return table(
+        "what limits the isolation",
+        {"band": ([float(band.name) for band in limits.bands], "Hz", "third-octave band")},
+        floor=(limits.floor, "m/s", "floor, RMS velocity"),
+        machine=(limits.total, "m/s", "machine, RMS velocity"),
+        attenuation=(20 * np.log10(limits.floor / limits.total), "dB", "attenuation"),
+        binding=(list(limits.binding), "", "largest contribution"),
+        **causes,
+    )
 
 
-def _loops_chart(table: xr.Dataset, *quantities: str) -> Figure:
+def _loops_chart(table: xr.Dataset) -> Figure:
     panels = {}
-    for quantity in quantities:
+    for quantity in ("gain", "sensitivity"):
         lines = []
         for row, machine in enumerate(table.machine.values):
             for column, pattern in enumerate(table.pattern.values):

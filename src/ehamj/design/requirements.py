@@ -1,15 +1,13 @@
 """What a design must hold, and on which machines."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import Field
 
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
-
-Factor = Annotated[float, Field(gt=0)]
+from ehamj.settings import Positive, Settings
 
 
 class Requirements(Settings):
@@ -25,20 +23,17 @@ class Requirements(Settings):
 class Variations(Settings):
     """Machines that the same law must hold on, each changed in one respect from the one it is designed for."""
 
-    mass: tuple[Factor, ...] = Field((0.7, 1.3), description="factors on the machine's mass")
-    oil: tuple[Factor, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
-    flow: tuple[Factor, ...] = Field((1.5,), description="factors on the valves' flow gain")
+    mass: tuple[Positive, ...] = Field((0.7, 1.3), description="factors on the machine's mass")
+    oil: tuple[Positive, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
+    flow: tuple[Positive, ...] = Field((1.5,), description="factors on the valves' flow gain")
     cg: tuple[float, ...] = Field((), description="sideways shifts of the centre of gravity along x and y [m]")
 
     def scenarios(self, scenario: Scenario) -> dict[str, Scenario]:
         """The machine as it is, then each variation, by name."""
         found = {"as designed": scenario}
-        for factor in self.mass:
-            found[f"mass × {factor:g}"] = with_factors(scenario, mass=factor)
-        for factor in self.oil:
-            found[f"oil stiffness × {factor:g}"] = with_factors(scenario, oil=factor)
-        for factor in self.flow:
-            found[f"flow gain × {factor:g}"] = with_factors(scenario, flow=factor)
+        for name, words in (("mass", "mass"), ("oil", "oil stiffness"), ("flow", "flow gain")):
+            for factor in getattr(self, name):
+                found[f"{words} × {factor:g}"] = with_factors(scenario, **{name: factor})
         for shift in self.cg:
             x, y, z = scenario.machine.cg
             machine = scenario.machine.with_values({"cg": (x + shift, y + shift, z)})
@@ -59,15 +54,10 @@ def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: 
     return scenario.model_copy(update={"actuators": actuators, "machine": machine})
 
 
-@dataclass(frozen=True)
-class Machines:
-    """A scenario's variations with their linear models."""
+Machines = Mapping[str, LinearModel]
+"""The linear models of a machine, "as designed", and of its variations, by name."""
 
-    scenarios: dict[str, Scenario]
-    models: dict[str, LinearModel] = field(repr=False)
 
-    @classmethod
-    def of(cls, scenario: Scenario, variations: Variations | None = None) -> "Machines":
-        """Linearise the machine and its variations about their equilibria."""
-        scenarios = (variations or Variations()).scenarios(scenario)
-        return cls(scenarios, {name: linear_model(one.plant) for name, one in scenarios.items()})
+def machines_of(scenario: Scenario, variations: Variations | None = None) -> Machines:
+    """The machine and its variations, each linearised about its equilibrium."""
+    return {name: linear_model(one.plant) for name, one in (variations or Variations()).scenarios(scenario).items()}

@@ -17,10 +17,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control import LinearController, statespace
+from ehamj.control import LinearController, blocks
 from ehamj.control.inertial import MotionLoop
-from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
+from ehamj.design.kinds import DESIGNABLE
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back, loop_gain
@@ -34,9 +34,6 @@ ComplexArray = NDArray[np.complex128]
 Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
-
-DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
-"""Architectures that can be designed: the settings of each begin from their defaults."""
 
 STEP: Final = 1.03
 STEPS: Final = 3.0 * STEP ** -np.arange(116.0)
@@ -60,6 +57,11 @@ class Design:
     def meets(self) -> bool:
         """Whether all machines are stable with the required margins."""
         return all(one.stable and holds(one.worst, self.requirements) for one in self.reports.values())
+
+    def leaves(self, motion: str) -> bool:
+        """Whether the loop of a motion has the required margins on all machines."""
+        found = [one.motions[motion] for one in self.reports.values()]
+        return all(holds((one.gain, one.phase, one.disk), self.requirements) for one in found)
 
 
 def holds(worst: tuple[float, float, float], requirements: Requirements) -> bool:
@@ -90,7 +92,7 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
             f"control.kind = {control.kind!r}: has {len(tunable) or 'no'} laws with loops to tune; there must be one "
             f"loop to tune, {', '.join(able[:-1])} or {able[-1]}"
         )
-    model = machines.models["as designed"]
+    model = machines["as designed"]
     shaped = members[tunable[0]].fitted([(one.name, one.frequency) for one in modes(model)], model.plant.machine.cg[2])
     settings = control.with_member(tunable[0], _raised(shaped, scenario, machines, wanted))
     return judged(settings, settings.controller(scenario.plant, scenario.sensors), scenario, machines, wanted)
@@ -100,9 +102,8 @@ def judged(
     settings: DigitalSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
 ) -> Design:
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
-    if not feeds_back(law):
-        return Design(settings, law, {}, requirements)
-    reports = {name: report(model, Loop.of(scenario, law)) for name, model in machines.models.items()}
+    models = machines if feeds_back(law) else {}
+    reports = {name: report(model, Loop.of(scenario, law)) for name, model in models.items()}
     return Design(settings, law, reports, requirements)
 
 
@@ -135,7 +136,7 @@ def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, w
             if loop != loops[name]:
                 trials = [_reshaped(trial, name, loops[name], loop, settings.period) for trial in trials]
                 loops[name] = loop
-    while not all(_together(trial, crossings) >= wanted.disk_margin for trial in trials):
+    while not all(disk_margin(_sensitivity(trial, crossings)) >= wanted.disk_margin for trial in trials):
         crossings = {name: value / STEP for name, value in crossings.items()}
         if max(crossings.values()) < 1.0:
             raise InputError(
@@ -153,7 +154,7 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
     loops = settings.loops()
     alone = {name: _only(settings, name).controller(plant, sensors) for name in loops}
     trials = []
-    for model in machines.models.values():
+    for model in machines.values():
         f = grid(everything, model)
         own = loop_gain(model, Loop.of(scenario, rest), f)
         # A loop alone still holds what the rest is.
@@ -193,7 +194,7 @@ def _reshaped(trial: Trial, name: str, loop: MotionLoop, other: MotionLoop, peri
     if other == loop:
         return trial
     z = np.exp(2j * np.pi * f * period)
-    old, new = (statespace.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
+    old, new = (blocks.response(z, *one.block(0.0).sampled(period)) for one in (loop, other))
     return f, rest, each | {name: new / old * each[name]}
 
 
@@ -216,8 +217,3 @@ def _leaves(
         if not holds((one.gain, one.phase, one.disk), wanted):
             return False
     return True
-
-
-def _together(trial: Trial, crossings: dict[str, float]) -> float:
-    """Disk margin of all valves at once."""
-    return disk_margin(_sensitivity(trial, crossings))

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ehamj.control import statespace
+from ehamj.control import blocks
 from ehamj.control.channels import channel_names, channel_row
 from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
@@ -97,7 +97,7 @@ class LinearModel:
         C, D = self.rows(outputs)
         columns = [self.inputs.index(name) for name in inputs]
         s = 2j * np.pi * np.atleast_1d(np.asarray(hertz, float))
-        return statespace.response(s, self.A, self.B[:, columns], C, D[:, columns])
+        return blocks.response(s, self.A, self.B[:, columns], C, D[:, columns])
 
 
 def linear_model(

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from ehamj.control import Controller, LinearController
+from ehamj.control.blocks import response
 from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
-from ehamj.control.statespace import response
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
 
@@ -55,11 +55,11 @@ def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
         sensor = sensors.of(name)
         if sensor is None or not sensor.filters:
             continue
-        block = sensor.state_space()
+        block = sensor.block()
         size = block.A.shape[0]
         A = np.block([[A, np.zeros((A.shape[0], size))], [np.outer(block.B, C[k]), block.A]])
         B = np.vstack([B, np.zeros((size, valves))])
-        reading = np.concatenate([block.D * C[k], block.C])
+        reading = np.hstack([block.D @ C[[k]], block.C])[0]
         C = np.hstack([C, np.zeros((len(channels), size))])
         C[k] = reading
         names += [f"controller sensor {name} {state}" for state in range(size)]

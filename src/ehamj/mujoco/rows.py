@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.control.loop import Loop
+from ehamj.control.loop import DigitalLoop
 from ehamj.memory import mounts_of, record
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Rows(NamedTuple):
     """What its sensors last read."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel, loop: Loop, count: int) -> Self:
+    def of(cls, model: mujoco.MjModel, loop: DigitalLoop, count: int) -> Self:
         """Room for so many rows."""
         n = mounts_of(model)
         shapes: list[tuple[int, ...]] = [(size,) for size in (model.nq, model.nv, model.nv, model.na, n)]
@@ -71,7 +71,7 @@ class Recording(NamedTuple):
     """Added to."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel, loop: Loop, every: int, count: int) -> Self:
+    def of(cls, model: mujoco.MjModel, loop: DigitalLoop, every: int, count: int) -> Self:
         """Room for so many rows, and nothing counted."""
         return cls(every, Rows.of(model, loop, count), Tally.of(mounts_of(model)))
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ehamj.control import AnyController, LinearController, PythonController
 from ehamj.control.commands import Passive
-from ehamj.control.loop import Loop, make_loop
+from ehamj.control.loop import DigitalLoop, make_loop
 from ehamj.control.noise import ReadingNoise
 from ehamj.errors import InputError
 from ehamj.forces import Load
@@ -29,7 +29,7 @@ class Prepared:
     commands: tuple[Signal, ...]
     load: Load
     controller: AnyController | None
-    loop: Loop
+    loop: DigitalLoop
     noise: ReadingNoise | None
     every: int
     steps: int

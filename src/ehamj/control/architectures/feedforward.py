@@ -26,10 +26,11 @@ from ehamj.control.inverse import Inverse, held, instrument_poles, lag, restorin
 from ehamj.control.law import Controller
 from ehamj.control.lowend import isolating
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive
+from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
+from ehamj.settings import NotNegative, Positive
 
 Array = NDArray[np.float64]
 

@@ -19,18 +19,17 @@ from pydantic import Field
 from scipy.linalg import block_diag
 
 from ehamj.control.balance import WarpBalance
-from ehamj.control.blocks import TWO_PI, Block, added, beside, joined, pair
+from ehamj.control.blocks import TWO_PI, Block, added, beside, joined, pair, response
 from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import creep, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative, Positive
-from ehamj.control.statespace import response
+from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 Array = NDArray[np.float64]
 
@@ -78,14 +77,9 @@ class ModalSettings(DigitalSettings):
     sway_y: SwayDamping = SwayDamping(gain=4.02e-4, centre=65.9, width=0.32)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         slow = creep(plant)
         sampled = {motion: loop.block(slow).sampled(self.period) for motion, loop in self.loops().items()}
         return self.with_loops(plant, sensors, sampled)
-
-    def loops(self) -> dict[str, MotionLoop]:
-        """Those of the motions."""
-        return {motion: loop for motion in MOTIONS if (loop := getattr(self, motion)).crossing}
 
     def asked(self, motion: str, s: complex, creep: float) -> complex:
         """What the motion's loop asks for."""

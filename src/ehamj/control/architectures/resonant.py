@@ -21,11 +21,12 @@ from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import DigitalSettings, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
+from ehamj.settings import Positive
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,6 @@ class ResonantSettings(DigitalSettings):
     bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant measured by ``sensors``."""
         return self.beside((), plant, sensors)
 
     def beside(self, others: Sequence[DigitalSettings], plant: Plant, sensors: Sensors) -> Controller:

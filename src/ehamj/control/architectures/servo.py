@@ -22,11 +22,11 @@ from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import DigitalSettings, NotNegative, Positive
+from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
-from ehamj.settings import Settings
+from ehamj.settings import NotNegative, Positive, Settings
 
 
 class PressureFeedback(Settings):
@@ -57,12 +57,7 @@ class StrokeServoSettings(DigitalSettings):
     pressure: PressureFeedback = PressureFeedback()
     balance: WarpBalance = WarpBalance()
 
-    def loops(self) -> dict[str, MotionLoop]:
-        """That of every mount."""
-        return {"loop": self.loop} if self.loop.crossing else {}
-
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
         late = self.hold + lag(instrument_poles(sensors.of(at.strokes[0]))[1])
         parts, names = [Block.gain(np.eye(mounts))], at.strokes

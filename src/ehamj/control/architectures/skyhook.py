@@ -17,9 +17,10 @@ from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import ISOLATE_FROM, DigitalSettings, NotNegative
+from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.plant.plant import Plant
+from ehamj.settings import NotNegative
 
 
 class SkyhookSettings(DigitalSettings):
@@ -33,12 +34,7 @@ class SkyhookSettings(DigitalSettings):
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
     balance: WarpBalance = WarpBalance()
 
-    def loops(self) -> dict[str, MotionLoop]:
-        """That of every mount."""
-        return {"loop": self.loop} if self.loop.crossing else {}
-
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
         at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
         foot = sensors.of(at.feet[0])
         late = self.hold + lag(instrument_poles(foot)[1])
