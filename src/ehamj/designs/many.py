@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
@@ -25,9 +26,6 @@ from ehamj.linear.elements import Elements, Oil, solve
 from ehamj.linear.machine import inputs_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 RIGID_MODES: Final = ("lower about x", "lower about y", "yaw", "heave", "upper about x", "upper about y")
 """Modes of the machine on its mounts as maps label them: two pairs of sway and rocking, yaw and heave."""

@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import ComplexArray
 from ehamj.control import LinearController
 from ehamj.designs.parameters import parameters_of, quantity_of, value_of, with_value
 from ehamj.errors import InputError
@@ -16,8 +16,6 @@ from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import eigen_of, modes, oscillations, state_matrix
 from ehamj.linear.sampled import pattern_period
 from ehamj.scenario.model import Scenario
-
-ComplexArray = NDArray[np.complex128]
 
 STEP: Final = 1e-3
 """Relative step of a parameter [-]: the change of the matrices is then good to 1e-6."""

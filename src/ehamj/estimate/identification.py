@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ehamj.arrays import Array, ComplexArray
 
 SAME_FREQUENCY: Final = 0.01
 """Relative distance of two estimates of |λ| that may belong to one mode."""

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.stats import f as fisher
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Estimator = Literal["h1", "h2", "hv"]
 ESTIMATORS: Final = ("h1", "h2", "hv")
 

@@ -10,13 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import Array
 from ehamj.isolator.fluid import ATMOSPHERE
 from ehamj.plant.axes import JOINTS
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from typing import Protocol, Self, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 class Instrumented(Protocol):

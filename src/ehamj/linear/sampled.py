@@ -12,18 +12,15 @@ from fractions import Fraction
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller, LinearController
 from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
 from ehamj.control.statespace import response
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 STABLE: Final = 1.0 + 1e-9
 """Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.linear.elements import Elements, Oil, Values
 from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.levers import lever
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 FAR = 1e4
 """Distance of an axis [m] beyond which a motion turns about nothing."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Final, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ehamj.arrays import Array
 from ehamj.control.commands import Passive
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_attenuation, bands
@@ -30,8 +30,6 @@ from ehamj.rig.multisine import LEVEL, by_multisine, lines
 from ehamj.rig.welch import by_welch
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
 
 PER_BAND: Final = 16
 """Frequencies per third-octave at which the linear responses are computed."""

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import ComplexArray
 from ehamj.estimate.identification import Estimates, polyreference, residues
 from ehamj.linear.response import TURNS, lever_scale
 from ehamj.plant.axes import AXES, DOFS
@@ -17,9 +17,6 @@ from ehamj.rig.plan import Plan, with_noise
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 LEVEL: Final = 5e-6
 """RMS velocity of each line of a random excitation [m/s]; of a rotation, at the mounts' mean distance."""

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.identification import Stable, agreed
 from ehamj.linear.eigen import mac
@@ -28,9 +28,6 @@ from ehamj.rig.plan import Plan
 from ehamj.rig.ringdown import ring_down
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 Kind = Literal["ring-down", "random", "sweep", "hammer"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.spectra import Estimator, Spectra, estimate
 from ehamj.linear.loop import Loop
@@ -24,9 +25,6 @@ from ehamj.rig.measurement import Measurement, channel
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 PERIOD: Final = 1.0
 """Period of the exciting multisines [s]; their lines are its multiples."""

@@ -4,16 +4,14 @@ import math
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.estimate.identification import Estimates, realise
 from ehamj.plant.axes import DOFS
 from ehamj.rig.plan import Plan, with_noise
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 PULSE = 0.7e-3
 """Duration of the floor's jolt [s]; it excites up to about 1 kHz."""

@@ -9,11 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.linear.response import unit
 from ehamj.result import written_whole
 from ehamj.rig.comparison import Comparison, elements
-
-Array = NDArray[np.float64]
 
 
 def write_tables(folder: Path, found: Comparison) -> None:
