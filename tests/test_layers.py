@@ -10,7 +10,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 
 RANKS = (
-    ("errors", "arrays"),
+    ("errors", "arrays", "labels"),
     ("settings", "registry", "findings", "compiled", "signals", "plots"),
     ("isolator", "estimate"),
     ("plant",),

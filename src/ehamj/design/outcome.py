@@ -9,11 +9,12 @@ from ehamj.control import LinearController
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
+from ehamj.labels import labelled
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Drawing, Outcome, labelled
+from ehamj.studies.outcome import Drawing, Outcome
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""

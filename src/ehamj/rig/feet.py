@@ -15,7 +15,7 @@ from ehamj.plant.plant import Plant
 from ehamj.result import Result
 from ehamj.rig.plan import Plan, with_noise
 from ehamj.run.simulate import simulate_many
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
 LEVEL: Final = 5e-6
@@ -84,9 +84,9 @@ def responses(
 ) -> tuple[list[Estimates], str]:
     """Fits of pLSCF to responses of the feet under one of `EXCITATIONS`, and how they were made, in words."""
     way, plant = EXCITATIONS[kind], scenario.plant
-    still = scenario.model_dump() | {"record_rate": 1.0 / plan.step, "timestep": plan.step}
+    steps = {"record_rate": 1.0 / plan.step, "timestep": plan.step}
     runs = simulate_many(
-        parse_scenario(still | way.table(scenario, plan, name, realisation))
+        changed(scenario, steps | way.table(scenario, plan, name, realisation))
         for realisation in range(realisations)
         for name in way.inputs
     )

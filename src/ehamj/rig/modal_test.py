@@ -26,7 +26,7 @@ from ehamj.plant.machine import Machine
 from ehamj.rig.feet import responses
 from ehamj.rig.plan import Plan
 from ehamj.rig.ringdown import ring_down
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
 Kind = Literal["ring-down", "random", "sweep", "hammer"]
@@ -141,13 +141,8 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
 
 def _still(scenario: Scenario) -> Scenario:
     """The machine alone, with its plates tied where their feet are rigid: the same equations."""
-    table = scenario.model_dump() | {
-        "control": {"kind": "passive"},
-        "ground": {"kind": "rest"},
-        "compare": (),
-        "force": (),
-    }
-    return parse_scenario(table | {"plates": reduced(scenario.plant).plates})
+    bare = {"control": {"kind": "passive"}, "ground": {"kind": "rest"}, "compare": (), "force": ()}
+    return changed(scenario, bare | {"plates": reduced(scenario.plant).plates})
 
 
 def _named(

@@ -15,6 +15,7 @@ from pydantic import Field
 from ehamj.control.kinds import CombinedSettings
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
+from ehamj.labels import table
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.result import Result
@@ -24,7 +25,6 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import among, study
-from ehamj.studies.tables import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
