@@ -1,6 +1,7 @@
 """The house: a file imports only files of a lower rank, and nothing happens at import."""
 
 import ast
+import graphlib
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
+MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
     ("errors", "arrays", "labels"),
@@ -37,8 +39,8 @@ def room_of(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imported_rooms(path: Path) -> set[str]:
-    """Rooms of ehamj that a file imports, but for those that it needs for type checking only."""
+def imported(path: Path) -> set[str]:
+    """What a file imports from ehamj, by its dotted names, but for what it needs for type checking only."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     typing_only = {
         id(node)
@@ -46,17 +48,30 @@ def imported_rooms(path: Path) -> set[str]:
         if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
         for node in ast.walk(block)
     }
-    rooms = set()
+    names: set[str] = set()
     for node in ast.walk(tree):
         if id(node) in typing_only:
             continue
-        names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-        rooms |= {name.split(".")[1] for name in names if name.startswith("ehamj.")}
-    return rooms
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+    return {name for name in names if name.startswith("ehamj.")}
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: str(path.relative_to(PACKAGE)))
+def imported_rooms(path: Path) -> set[str]:
+    """Rooms of ehamj that a file imports."""
+    return {name.split(".")[1] for name in imported(path) if "." in name} & set(RANK)
+
+
+def test_there_is_no_circle_among_files() -> None:
+    """Within a room too, files can be put in an order in which each imports only earlier ones."""
+    named = {".".join(("ehamj", *path.relative_to(PACKAGE).with_suffix("").parts)): path for path in MODULES}
+    graph = {name: imported(path) & named.keys() for name, path in named.items()}
+    list(graphlib.TopologicalSorter(graph).static_order())  # raises CycleError, which names the circle
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_imports_go_down(path: Path) -> None:
     """Every import goes to a lower rank, or stays in the room."""
     own = room_of(path)

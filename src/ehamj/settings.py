@@ -55,6 +55,19 @@ def one_of(kinds: Iterable[type[Settings]]) -> Any:
     return Annotated[Union[tuple(kinds)], Field(discriminator="kind")]  # noqa: UP007  # made from a registry
 
 
+class SineSum(Settings):
+    """What a sum of sines of one amplitude has, whatever it drives."""
+
+    frequencies: tuple[Positive, ...] = Field(description="frequencies [Hz]", min_length=1)
+    phases: tuple[float, ...] | None = Field(None, description="phases [rad]; without: Schroeder's, of low peak")
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Self:
+        if self.phases is not None and len(self.phases) != len(self.frequencies):
+            raise ValueError(f"phases has {len(self.phases)} values; it must have {len(self.frequencies)}")
+        return self
+
+
 class Parameters(Settings):
     """Settings whose every value carries a source; a value that differs from the default is ``given``."""
 

@@ -56,8 +56,9 @@ class Multisine:
     phases: Array
 
     @classmethod
-    def of(cls, amplitudes: ArrayLike, frequencies: ArrayLike, phases: ArrayLike = 0.0) -> "Multisine":
-        """Broadcast the three against each other."""
+    def of(cls, amplitudes: ArrayLike, frequencies: ArrayLike, phases: ArrayLike | None = 0.0) -> "Multisine":
+        """Broadcast the three against each other; phases None: Schroeder's."""
+        phases = schroeder_phases(np.size(frequencies)) if phases is None else phases
         parts = (np.atleast_1d(np.asarray(part, float)) for part in (amplitudes, frequencies, phases))
         return cls(*np.broadcast_arrays(*parts))
 
@@ -231,6 +232,11 @@ class Faded:
         w, w1, w2 = rise((time - self.begin) / self.duration)
         w1, w2 = w1 / self.duration, w2 / self.duration**2
         return Sample(w * value, w1 * value + w * slope, w2 * value + 2.0 * w1 * slope + w * curvature)
+
+
+def faded(signal: Signal, duration: float, begin: float = 0.0) -> Signal:
+    """`Faded`, or the signal itself where it is to fade in at once."""
+    return Faded(signal, duration, begin) if duration > 0.0 else signal
 
 
 @dataclass(frozen=True)

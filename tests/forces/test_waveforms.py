@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.forces.axis import Pieces, jerk_limited
-from ehamj.forces.blows import Blows
-from ehamj.forces.unbalance import Rotating
-from ehamj.forces.vibrations import random_force
+from ehamj.forces.transients import Blows, Pieces, jerk_limited
+from ehamj.forces.vibrations import Rotating, random_force
 from ehamj.signals import Signal
 
 settings.register_profile("untimed", deadline=None)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ehamj.errors import InputError
 from ehamj.ground import Motion
-from ehamj.ground.coherence import Coherence
+from ehamj.ground.waves import Coherence
 from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall

@@ -196,7 +196,7 @@ SINE = 0.5 * np.sin(2 * np.pi * 20 * TIMES)
 )
 def test_wav_of_any_width_is_the_same_motion(tmp_path: Path, data: np.ndarray, tolerance: float) -> None:
     wavfile.write(tmp_path / "a.wav", int(RATE), data)
-    record = read_wav(tmp_path / "a.wav", Choices({"1": "z"}, unit="mm/s", full_scale=2.0))
+    record = read_wav(tmp_path / "a.wav", Choices(axes={"1": "z"}, unit="mm/s", full_scale=2.0))
     np.testing.assert_allclose(by_axis(record)["z"], 2e-3 * SINE, rtol=0, atol=2e-3 * tolerance + 1e-18)
 
 
@@ -205,13 +205,13 @@ def test_wav_of_24_bit_is_the_same_motion(tmp_path: Path) -> None:
     form = struct.pack("<HHIIHH", 1, 1, int(RATE), int(RATE) * 3, 3, 24)
     body = b"WAVEfmt " + struct.pack("<I", 16) + form + b"data" + struct.pack("<I", len(samples)) + samples
     (tmp_path / "a.wav").write_bytes(b"RIFF" + struct.pack("<I", len(body)) + body)
-    record = read_wav(tmp_path / "a.wav", Choices({"1": "z"}, "velocity", full_scale=1.0))
+    record = read_wav(tmp_path / "a.wav", Choices(axes={"1": "z"}, quantity="velocity", full_scale=1.0))
     np.testing.assert_allclose(by_axis(record)["z"], SINE, rtol=0, atol=1e-7)
 
 
 def test_wav_at_its_full_scale_is_called_clipped(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", int(RATE), np.clip(4 * SINE, -1.0, 32767 / 32768))
-    record = read_wav(tmp_path / "a.wav", Choices({"1": "z"}, "velocity", full_scale=1e-3))
+    record = read_wav(tmp_path / "a.wav", Choices(axes={"1": "z"}, quantity="velocity", full_scale=1e-3))
     assert any("1 looks clipped: " in note and "at the WAV file's full scale" in note for note in record.notes)
 
 

@@ -22,12 +22,11 @@ from scipy import signal
 from ehamj.ground import GroundSample, Motion, Start
 from ehamj.ground.channel import Channel
 from ehamj.ground.components import Choices
-from ehamj.ground.csv_records import read_csv
 from ehamj.ground.doubts import clipped_samples
 from ehamj.ground.quantities import UNITS
 from ehamj.ground.records import RecordGround
 from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import Column, parse_header, parse_unit
+from ehamj.ground.tables import Column, parse_header, parse_unit, read_csv
 from ehamj.ground.treatment import (
     Treatment,
     band_gain,

@@ -17,7 +17,7 @@ from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.replay import modes as drawn
-from ehamj.replay.mode_replay import replay_modes, swing
+from ehamj.replay.modes import replay_modes, swing
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies.position_loop import inertial_position

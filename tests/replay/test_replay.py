@@ -21,8 +21,7 @@ from ehamj.mujoco.model import build_spec
 from ehamj.plant.mounts import MOUNTS
 from ehamj.replay import attenuation, open_viewer, plots, scene, write_replay
 from ehamj.replay.about import page
-from ehamj.replay.names import nanoseconds
-from ehamj.replay.recording import check_whole
+from ehamj.replay.recording import check_whole, nanoseconds
 from ehamj.result import Result
 
 
@@ -273,7 +272,7 @@ def test_nothing_stays_behind(sliding: Result, tmp_path: Path, monkeypatch: pyte
     def broken(*_: Any, **__: Any) -> None:
         rr.Boxes3D(half_sizes="no sizes")
 
-    monkeypatch.setattr(replay, "log_marks", broken)
+    monkeypatch.setattr(replay, "log_bar", broken)
     with pytest.raises((ValueError, TypeError)):
         write_replay(path, {"run": sliding})
     assert rr.strict_mode() == strict

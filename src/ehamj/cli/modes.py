@@ -87,7 +87,7 @@ def modes(
         with log.status(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
-        from ehamj.replay.mode_replay import replay_modes
+        from ehamj.replay.modes import replay_modes
 
         with log.status("drawing"):
             replay_modes(replay, loaded, {SHORT[key]: found[key] for key in SHORT if key in found})

@@ -26,7 +26,7 @@ def verify(
     if out_file is not None and not out_file.absolute().parent.is_dir():
         raise InputError(f"--out {str(out_file)!r}: cannot be written, since {str(out_file.parent)!r} is no folder")
     with log.status("verifying") as status:
-        outcomes = check(progress=lambda done: status.update(f"verified: {done.name}"))
+        outcomes = check(progress=lambda done: status.update(f"verified: {done.case.name}"))
     if out_file is not None:
         try:
             write_table(outcomes, out_file)
@@ -36,10 +36,10 @@ def verify(
         print_json(to_dict(outcomes))
     else:
         verdicts: dict[bool, str | Text] = {True: "passed", False: Text("FAILED", "bold red")}
-        rows = (
-            (one.name, f"{one.error:.3g}", f"{one.tolerance:.3g}", one.unit, verdicts[one.passed], one.why)
-            for one in outcomes
-        )
+        rows = []
+        for one in outcomes:
+            case, verdict = one.case, verdicts[one.passed]
+            rows.append((case.name, f"{one.error:.3g}", f"{case.tolerance:.3g}", case.unit, verdict, case.why))
         heads = ("case", "error", "tolerance", "unit", "", "why the tolerance is what it is")
         print_table("verification", heads, rows, whole=0)
     if not all(one.passed for one in outcomes):

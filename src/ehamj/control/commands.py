@@ -1,17 +1,16 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ehamj.control.settings import ControlSettings
 from ehamj.plant.mounts import MOUNTS
-from ehamj.settings import Settings
-from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero, schroeder_phases
+from ehamj.settings import Positive, Settings, SineSum
+from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
 
 MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
-Positive = Annotated[float, Field(gt=0)]
 
 
 class SignalSettings(Settings):
@@ -33,24 +32,15 @@ class SineCommand(SignalSettings):
         return Multisine.of(self.amplitude, self.frequency, self.phase)
 
 
-class MultisineCommand(SignalSettings):
+class MultisineCommand(SineSum, SignalSettings):
     """Sum of sines of one amplitude."""
 
     kind: Literal["multisine"]
     amplitude: float = Field(description="amplitude of each sine [V]")
-    frequencies: tuple[Positive, ...] = Field(description="frequencies [Hz]", min_length=1)
-    phases: tuple[float, ...] | None = Field(None, description="phases [rad]; without: Schroeder's, of low peak")
-
-    @model_validator(mode="after")
-    def _sizes(self) -> Self:
-        if self.phases is not None and len(self.phases) != len(self.frequencies):
-            raise ValueError(f"phases has {len(self.phases)} values; it must have {len(self.frequencies)}")
-        return self
 
     def signal(self) -> Signal:
         """Build the signal."""
-        phases = schroeder_phases(len(self.frequencies)) if self.phases is None else self.phases
-        return Multisine.of(self.amplitude, self.frequencies, phases)
+        return Multisine.of(self.amplitude, self.frequencies, self.phases)
 
 
 class StepCommand(SignalSettings):

@@ -12,7 +12,7 @@ from ehamj.design.tuning import Design
 from ehamj.labels import labelled
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome
 
@@ -197,7 +197,7 @@ def budget_table(limits: Budget) -> xr.Dataset:
     return xr.Dataset(data, {"band": centres}, {"title": "what limits the isolation"})
 
 
-def _loops_chart(table: xr.Dataset, *quantities: str):  # type: ignore[no-untyped-def]
+def _loops_chart(table: xr.Dataset, *quantities: str) -> Figure:
     panels = {}
     for quantity in quantities:
         lines = []
@@ -212,7 +212,7 @@ def _loops_chart(table: xr.Dataset, *quantities: str):  # type: ignore[no-untype
     return lines_chart("Loops", "frequency [Hz]", panels, "x", limits=limits)
 
 
-def _budget_chart(limits: Budget):  # type: ignore[no-untyped-def]
+def _budget_chart(limits: Budget) -> Figure:
     centres = [band.centre for band in limits.bands]
     micro = 1e6
     lines = [Line("floor", centres, micro * limits.floor, 7, width=2.4)]

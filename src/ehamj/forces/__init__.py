@@ -1,5 +1,5 @@
 """Forces on the machine itself: blows, moving axes, unbalance, shakers. Machines shake themselves."""
 
-from ehamj.forces.load import Load
+from ehamj.forces.force import Load
 
 __all__ = ["Load"]

@@ -1,13 +1,15 @@
-"""What every force on the machine has: a place, a direction, and signals along it."""
+"""What every force on the machine has, a place, a direction and signals along it; and all of them as one wrench."""
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.plant.axes import DOFS
 from ehamj.settings import Settings, Vector3
-from ehamj.signals import Array, Faded, Signal
+from ehamj.signals import Array, Signal, faded
 
 PER_PERIOD = 20
 """Steps per period, or per rise, with which a force is still followed to some 1e-4."""
@@ -64,5 +66,32 @@ class ContinuousForce(ForceSettings):
         """Force over time [N], unfaded."""
 
     def parts(self, duration: float, random: np.random.Generator) -> list[tuple[Array, Signal]]:
-        signal = self.signal(duration, random)
-        return [(self.axis, Faded(signal, self.fade_in) if self.fade_in > 0.0 else signal)]
+        return [(self.axis, faded(self.signal(duration, random), self.fade_in))]
+
+
+@dataclass(frozen=True)
+class Load:
+    """Force [N] and moment [N m] at the centre of gravity, in the axes of the ground: a sum of patterns times signals.
+
+    ``patterns`` (forces, 6) per newton of each signal. Directions stay those of the ground; the machine's own turning,
+    some µrad, is left out.
+    """
+
+    patterns: Array
+    signals: tuple[Signal, ...]
+    longest_step: float = float("inf")
+    """Step with which the shortest of them is still followed [s]."""
+
+    @property
+    def absent(self) -> bool:
+        """Whether there is none."""
+        return not self.signals
+
+    def sample(self, time: Array, left: bool = False) -> tuple[Array, Array]:
+        """The wrench and its rate at ``time`` [s], (n, 6) each; ``left``: limit from the left where it jumps."""
+        value, slope = np.zeros((2, time.size, len(DOFS)))
+        for pattern, signal in zip(self.patterns, self.signals, strict=True):
+            sample = signal.sample(time, left)
+            value += np.multiply.outer(sample.value, pattern)
+            slope += np.multiply.outer(sample.slope, pattern)
+        return value, slope

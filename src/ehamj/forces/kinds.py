@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ehamj.errors import InputError
-from ehamj.forces.axis import AxisJerk
-from ehamj.forces.blows import Hammer
-from ehamj.forces.force import ForceSettings
-from ehamj.forces.load import NO_LOAD, Load, pattern
-from ehamj.forces.unbalance import Unbalance
-from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce
+from ehamj.forces.force import ForceSettings, Load
+from ehamj.forces.transients import AxisJerk, Hammer
+from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce, Unbalance
+from ehamj.plant.axes import DOFS
+from ehamj.plant.levers import lever
 from ehamj.settings import Vector3, one_of
 
 FORCES: tuple[type[ForceSettings], ...] = (
@@ -60,9 +59,9 @@ def load_of(
             parts = force.parts(duration, np.random.default_rng([seed, STREAM, k]))
         except MemoryError:
             raise InputError(f"force.{k}: {duration:g} s of it do not fit in memory") from None
+        arm = lever(np.array(at) - np.array(cg))
         for direction, signal in parts:
-            patterns.append(pattern(direction, np.array(at), np.array(cg)))
+            patterns.append(arm.T @ direction)  # d and (r − r_CG) × d
             signals.append(signal)
-    if not signals:
-        return NO_LOAD
-    return Load(np.array(patterns), tuple(signals), min(force.longest_step for force in forces))
+    longest_step = min((force.longest_step for force in forces), default=float("inf"))
+    return Load(np.array(patterns).reshape(-1, len(DOFS)), tuple(signals), longest_step)

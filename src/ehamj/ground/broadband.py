@@ -1,4 +1,4 @@
-"""Random floors: flat per third octave between two frequencies, for as long as the run or as a burst that passes."""
+"""Random floors: flat per third octave for as long as the run, or as a burst that passes; or shaped to a target."""
 
 from dataclasses import dataclass
 from typing import Literal, Self
@@ -11,6 +11,7 @@ from ehamj.estimate.bands import BAND_LOG_WIDTH, G
 from ehamj.ground.lines import RandomGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum
+from ehamj.ground.targets import Target
 from ehamj.settings import Positive
 from ehamj.signals import Array, Sample, Signal
 
@@ -120,3 +121,22 @@ class Swell:
         slope = 3.0 * s**2 * (1.0 - s) * decay / self.swell_time
         curvature = 3.0 * s * (2.0 - 6.0 * s + 3.0 * s * s) * decay / self.swell_time**2
         return Sample(s**3 * decay, slope, curvature)
+
+
+class ShapedGround(RandomGround):
+    """A random floor with the spectrum of a target; there is no motion outside of what the target states."""
+
+    kind: Literal["shaped"]
+    target: Target = Field(description="spectrum that the floor has")
+    scale: Positive = Field(1.0, description="factor on the motion [-]")
+    first: Positive | None = Field(None, description="lowest frequency of the motion [Hz]; without: as the target")
+    last: Positive | None = Field(None, description="highest frequency of the motion [Hz]; without: as the target")
+
+    def motion(self, start: Start) -> Motion:
+        whole = self.target.spectra(self.axes)
+        spectra = {axis: spectrum.cut(self.first, self.last) for axis, spectrum in whole.items()}
+        low, high = max(s.low for s in spectra.values()), min(s.high for s in spectra.values())
+        scaled = {axis: spectrum.scaled(self.scale) for axis, spectrum in spectra.items()}
+        note = f"floor shaped to a {self.target.kind} target from {low:.4g} to {high:.4g} Hz"
+        note += f": bands above {high:.4g} Hz are undecided"
+        return self.random_floor(start, scaled, notes=(note,), usable_to=high)

@@ -1,15 +1,17 @@
 """What every reader of records shares: axes, quantities and units, times, gaps, and remarks on what was found."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from ehamj.ground.channel import Channel, Place
+from ehamj.ground.channel import Channel, Place, Record
 from ehamj.ground.quantities import UNITS, Quantity
+from ehamj.settings import FileName, Positive, Settings
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
@@ -21,25 +23,59 @@ QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
 GapChoice = Literal["error", "interpolate"]
 
 
-@dataclass(frozen=True)
-class Choices:
+class Choices(Settings):
     """What the user says about a record."""
 
-    axes: AxisChoice = None
-    quantity: QuantityChoice = "auto"
-    gaps: GapChoice = "error"
-    unit: str | None = None
-    """Unit of samples that the file gives none for, one of `UNITS`."""
-    full_scale: float | None = None
-    """Motion that the largest sample of a WAV file stands for [unit]."""
-    inventory: Path | None = None
-    """File with the instrument's response, for seismic formats."""
-    remove_response: bool = True
-    """Whether counts become motion, in seismic formats."""
+    quantity: QuantityChoice = Field(
+        "auto",
+        description="what the samples are (SI, but for unit); auto: as the file says (instrument's response, units)",
+    )
+    unit: str | None = Field(
+        None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
+    )
+    full_scale: Positive | None = Field(
+        None, description="motion that the largest sample of a WAV file stands for [unit]"
+    )
+    inventory: FileName | None = Field(
+        None, description="file with the instrument's response (StationXML, dataless SEED, …)"
+    )
+    remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
+    axes: AxisChoice = Field(
+        None,
+        description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
+        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
+        "to x, y, z",
+    )
+    gaps: GapChoice = Field(
+        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
+    )
+
+    @model_validator(mode="after")
+    def _agreeing(self) -> Self:
+        if self.inventory is not None and not self.remove_response:
+            raise ValueError(
+                f"inventory = {self.inventory!r} is of no use with remove_response = false; leave one of them out"
+            )
+        if self.unit is not None and self.unit not in UNITS:
+            raise ValueError(f"unit = {self.unit!r} must be one of {', '.join(UNITS)}")
+        if self.unit is not None and self.quantity not in ("auto", UNITS[self.unit][0]):
+            raise ValueError(
+                f"quantity = {self.quantity!r} is not what unit = {self.unit!r} is of; leave one of them out"
+            )
+        return self
 
 
 SILENT = Choices()
 """The user says nothing."""
+
+
+@contextmanager
+def reading(path: Path, how: str, key: str = "ground.file") -> Iterator[None]:
+    """Turns whatever a library raises at a damaged file into a ValueError: it cannot be read ``how``."""
+    try:
+        yield
+    except Exception as error:
+        raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {error}") from error
 
 
 def existing(path: Path, key: str = "ground.file") -> Path:
@@ -88,20 +124,6 @@ def per_mount(places: Iterable[str]) -> bool:
     return any(" " in place for place in places)
 
 
-def agreed_quantity(wanted: QuantityChoice, found: Quantity | None, name: str, remedy: str) -> Quantity:
-    """What a channel holds: what the file says (``found``), or what the user says where the file is silent."""
-    if found is None and wanted == "auto":
-        raise ValueError(
-            f"ground.quantity = 'auto', but the file does not say what {name} holds; set displacement, velocity or "
-            f"acceleration (samples are then SI), or {remedy}"
-        )
-    if found is not None and wanted not in ("auto", found):
-        raise ValueError(
-            f"ground.quantity = {wanted!r}, but the file says that {name} is {found}; use 'auto' or {found!r}"
-        )
-    return found or wanted  # type: ignore[return-value]
-
-
 def agreed_unit(
     choices: Choices, found: tuple[Quantity, float] | None, name: str, remedy: str
 ) -> tuple[Quantity, float]:
@@ -109,14 +131,25 @@ def agreed_unit(
 
     Raises ValueError where neither says it, or the two disagree.
     """
-    if choices.unit is not None and found is not None:
-        raise ValueError(
-            f"ground.unit = {choices.unit!r}, but the file states the unit of {name} itself; leave ground.unit out"
-        )
+    wanted = choices.quantity
     if choices.unit is not None:
+        if found is not None:
+            raise ValueError(
+                f"ground.unit = {choices.unit!r}, but the file states the unit of {name} itself; leave ground.unit out"
+            )
         found = UNITS[choices.unit]
-    holds = agreed_quantity(choices.quantity, found and found[0], name, remedy)
-    return holds, found[1] if found else 1.0
+    if found is None:
+        if wanted == "auto":
+            raise ValueError(
+                f"ground.quantity = 'auto', but the file does not say what {name} holds; set displacement, velocity or "
+                f"acceleration (samples are then SI), or {remedy}"
+            )
+        return wanted, 1.0
+    if wanted not in ("auto", found[0]):
+        raise ValueError(
+            f"ground.quantity = {wanted!r}, but the file says that {name} is {found[0]}; use 'auto' or {found[0]!r}"
+        )
+    return found
 
 
 def clock(time: Array, name: str, gaps: GapChoice) -> tuple[float, Array, list[str]]:
@@ -162,12 +195,14 @@ def filled(name: str, holes: int, missing: float, recorded: float, gaps: GapChoi
     return f"record {name} has {whole}, filled with straight lines"
 
 
-def summary(label: str, channels: Sequence[Channel]) -> str:
+def recorded(label: str, channels: Sequence[Channel], notes: Sequence[str] = (), name: str | None = None) -> Record:
+    """The record of a file, called ``label`` unless it has a name; its notes begin with what was read."""
     parts = (f"{c.axis} from {c.name} ({c.quantity}, {c.end - c.time:g} s at {c.rate:g} Hz)" for c in channels)
-    return f"record {label}: " + "; ".join(parts)
+    summary = f"record {label}: " + "; ".join(parts)
+    return Record(name or label, tuple(channels), (summary, *_differences(channels), *notes))
 
 
-def differences(channels: Sequence[Channel]) -> list[str]:
+def _differences(channels: Sequence[Channel]) -> list[str]:
     """Remarks where channels differ in rate or span."""
     notes = []
     if len({channel.rate for channel in channels}) > 1:

@@ -47,33 +47,23 @@ def doubts(channel: Channel, velocity: Array) -> list[str]:
     clipped = clipped_samples(channel.samples)
     if clipped:
         found.append(f"{channel.name} looks clipped: {clipped} samples stand at its extreme value")
-    return found + _unit_doubts(channel, float(np.sqrt(np.mean(velocity**2))))
-
-
-def _unit_doubts(channel: Channel, speed: float) -> list[str]:
-    found = []
+    speed = float(np.sqrt(np.mean(velocity**2)))
     mean = abs(float(np.mean(channel.samples)))
     if channel.quantity == "acceleration" and channel.response is None:
         if abs(mean - 1.0) < NEAR_ONE:
             found.append(f"{channel.name} has a mean of {mean:.3g} m/s², as gravity in g: is its unit g?")
         elif abs(mean / GRAVITY - 1.0) < NEAR_ONE:
             found.append(f"{channel.name} has a mean of {mean:.3g} m/s²: it senses gravity, which is taken off")
+    question = f"are its samples really {channel.quantity} in the unit stated?"
     if speed > LOUDEST:
-        found.append(
-            f"{channel.name} moves with {speed:.3g} m/s RMS, which no floor does (above {LOUDEST:g} m/s): "
-            f"are its samples really {channel.quantity} in the unit stated? {_guess(channel)}".rstrip()
-        )
+        whole = channel.response is None and np.array_equal(channel.samples, np.rint(channel.samples))
+        guess = " All are whole numbers: they look like counts of a converter." if whole else ""
+        loud = f"which no floor does (above {LOUDEST:g} m/s)"
+        found.append(f"{channel.name} moves with {speed:.3g} m/s RMS, {loud}: {question}{guess}")
     elif speed < QUIETEST:
-        found.append(
-            f"{channel.name} moves with {speed:.3g} m/s RMS, quieter than any site on earth (Peterson's low noise "
-            f"model): are its samples really {channel.quantity} in the unit stated?"
-        )
+        quiet = "quieter than any site on earth (Peterson's low noise model)"
+        found.append(f"{channel.name} moves with {speed:.3g} m/s RMS, {quiet}: {question}")
     return found
-
-
-def _guess(channel: Channel) -> str:
-    whole = channel.response is None and np.array_equal(channel.samples, np.rint(channel.samples))
-    return "All are whole numbers: they look like counts of a converter." if whole else ""
 
 
 def too_slow(name: str, rate: float) -> str | None:

@@ -10,14 +10,11 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from ehamj.ground.broadband import BroadbandGround, BurstGround
-from ehamj.ground.coherence import Coherence
-from ehamj.ground.combined import Combined
-from ehamj.ground.motion import GroundSettings, Motion, Start
-from ehamj.ground.shaped import ShapedGround
+from ehamj.ground.broadband import BroadbandGround, BurstGround, ShapedGround
+from ehamj.ground.motion import Combined, GroundSettings, Motion, Start
 from ehamj.ground.synthetic import Dof, MultisineGround, ShockGround
 from ehamj.ground.targets import PetersonTarget
-from ehamj.ground.waves import Wave
+from ehamj.ground.waves import Coherence, Wave
 from ehamj.settings import Positive
 
 Part = BroadbandGround | BurstGround | ShapedGround | MultisineGround | ShockGround

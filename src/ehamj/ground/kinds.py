@@ -5,12 +5,10 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from ehamj.ground.broadband import BroadbandGround, BurstGround
-from ehamj.ground.combined import Combined
+from ehamj.ground.broadband import BroadbandGround, BurstGround, ShapedGround
 from ehamj.ground.floors import FloorGround
-from ehamj.ground.motion import GroundSettings, Motion, Start
+from ehamj.ground.motion import Combined, GroundSettings, Motion, Start
 from ehamj.ground.records import RecordGround
-from ehamj.ground.shaped import ShapedGround
 from ehamj.ground.synthetic import MultisineGround, RestGround, ShockGround, SineGround, SweepGround
 from ehamj.settings import one_of
 

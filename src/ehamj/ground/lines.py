@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.ground.coherence import Coherence
 from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.spectra import Axis, Spectrum
-from ehamj.ground.waves import Wave, spread
+from ehamj.ground.waves import Coherence, Wave, spread
 from ehamj.plant.axes import AXES
 from ehamj.signals import Array, Lines, Product, Signal
 

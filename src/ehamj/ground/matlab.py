@@ -5,7 +5,17 @@ from pathlib import Path
 import numpy as np
 
 from ehamj.ground.channel import Channel, Record
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, existing, on_grid, summary
+from ehamj.ground.components import (
+    SILENT,
+    Choices,
+    agreed_unit,
+    choose_axes,
+    clock,
+    existing,
+    on_grid,
+    reading,
+    recorded,
+)
 from ehamj.signals import Array
 
 CLOCKS = ("time", "t")
@@ -51,7 +61,7 @@ def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
     for name, axis in choose_axes({name: (name,) for name in columns}, choices.axes).items():
         holds, size = agreed_unit(choices, None, f"variable {name!r}", "set ground.unit")
         channels.append(Channel(axis, name, rate, holds, on_grid(index, size * columns[name])))
-    return Record(path.name, tuple(channels), (summary(path.name, channels), *notes))
+    return recorded(path.name, channels, notes)
 
 
 def _columns(name: str, array: Array) -> dict[str, Array]:
@@ -66,12 +76,11 @@ def _arrays(path: Path) -> dict[str, Array]:
     from scipy.io import loadmat
 
     existing(path)
-    try:
-        content = loadmat(str(path))
-    except NotImplementedError:
-        content = _hdf5(path)
-    except Exception as error:  # SciPy raises what it likes at damaged files
-        raise ValueError(f"ground.file = {path.name!r} cannot be read as a MATLAB file: {error}") from error
+    with reading(path, " as a MATLAB file"):
+        try:
+            content = loadmat(str(path))
+        except NotImplementedError:
+            content = _hdf5(path)
     return {
         name: np.atleast_2d(np.asarray(value, float))
         for name, value in content.items()
@@ -82,9 +91,5 @@ def _arrays(path: Path) -> dict[str, Array]:
 def _hdf5(path: Path) -> dict[str, np.ndarray]:
     import h5py
 
-    try:
-        with h5py.File(path) as file:
-            found = {name: np.asarray(part) for name, part in file.items() if isinstance(part, h5py.Dataset)}
-    except OSError as error:
-        raise ValueError(f"ground.file = {path.name!r} cannot be read as a MATLAB file: {error}") from error
-    return {name: array.T for name, array in found.items()}
+    with h5py.File(path) as file:
+        return {name: np.asarray(part).T for name, part in file.items() if isinstance(part, h5py.Dataset)}

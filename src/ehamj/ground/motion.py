@@ -94,3 +94,32 @@ class Slab:
             dofs[:, :, DOFS.index(name)] = signal.sample(time)
         mounts = dofs @ levers(self.positions).T  # many times faster than einsum
         return GroundSample(*mounts.reshape(3, time.size, len(self.positions), 3))
+
+
+@dataclass(frozen=True)
+class Combined:
+    """The sum of several motions, ``factor`` times as large; ``note`` says what it is."""
+
+    parts: tuple[Motion, ...]
+    factor: float = 1.0
+    note: str | None = None
+
+    @property
+    def at_rest(self) -> bool:
+        return all(part.at_rest for part in self.parts)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        said = tuple(note for part in self.parts for note in part.notes)
+        return said if self.note is None else (self.note, *dict.fromkeys(said))
+
+    @property
+    def usable_to(self) -> float:
+        return min(part.usable_to for part in self.parts)
+
+    def sample(self, time: Array) -> GroundSample:
+        total = self.parts[0].sample(time)
+        for part in self.parts[1:]:
+            for whole, own in zip(total, part.sample(time), strict=True):
+                np.add(whole, own, out=whole)
+        return total if self.factor == 1 else GroundSample(*(self.factor * part for part in total))

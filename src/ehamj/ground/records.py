@@ -8,26 +8,26 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.ground.channel import Record
-from ehamj.ground.components import AxisChoice, Choices, GapChoice, QuantityChoice
-from ehamj.ground.csv_records import read_csv
+from ehamj.ground.components import Choices
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.matlab import read_matlab
 from ehamj.ground.motion import GroundSettings, Motion, Start
-from ehamj.ground.quantities import ORDERS, UNITS
+from ehamj.ground.quantities import ORDERS
 from ehamj.ground.seismic import EXAMPLE, read_seismic
+from ehamj.ground.tables import read_csv
 from ehamj.ground.treatment import Treatment, displacement, held_frequencies
 from ehamj.ground.uff import read_uff
 from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
-from ehamj.settings import FileName, Positive
+from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
 
 READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
 """Readers by the end of a file's name; all else is ObsPy's."""
 
 
-class RecordGround(GroundSettings, Treatment):
+class RecordGround(Choices, GroundSettings, Treatment):
     """A rigid slab that moves as a record says, in x, y and z; or each mount as its own components say."""
 
     kind: Literal["record"]
@@ -36,45 +36,12 @@ class RecordGround(GroundSettings, Treatment):
         description="record, relative to the scenario's folder: *.csv, *.uff, *.unv, *.wav, *.mat, what ObsPy reads "
         f"(the name may hold wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries",
     )
-    quantity: QuantityChoice = Field(
-        "auto",
-        description="what the samples are (SI, but for unit); auto: as the file says (instrument's response, units)",
-    )
-    unit: str | None = Field(
-        None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
-    )
-    full_scale: Positive | None = Field(
-        None, description="motion that the largest sample of a WAV file stands for [unit]"
-    )
-    inventory: FileName | None = Field(
-        None, description="file with the instrument's response (StationXML, dataless SEED, …)"
-    )
-    remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
-    axes: AxisChoice = Field(
-        None,
-        description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
-        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
-        "to x, y, z",
-    )
-    gaps: GapChoice = Field(
-        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
-    )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
     scale: float = Field(1.0, description="factor on the motion [-]")
     fade_in: float = Field(0.0, ge=0, description="time over which the simulation's motion fades in [s]; 0: as taper")
 
     @model_validator(mode="after")
-    def _response_wanted(self) -> Self:
-        if self.inventory is not None and not self.remove_response:
-            raise ValueError(
-                f"inventory = {self.inventory!r} is of no use with remove_response = false; leave one of them out"
-            )
-        if self.unit is not None and self.unit not in UNITS:
-            raise ValueError(f"unit = {self.unit!r} must be one of {', '.join(UNITS)}")
-        if self.unit is not None and self.quantity not in ("auto", UNITS[self.unit][0]):
-            raise ValueError(
-                f"quantity = {self.quantity!r} is not what unit = {self.unit!r} is of; leave one of them out"
-            )
+    def _scale_wanted(self) -> Self:
         if self.full_scale is not None and self._ending != ".wav":
             raise ValueError(f"full_scale = {self.full_scale:g} is for *.wav files only; leave it out")
         return self
@@ -85,14 +52,10 @@ class RecordGround(GroundSettings, Treatment):
 
     def read(self) -> Record:
         """The raw record."""
-        inventory = None if self.inventory is None else Path(self.inventory)
-        choices = Choices(
-            self.axes, self.quantity, self.gaps, self.unit, self.full_scale, inventory, self.remove_response
-        )
-        if inventory is not None and self._ending in READERS:
-            kind = self._ending[1:].upper()
-            raise ValueError(f"ground.inventory = {inventory.name!r}: a {kind} record has units; leave inventory out")
-        return READERS.get(self._ending, read_seismic)(Path(self.file), choices)
+        if self.inventory is not None and self._ending in READERS:
+            name, kind = Path(self.inventory).name, self._ending[1:].upper()
+            raise ValueError(f"ground.inventory = {name!r}: a {kind} record has units; leave inventory out")
+        return READERS.get(self._ending, read_seismic)(Path(self.file), self)
 
     def motion(self, start: Start) -> Motion:
         """Build the motion: at rest at time 0, then what the record says.

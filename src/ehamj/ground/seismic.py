@@ -14,11 +14,11 @@ from ehamj.ground.components import (
     GapChoice,
     agreed_unit,
     choose_axes,
-    differences,
     existing,
     filled,
     per_mount,
-    summary,
+    reading,
+    recorded,
 )
 from ehamj.ground.quantities import Quantity
 from ehamj.signals import Array
@@ -65,14 +65,13 @@ def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
             notes.append(
                 f"{trace.id} states a calibration factor of {stats.calib:g}, which is not applied (ground.scale can)"
             )
-    name = ", ".join(stations).strip(".") or label
-    record = Record(name, tuple(channels), (summary(label, channels), *differences(channels), *notes))
+    record = recorded(label, channels, notes, ", ".join(stations).strip("."))
     if record.duration <= 0:
         raise ValueError(f"ground.file = {label!r}: its channels have no time in common")
     return record
 
 
-def _open(source: Path, inventory: Path | None) -> tuple["Stream", "Inventory | None"]:
+def _open(source: Path, inventory: str | None) -> tuple["Stream", "Inventory | None"]:
     """The traces of all files and the responses."""
     import obspy
 
@@ -92,7 +91,7 @@ def _open_file(path: Path) -> "Stream":
     from obspy.io.mseed import InternalMSEEDWarning
     from obspy.io.mseed.util import get_record_information
 
-    try:
+    with reading(path, ", neither by ObsPy nor as *.csv; it may be truncated or damaged"):
         # ObsPy only warns of a record that breaks off or fails its checksum and leaves the rest out.
         with warnings.catch_warnings():
             warnings.simplefilter("error", InternalMSEEDWarning)
@@ -107,25 +106,18 @@ def _open_file(path: Path) -> "Stream":
                 )
             if size % 128 or offset > size:
                 raise ValueError("its last record is truncated")
-    except Exception as error:  # each of ObsPy's readers raises what it likes
-        raise ValueError(
-            f"ground.file = {path.name!r} cannot be read, neither by ObsPy nor as *.csv; it may be truncated "
-            f"or damaged: {error}"
-        ) from error
     for trace in stream:
         if trace.data.dtype.kind not in "iuf":
             raise ValueError(f"ground.file = {path.name!r}: channel {trace.id} holds text or the like, not samples")
     return stream
 
 
-def _open_inventory(path: Path) -> "Inventory":
+def _open_inventory(name: str) -> "Inventory":
     import obspy
 
-    existing(path, "ground.inventory")
-    try:
+    path = existing(Path(name), "ground.inventory")
+    with reading(path, " by ObsPy", "ground.inventory"):
         return obspy.read_inventory(str(path))
-    except Exception as error:  # each of ObsPy's readers raises what it likes
-        raise ValueError(f"ground.inventory = {path.name!r} cannot be read by ObsPy: {error}") from error
 
 
 def _join(stream: "Stream", label: str, gaps: GapChoice) -> list[str]:

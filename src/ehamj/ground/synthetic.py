@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from ehamj.ground.motion import GroundSettings, Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
 from ehamj.settings import Positive
-from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, rise, schroeder_phases
+from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, rise
 
 Dof = Literal["x", "y", "z", "rx", "ry", "rz"]
 
@@ -70,9 +70,8 @@ class MultisineGround(OneDof):
 
     def signal(self) -> Signal:
         frequency = np.array(self.frequencies)
-        phases = schroeder_phases(frequency.size) if self.phases is None else np.array(self.phases)
         amplitude = np.sqrt(2.0) * np.array(self.velocities) / (2 * np.pi * frequency)
-        return Multisine.of(amplitude, frequency, phases)
+        return Multisine.of(amplitude, frequency, self.phases)
 
 
 class SweepGround(OneDof):

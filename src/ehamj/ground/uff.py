@@ -12,10 +12,10 @@ from ehamj.ground.components import (
     agreed_unit,
     choose_axes,
     clock,
-    differences,
     existing,
     on_grid,
-    summary,
+    reading,
+    recorded,
 )
 from ehamj.ground.quantities import UNITS, Quantity
 from ehamj.ground.tables import Column, parse_unit
@@ -63,7 +63,7 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
         moved = on_grid(index, sign * size * samples[:stated])
         channels.append(Channel(axis, name, rate, holds, moved, float(time[0]) - beginning))
         notes += [*gaps, *remark]
-    return Record(path.name, tuple(channels), (summary(path.name, channels), *differences(channels), *notes))
+    return recorded(path.name, channels, notes)
 
 
 def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
@@ -71,12 +71,10 @@ def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
     import pyuff
 
     existing(path)
-    try:
+    with reading(path, " as a universal file"):
         file = pyuff.UFF(str(path))
         kinds = file.get_set_types()
         read = {n: file.read_sets(n) for n, kind in enumerate(kinds) if int(kind) in (58, 164)}
-    except Exception as error:  # pyuff raises Exception itself
-        raise ValueError(f"ground.file = {path.name!r} cannot be read as a universal file: {error}") from error
     sets = [s for s in read.values() if s["type"] == 58 and s["func_type"] == TIME_RESPONSE]
     if not sets:
         raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.io import wavfile
 
 from ehamj.ground.channel import Channel, Record
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, summary
+from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, existing, reading, recorded
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""
@@ -25,14 +25,10 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
             "ground.full_scale is missing: a WAV file does not say what its samples mean; give the motion that its "
             "largest sample stands for, in ground.unit"
         )
-    try:
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            rate, data = wavfile.read(path)
-    except OSError as error:
-        raise ValueError(f"ground.file = {path.name!r} cannot be read: {error.strerror or error} ({path})") from error
-    except Exception as error:  # SciPy raises what it likes at damaged files
-        raise ValueError(f"ground.file = {path.name!r} cannot be read as WAV: {error}") from error
+    existing(path)
+    with reading(path, " as WAV"), warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        rate, data = wavfile.read(path)
     cut = next((str(entry.message) for entry in said if "EOF" in str(entry.message)), None)
     if cut is not None:
         raise ValueError(f"ground.file = {path.name!r} is truncated: {cut}")
@@ -48,7 +44,7 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
         if over:
             notes.append(f"{name} looks clipped: {over} samples stand at the WAV file's full scale")
         channels.append(Channel(axis, name, float(rate), holds, choices.full_scale * size * samples))
-    return Record(path.name, tuple(channels), (summary(path.name, channels), *notes))
+    return recorded(path.name, channels, notes)
 
 
 def _share(data: np.ndarray) -> np.ndarray:

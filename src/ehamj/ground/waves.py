@@ -1,4 +1,4 @@
-"""Floors that differ from mount to mount: plane waves, and a motion of its own for each mount."""
+"""Floors that differ from mount to mount: plane waves, partial coherence, and a motion of its own for each mount."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from pydantic import Field
 from ehamj.ground.motion import GroundSample, Motion, Slab, Start
 from ehamj.plant.axes import AXES
 from ehamj.settings import Positive, Settings
-from ehamj.signals import Array, Faded, Sample, Signal
+from ehamj.signals import Array, Sample, Signal, faded
 
 
 class Wave(Settings):
@@ -23,6 +23,39 @@ class Wave(Settings):
         """Arrival at each mount after the mount plane's centre, r·n/c [s]."""
         angle = np.radians(self.direction)
         return positions @ np.array([np.cos(angle), np.sin(angle)]) / self.speed
+
+
+class Coherence(Settings):
+    """How alike the floor is at two mounts: the coherency's magnitude is exp(−(γ ω d/V_s)²).
+
+    Luco and Wong, *Response of a rigid foundation to a spatially random ground motion*, Earthquake Eng. Struct. Dyn.
+    14 (1986), 891-908. It is a magnitude: `scipy.signal.coherence` estimates its square. A wave adds the phase.
+    """
+
+    gamma: float = Field(
+        0.2, ge=0, description="incoherence γ [-]; Luco and Wong consider 0.1 to 0.5, 0.2 is assumed; 0: fully coherent"
+    )
+    shear_speed: Positive = Field(200.0, description="shear wave speed of the soil V_s [m/s] (assumed: stiff soil)")
+
+    def magnitude(self, frequency: Array, distance: Array) -> Array:
+        """Coherency magnitude at ``frequency`` [Hz] between points ``distance`` [m] apart, broadcast."""
+        return np.exp(-((self.gamma * 2.0 * np.pi * frequency * distance / self.shear_speed) ** 2))
+
+    def factor(self, frequency: Array, positions: Array) -> Array:
+        """Factor A of the coherency matrix A·Aᵀ at each frequency, shape (n, mount, mount).
+
+        A times as many independent unit lines as there are mounts gives lines that are coherent as stated. It comes
+        from eigenvalues, which stays exact where the matrix is singular (mounts that move as one); the strongest
+        pattern, in which all mounts move alike, is the last column, with positive sign.
+
+        Args:
+            frequency: shape (n,) [Hz].
+            positions: of the mounts, shape (mount, 2) [m].
+        """
+        distance = np.linalg.norm(positions[:, None] - positions, axis=2)
+        values, vectors = np.linalg.eigh(self.magnitude(frequency[:, None, None], distance))
+        vectors *= np.where(vectors.sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
+        return vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
 
 
 @dataclass(frozen=True)
@@ -88,8 +121,8 @@ def spread(
     """
     one = {dof: signal for dof, signal in signals.items() if not isinstance(signal, tuple)}
     if wave is None and len(one) == len(signals):
-        faded = {dof: _faded(signal, fade_in, begin or 0.0) for dof, signal in one.items()}
-        return Slab(start.positions, faded, notes, usable_to)
+        moved = {dof: faded(signal, fade_in, begin or 0.0) for dof, signal in one.items()}
+        return Slab(start.positions, moved, notes, usable_to)
     turning = [dof for dof in signals if dof not in AXES]
     if turning:
         raise ValueError(f"ground.dof = {turning[0]!r}: a wave carries x, y or z; leave ground.wave out for a slab")
@@ -99,9 +132,5 @@ def spread(
         own = signal if isinstance(signal, tuple) else (signal,) * delays.size
         late = ((Delayed(part, float(delay)) if delay else part) for part, delay in zip(own, delays, strict=True))
         begins = np.zeros(delays.size) if begin is None else np.maximum(0.0, begin + delays)
-        placed[axis] = tuple(_faded(part, fade_in, float(at)) for part, at in zip(late, begins, strict=True))
+        placed[axis] = tuple(faded(part, fade_in, float(at)) for part, at in zip(late, begins, strict=True))
     return PerMount(placed, delays.size, notes, usable_to)
-
-
-def _faded(signal: Signal, fade_in: float, begin: float) -> Signal:
-    return Faded(signal, fade_in, begin) if fade_in > 0 else signal

@@ -4,12 +4,10 @@ import hashlib
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from ehamj.plots import Figure
 
 
 def safe_name(text: str) -> str:
@@ -34,7 +32,7 @@ class Picture:
     """
 
     name: str
-    figure: "Figure"
+    figure: Figure
     caption: str = ""
     wide: bool = False
     """Whether it needs the whole width of the page; on a phone it scrolls."""

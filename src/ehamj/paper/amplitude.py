@@ -7,21 +7,16 @@ root law of its edges bends with the load. Gain and phase are those of the funda
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE
-from ehamj.plots import svg
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart, svg
 from ehamj.result import Result, written_whole
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SHARES = (0.01, 0.05, 0.25, 0.50, 0.90)
 FREQUENCIES = (5.0, 10.0, 20.0, 50.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 300.0)
@@ -91,7 +86,7 @@ def _fundamental(run: Result, name: str, amplitude: float, hertz: float) -> comp
     return complex(line / (-1j * amplitude))
 
 
-def amplitude_figure(response: xr.Dataset) -> "Figure":
+def amplitude_figure(response: xr.Dataset) -> Figure:
     """Gain and phase of the stroke over frequency, one line per amplitude."""
     panels: dict[str, list[Line]] = {MAGNITUDE: [], PHASE: []}
     for k, share in enumerate(response["share"].values):

@@ -1,15 +1,13 @@
 """The paper's ten designs, and those that it speaks of beside them, computed."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.isolator.presets import FIRST_GENERATION
-from ehamj.paper.actuator import FAST_VALVE, LARGE_SIGNAL_VALVE, LINEAR, PAPER_MASS, positive
-from ehamj.paper.merits import FiguresOfMerit, figures_of_merit
+from ehamj.paper.actuator import FAST_VALVE, LARGE_SIGNAL_VALVE, LINEAR, positive
+from ehamj.paper.merits import DesignStudy, FiguresOfMerit
 
 CASES: Final[dict[str, tuple[str, dict[str, float]]]] = {
     "initial": ("initial design", {}),
@@ -26,43 +24,15 @@ CASES: Final[dict[str, tuple[str, dict[str, float]]]] = {
 """The paper's cases: label, and which parameters are multiplied by which power of the study's factor. Its "±100 %" of
 Table I are ×2 and ÷2: with these its frequencies come out."""
 
-VARIANTS: Final[dict[str, tuple[str, str, Callable[["PaperStudy"], dict[str, float]]]]] = {
-    "initial_large_signal": (
-        "initial design, valve at ±90 % of its signal",
-        "initial",
-        lambda study: {"valve_frequency": study.large_signal_valve},
-    ),
-    "recommended_fast_valve": (
-        "recommended design, {valve_hz:.0f} Hz valve",
-        "recommended",
-        lambda study: {"valve_frequency": study.fast_valve},
-    ),
-    "initial_reading": (
-        "initial design, as the paper's margins read",
-        "initial",
-        lambda study: study.reading(),
-    ),
-    "recommended_reading": (
-        "recommended design, as the paper's margins read",
-        "recommended",
-        lambda study: study.reading(),
-    ),
-}
-"""What the paper speaks of beside its cases: label, the case that it starts from, and the values that it sets."""
-
 
 @dataclass(frozen=True)
-class PaperStudy:
+class PaperStudy(DesignStudy):
     """What is computed: the initial design, and by what the cases differ from it.
 
     Raises:
         InputError: if a value is not a positive number.
     """
 
-    actuator: Actuator = FIRST_GENERATION
-    """The initial design; only its `LINEAR` parameters count."""
-    mass: float = PAPER_MASS
-    """Translating mass [kg]."""
     factor: float = 2.0
     """By which a parameter is multiplied or divided."""
     large_signal_valve: float = LARGE_SIGNAL_VALVE
@@ -73,14 +43,25 @@ class PaperStudy:
     """Factor on the flow gain under which the paper's gain margins come out [-]."""
     reading_valve: float = 2.0 * math.pi * 260.0
     """Valve frequency under which, with that gain, its phase crossovers come out [rad/s]."""
-    gain_margin_db: float = 6.0
-    """Gain margin that a proportional loop keeps [dB]."""
-    phase_margin_deg: float = 45.0
-    """Phase margin that it keeps [deg]."""
 
     def __post_init__(self) -> None:
         for name in ("factor", "large_signal_valve", "fast_valve", "reading_gain", "reading_valve"):
             positive(name, getattr(self, name))
+
+    def reading(self) -> dict[str, float]:
+        """The values under which the paper's margins come out [m³/s/mA, rad/s]."""
+        return {"flow_gain": self.actuator.flow_gain * self.reading_gain, "valve_frequency": self.reading_valve}
+
+    def variants(self) -> dict[str, tuple[str, str, dict[str, float]]]:
+        """What the paper speaks of beside its cases: label, the case it starts from, and the values that it sets."""
+        slow, fast = ({"valve_frequency": value} for value in (self.large_signal_valve, self.fast_valve))
+        reading = self.reading()
+        return {
+            "initial_large_signal": ("initial design, valve at ±90 % of its signal", "initial", slow),
+            "recommended_fast_valve": ("recommended design, {valve_hz:.0f} Hz valve", "recommended", fast),
+            "initial_reading": ("initial design, as the paper's margins read", "initial", reading),
+            "recommended_reading": ("recommended design, as the paper's margins read", "recommended", reading),
+        }
 
     def design(self, name: str) -> Actuator:
         """The actuator of a case or variant.
@@ -88,38 +69,24 @@ class PaperStudy:
         Raises:
             InputError: if there is no such case.
         """
-        if name not in CASES | VARIANTS:
-            raise InputError(f"case = {name!r}: must be one of {', '.join((*CASES, *VARIANTS))}")
-        _, base, extra = VARIANTS.get(name, ("", name, lambda _: {}))
+        variants = self.variants()
+        if name not in CASES | variants:
+            raise InputError(f"case = {name!r}: must be one of {', '.join((*CASES, *variants))}")
+        _, base, values = variants.get(name, ("", name, {}))
         powers = CASES[base][1].items()
-        values: dict[str, float] = {key: getattr(self.actuator, key) * self.factor**power for key, power in powers}
-        return self.actuator.with_values(values | extra(self))
-
-    def reading(self) -> dict[str, float]:
-        """The values under which the paper's margins come out [m³/s/mA, rad/s]."""
-        return {"flow_gain": self.actuator.flow_gain * self.reading_gain, "valve_frequency": self.reading_valve}
-
-    def merits(self, actuator: Actuator, mass: float | None = None) -> FiguresOfMerit:
-        """Figures of merit with the study's margins, under its mass unless another is given [kg]."""
-        margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
-        return figures_of_merit(actuator, self.mass if mass is None else mass, **margins)
+        scaled = {key: getattr(self.actuator, key) * self.factor**power for key, power in powers}
+        return self.actuator.with_values(scaled | values)
 
     def to_dict(self) -> dict[str, Any]:
         """The study as plain data."""
-        plain = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "actuator"}
-        return {"actuator": described(self.actuator), **plain}
+        return vars(self) | {"actuator": described(self.actuator)}
 
 
 def described(actuator: Actuator) -> dict[str, dict[str, Any]]:
     """The linear parameters of an actuator with unit, symbol and source, as plain data."""
-    known = Actuator.quantities()
+    known, keys = Actuator.quantities(), ("value", "unit", "symbol", "source")
     return {
-        name: {
-            "value": getattr(actuator, name),
-            "unit": known[name][0],
-            "symbol": known[name][1],
-            "source": actuator.sources[name],
-        }
+        name: dict(zip(keys, (getattr(actuator, name), *known[name][:2], actuator.sources[name]), strict=True))
         for name in LINEAR
     }
 
@@ -128,14 +95,10 @@ def described(actuator: Actuator) -> dict[str, dict[str, Any]]:
 class PaperCase:
     """One design, computed."""
 
-    name: str
+    label: str
+    """What to call it."""
     actuator: Actuator
     merits: FiguresOfMerit
-
-    @property
-    def label(self) -> str:
-        """What to call it."""
-        return (CASES | VARIANTS)[self.name][0].format_map(vars(self.merits))
 
     def numbers(self) -> dict[str, float]:
         """The paper's four numbers [Hz, -, dB, Hz], of the exact form and (``_eq8``) of eq. 8 corrected; ω_h and δ_h
@@ -157,5 +120,9 @@ def paper_cases(study: PaperStudy) -> dict[str, PaperCase]:
     Raises:
         InputError: if the study is not physical.
     """
-    designs = {name: study.design(name) for name in CASES | VARIANTS}
-    return {name: PaperCase(name, design, study.merits(design)) for name, design in designs.items()}
+    found = {}
+    for name, (label, *_) in (CASES | study.variants()).items():
+        design = study.design(name)
+        merits = study.merits(design, study.mass)
+        found[name] = PaperCase(label.format_map(vars(merits)), design, merits)
+    return found

@@ -141,7 +141,7 @@ def _further(study: PaperStudy, merits: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "study": study,
         "quarter": study.merits(study.design("initial"), study.mass / 4.0),
-        "tight": study.merits(study.design("recommended").with_values(leakage)),
+        "tight": study.merits(study.design("recommended").with_values(leakage), study.mass),
         "halved_margin": halved.gain_margin_db - first.gain_margin_db,
         "halved_crossover": halved.phase_crossover_hz - first.phase_crossover_hz,
         "margin_gained": last.gain_margin_db - first.gain_margin_db,

@@ -1,20 +1,16 @@
 """The paper's figures 3 to 7: magnitude and phase of G_EHA (eq. 9) of several designs."""
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from ehamj.errors import InputError
+from ehamj.isolator.actuator import Actuator
 from ehamj.paper.actuator import Form, bode, delta_h, omega_h
 from ehamj.paper.loop import PositionLoop
 from ehamj.paper.reproduction import Reproduction
-from ehamj.plots.charts import Line, lines_chart
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ehamj.isolator.actuator import Actuator
+from ehamj.plots import Figure, Line, lines_chart
 
 FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
     "figure-3": ("Open loop of the initial design: exact, and eq. 8 corrected and as printed", ("initial",)),
@@ -44,7 +40,7 @@ SPAN: Final = (1.0, 2000.0)
 MAGNITUDE, PHASE, FREQUENCY = "magnitude [dB re 1 m/V]", "phase [deg]", "frequency [Hz]"
 
 
-def figure(reproduction: Reproduction, name: str) -> "Figure":
+def figure(reproduction: Reproduction, name: str) -> Figure:
     """One of the paper's `FIGURES`, drawn anew.
 
     Squares mark the hydro-mechanical frequency f_h, diamonds the phase crossover; vertical lines mark the valves.
@@ -75,7 +71,7 @@ def figure(reproduction: Reproduction, name: str) -> "Figure":
     )  # fmt: skip
 
 
-def _lines(label: str, actuator: "Actuator", mass: float, form: Form, k: int) -> tuple[list[Line], list[Line]]:
+def _lines(label: str, actuator: Actuator, mass: float, form: Form, k: int) -> tuple[list[Line], list[Line]]:
     """Magnitude and phase of one design, each with its marks."""
     resonance = omega_h(actuator, mass) / (2.0 * math.pi)
     around = resonance * (1.0 + np.linspace(-0.02, 0.02, 401))

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.presets import FIRST_GENERATION
 from ehamj.paper.actuator import PAPER_MASS, act_denominator, delta_h, omega_h, positive
 from ehamj.paper.loop import PositionLoop
 
@@ -116,6 +117,25 @@ def figures_of_merit(
         valve_ratio=ratio,
         rule_of_three=ratio >= RULE_OF_THREE,
     )
+
+
+@dataclass(frozen=True)
+class DesignStudy:
+    """A design, and the margins that a proportional loop around it keeps."""
+
+    actuator: Actuator = FIRST_GENERATION
+    """The initial design; only its `LINEAR` parameters count."""
+    mass: float = PAPER_MASS
+    """Translating mass [kg]."""
+    gain_margin_db: float = 6.0
+    """Gain margin of the closed loop [dB]."""
+    phase_margin_deg: float = 45.0
+    """Its phase margin [deg]."""
+
+    def merits(self, actuator: Actuator, mass: float) -> FiguresOfMerit:
+        """Figures of merit of an actuator under a mass [kg], with the study's margins; errors as `figures_of_merit`."""
+        margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
+        return figures_of_merit(actuator, mass, **margins)
 
 
 def _load_resonance(actuator: Actuator, mass: float) -> complex | None:

@@ -6,7 +6,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -17,10 +17,7 @@ from ehamj.paper.actuator import Array, positive
 from ehamj.paper.cases import PaperStudy
 from ehamj.paper.loop import PositionLoop
 from ehamj.paper.merits import RULE_OF_THREE, FiguresOfMerit
-from ehamj.plots.charts import Line, lines_chart, map_chart
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from ehamj.plots import Figure, Line, lines_chart, map_chart
 
 
 @dataclass(frozen=True)
@@ -137,10 +134,10 @@ MARKS: Final = {
 def paper_marks(study: PaperStudy | None = None) -> dict[str, FiguresOfMerit]:
     """What the paper's designs reach, each with its own exact loop, by the names of `MARKS`."""
     study = study or PaperStudy()
-    return {name: study.merits(study.design(name)) for name in MARKS}
+    return {name: study.merits(study.design(name), study.mass) for name in MARKS}
 
 
-def rule_maps(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> "list[Figure]":
+def rule_maps(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> list[Figure]:
     """The paper's rule: bandwidth over valve and hydro-mechanical frequency, one map per damping ratio of the marks.
 
     Args:
@@ -155,7 +152,7 @@ def rule_maps(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit
     ]
 
 
-def _map(bandwidth: xr.DataArray, points: list[Line]) -> "Figure":
+def _map(bandwidth: xr.DataArray, points: list[Line]) -> Figure:
     valve, load = bandwidth.valve_hz.values, bandwidth.load_hz.values
     ends = valve[[0, -1]]
     rules = [
@@ -175,7 +172,7 @@ def _at_frequencies(name: str, reached: FiguresOfMerit) -> Line:
     return Line(text, [reached.valve_hz], [reached.omega_h_hz], color, marker=marker)
 
 
-def rule_chart(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> "Figure":
+def rule_chart(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> Figure:
     """Bandwidth and gain crossover over the lesser frequency against the frequencies' ratio; arguments of
     `rule_maps`."""
     curves, marks = rule_curves(study), paper_marks() if marks is None else marks

@@ -10,9 +10,8 @@ import xarray as xr
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.isolator.presets import FIRST_GENERATION
-from ehamj.paper.actuator import LINEAR, PAPER_MASS, Array, positive, scaled
-from ehamj.paper.merits import FiguresOfMerit, figures_of_merit
+from ehamj.paper.actuator import LINEAR, Array, positive, scaled
+from ehamj.paper.merits import DesignStudy, FiguresOfMerit
 
 PARAMETERS: Final = ("mass", *LINEAR)
 """Every parameter of the linear actuator."""
@@ -41,22 +40,15 @@ STEP: Final = 2e-3
 
 
 @dataclass(frozen=True)
-class SensitivityStudy:
+class SensitivityStudy(DesignStudy):
     """A design and what is asked of its loop.
 
     Raises:
         InputError: if a factor is not a positive number.
     """
 
-    actuator: Actuator = FIRST_GENERATION
-    mass: float = PAPER_MASS
-    """Translating mass [kg]."""
     factors: tuple[float, ...] = (0.5, 1.0, 2.0)
     """By which each parameter is multiplied, one at a time."""
-    gain_margin_db: float = 6.0
-    """Gain margin of the closed loop [dB]."""
-    phase_margin_deg: float = 45.0
-    """Its phase margin [deg]."""
 
     def __post_init__(self) -> None:
         for factor in self.factors:
@@ -70,9 +62,7 @@ class SensitivityStudy:
         """
         if parameter not in PARAMETERS:
             raise InputError(f"parameter = {parameter!r}: must be one of {', '.join(PARAMETERS)}")
-        actuator, mass = scaled(self.actuator, self.mass, parameter, factor)
-        margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
-        found = figures_of_merit(actuator, mass, **margins)
+        found = self.merits(*scaled(self.actuator, self.mass, parameter, factor))
         taken = {name: take(found) for name, (_, _, take) in MERITS.items()}
         return {name: math.nan if value is None else value for name, value in taken.items()}
 
@@ -110,17 +100,13 @@ def elasticities(study: SensitivityStudy | None = None) -> xr.DataArray:
     """
     study = study or SensitivityStudy()
     study.values("mass", 1.0)  # refuse the design as it is, not as it is varied
-    columns = []
-    for parameter in PARAMETERS:
 
-        def logarithms(step: float, parameter: str = parameter) -> Array:
-            values = np.array(list(study.values(parameter, math.exp(step)).values()))
-            with np.errstate(divide="ignore"):
-                return np.log(values)
+    def slopes(parameter: str, step: float) -> Array:
+        ahead, behind = (list(study.values(parameter, math.exp(way)).values()) for way in (step, -step))
+        return (np.log(ahead) - np.log(behind)) / (2.0 * step)
 
-        with np.errstate(invalid="ignore"):
-            wide, near = ((logarithms(h) - logarithms(-h)) / (2.0 * h) for h in (STEP, 0.5 * STEP))
-        columns.append((4.0 * near - wide) / 3.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        columns = [(4.0 * slopes(name, 0.5 * STEP) - slopes(name, STEP)) / 3.0 for name in PARAMETERS]
     names = ("figure", [name for _, name, _ in MERITS.values()])
     coordinates = {"figure": list(MERITS), "name": names} | _coordinates()
     attributes = {"units": "1", "long_name": "d ln figure / d ln parameter"}

@@ -1,8 +1,8 @@
 """Every number that the paper states beside the computed one, and what the rounding of its Table I leaves open."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from ehamj.isolator.actuator import Actuator
@@ -29,18 +29,24 @@ ROUNDING: Final = {
 
 @dataclass(frozen=True)
 class PaperNumber:
-    """One number of the paper beside the computed one."""
+    """One number of the paper, and what `paper_table` finds for it."""
 
     section: str
     name: str
     unit: str
     paper: float
-    value: float
+    half_unit: float
+    """Half a unit of the last digit that the paper prints."""
+    case: str
+    """The design that it is of, by name."""
+    figure: str
+    """What it is of that design, by name."""
+    note: str = ""
+    value: float = math.nan
     """What is computed."""
-    allowed: tuple[float, float] | None
+    allowed: tuple[float, float] | None = None
     """What the rounding of Table I leaves open, to first order; None where nothing is computed from it."""
-    verdict: str
-    note: str
+    verdict: str = ""
 
     @property
     def stated(self) -> str:
@@ -56,7 +62,7 @@ class PaperNumber:
     def deviation(self) -> str:
         """Computed minus paper, of a frequency also in percent."""
         difference = round(self.value - self.paper, self._digits) + 0.0  # no −0
-        percent = f" ({100.0 * (self.value / self.paper - 1.0):+.1f} %)" if self.unit == "Hz" else ""
+        percent = "" if self._percent is None else f" ({self._percent:+.1f} %)"
         return f"{difference:+.{self._digits}f}{self._unit}{percent}".replace("-", "−")
 
     @property
@@ -77,6 +83,10 @@ class PaperNumber:
     def _digits(self) -> int:
         return 3 if self.unit == "-" else 1
 
+    @property
+    def _percent(self) -> float | None:
+        return 100.0 * (self.value / self.paper - 1.0) if self.unit == "Hz" else None
+
     def to_dict(self) -> dict[str, Any]:
         """The number as plain data, numbers as numbers."""
         return {
@@ -86,25 +96,11 @@ class PaperNumber:
             "paper": self.paper,
             "computed": self.value,
             "deviation": self.value - self.paper,
-            "deviation_percent": 100.0 * (self.value / self.paper - 1.0) if self.unit == "Hz" else None,
+            "deviation_percent": self._percent,
             "table_1_allows": list(self.allowed) if self.allowed else None,
             "verdict": self.verdict,
             "note": self.note,
         }
-
-
-@dataclass(frozen=True)
-class _Stated:
-    """A number that the paper prints, with half a unit of its last digit."""
-
-    section: str
-    name: str
-    unit: str
-    paper: float
-    half_unit: float
-    case: str
-    figure: str
-    note: str = ""
 
 
 _F, _D, _V = "hydro-mechanical frequency", "hydraulic damping ratio", "valve frequency"
@@ -112,32 +108,32 @@ _SIX = "256.7 Hz initially would give all six"
 _INPUT = "taken from the text, not computed"
 
 
-def _margins(case: str, label: str, gain_margin: float, crossover: float) -> Iterator[_Stated]:
+def _margins(case: str, label: str, gain_margin: float, crossover: float) -> Iterator[PaperNumber]:
     """A gain margin and its frequency as the paper prints them, beside each way to compute them."""
     reading = "exact form, ten times the loop gain and a valve of 260 Hz, of which the paper says nothing"
     ways = ((case, "", "exact form"), (case, "_eq8", "eq. 8 corrected"), (f"{case}_reading", "", reading))
     for name, suffix, way in ways:
-        yield _Stated("5", f"gain margin, {label}", "dB", gain_margin, 0.5, name, f"gain_margin_db{suffix}", way)
+        yield PaperNumber("5", f"gain margin, {label}", "dB", gain_margin, 0.5, name, f"gain_margin_db{suffix}", way)
     for name, suffix, way in ways:
         figure = f"phase_crossover_hz{suffix}"
-        yield _Stated("5", f"frequency of the gain margin, {label}", "Hz", crossover, 0.5, name, figure, way)
+        yield PaperNumber("5", f"frequency of the gain margin, {label}", "Hz", crossover, 0.5, name, figure, way)
 
 
-_STATED: Final = (
-    _Stated("3", f"{_F}, initial design", "Hz", 257, 0.5, "initial", "omega_h_hz", _SIX),
-    _Stated("3", f"{_V} at ±5 %", "Hz", 250, 0.5, "initial", "valve_hz", "1571 rad/s in Table I"),
-    _Stated("3", f"{_V} at ±90 %", "Hz", 100, 0.5, "initial_large_signal", "valve_hz", _INPUT),
-    _Stated("3", "lag of the valve around its frequency", "deg", 90, 0.5, "initial", "valve_lag_deg", "at 250 Hz"),
-    _Stated("4.1", f"{_F}, chamber volume × 2", "Hz", 182, 0.5, "volume_double", "omega_h_hz", _SIX),
-    _Stated("4.1", f"{_F}, chamber volume ÷ 2", "Hz", 363, 0.5, "volume_half", "omega_h_hz", _SIX),
-    _Stated("4.1", f"{_D}, chamber volume × 2", "-", 0.15, 0.005, "volume_double", "delta_h"),
-    _Stated("4.1", f"{_D}, chamber volume ÷ 2", "-", 0.3, 0.05, "volume_half", "delta_h"),
-    _Stated("4.2", f"{_F}, piston area × 2", "Hz", 513, 0.5, "area_double", "omega_h_hz", _SIX),
-    _Stated("4.2", f"{_F}, piston area ÷ 2", "Hz", 128, 0.5, "area_half", "omega_h_hz", _SIX),
-    _Stated("5", f"{_F}, recommended design", "Hz", 726, 0.5, "recommended", "omega_h_hz", _SIX),
-    _Stated("5", f"{_D}, recommended design", "-", 0.3, 0.05, "recommended", "delta_h"),
-    _Stated("5", f"{_V}, recommended design", "Hz", 250, 0.5, "recommended", "valve_hz", "the initial valve"),
-    _Stated("5", f"{_V}, faster valve", "Hz", 400, 0.5, "recommended_fast_valve", "valve_hz", _INPUT),
+NUMBERS: Final = (
+    PaperNumber("3", f"{_F}, initial design", "Hz", 257, 0.5, "initial", "omega_h_hz", _SIX),
+    PaperNumber("3", f"{_V} at ±5 %", "Hz", 250, 0.5, "initial", "valve_hz", "1571 rad/s in Table I"),
+    PaperNumber("3", f"{_V} at ±90 %", "Hz", 100, 0.5, "initial_large_signal", "valve_hz", _INPUT),
+    PaperNumber("3", "lag of the valve around its frequency", "deg", 90, 0.5, "initial", "valve_lag_deg", "at 250 Hz"),
+    PaperNumber("4.1", f"{_F}, chamber volume × 2", "Hz", 182, 0.5, "volume_double", "omega_h_hz", _SIX),
+    PaperNumber("4.1", f"{_F}, chamber volume ÷ 2", "Hz", 363, 0.5, "volume_half", "omega_h_hz", _SIX),
+    PaperNumber("4.1", f"{_D}, chamber volume × 2", "-", 0.15, 0.005, "volume_double", "delta_h"),
+    PaperNumber("4.1", f"{_D}, chamber volume ÷ 2", "-", 0.3, 0.05, "volume_half", "delta_h"),
+    PaperNumber("4.2", f"{_F}, piston area × 2", "Hz", 513, 0.5, "area_double", "omega_h_hz", _SIX),
+    PaperNumber("4.2", f"{_F}, piston area ÷ 2", "Hz", 128, 0.5, "area_half", "omega_h_hz", _SIX),
+    PaperNumber("5", f"{_F}, recommended design", "Hz", 726, 0.5, "recommended", "omega_h_hz", _SIX),
+    PaperNumber("5", f"{_D}, recommended design", "-", 0.3, 0.05, "recommended", "delta_h"),
+    PaperNumber("5", f"{_V}, recommended design", "Hz", 250, 0.5, "recommended", "valve_hz", "the initial valve"),
+    PaperNumber("5", f"{_V}, faster valve", "Hz", 400, 0.5, "recommended_fast_valve", "valve_hz", _INPUT),
     *_margins("initial", "initial design", 116, 187),
     *_margins("recommended", "recommended design", 128, 230),
 )
@@ -158,49 +154,21 @@ def paper_table(study: PaperStudy, every: Mapping[str, PaperCase]) -> tuple[Pape
         study: what was computed.
         every: cases and variants by name.
     """
-    return tuple(_compared(study, every[stated.case].actuator, stated) for stated in _STATED)
+    return tuple(_compared(study, every[number.case].actuator, number) for number in NUMBERS)
 
 
-def _compared(study: PaperStudy, actuator: Actuator, stated: _Stated) -> PaperNumber:
-    computed = _value(actuator, study.mass, stated.figure)
-    if stated.note == _INPUT:
-        allowed, verdict = None, GIVEN
-    else:
-        allowed = _allowed(study, actuator, stated.figure, computed)
-        low, high = allowed
-        overlaps = low <= stated.paper + stated.half_unit and high >= stated.paper - stated.half_unit
-        near = abs(computed - stated.paper) <= stated.half_unit
-        verdict = AGREES if near else ROUNDED if overlaps else FAILS
-    return PaperNumber(stated.section, stated.name, stated.unit, stated.paper, computed, allowed, verdict, stated.note)
+def _compared(study: PaperStudy, actuator: Actuator, number: PaperNumber) -> PaperNumber:
+    value = _value(actuator, study.mass, number.figure)
+    if number.note == _INPUT:
+        return replace(number, value=value, verdict=GIVEN)
+    spread, off = _spread(study, actuator, number.figure), abs(value - number.paper)
+    verdict = AGREES if off <= number.half_unit else ROUNDED if off <= number.half_unit + spread else FAILS
+    return replace(number, value=value, allowed=(value - spread, value + spread), verdict=verdict)
 
 
-def _value(actuator: Actuator, mass: float, figure: str) -> float:
-    """A figure of merit by name, and no more than that one."""
-    if figure in _OF_VALVE_AND_LOAD:
-        return _OF_VALVE_AND_LOAD[figure](actuator, mass)
-    loop = PositionLoop.of_actuator(actuator, mass, "eq8" if figure.endswith("_eq8") else "exact")
-    if figure.startswith("gain_margin_db"):
-        return 20.0 * math.log10(loop.stability_gain)
-    return loop.phase_crossover / (2.0 * math.pi)
-
-
-def _valve_lag(actuator: Actuator, mass: float) -> float:
-    """Lag of the valve at 250 Hz [deg], eq. 1."""
-    ratio = 2.0 * math.pi * 250.0 / actuator.valve_frequency
-    return math.degrees(math.atan2(2.0 * actuator.valve_damping * ratio, 1.0 - ratio**2))
-
-
-_OF_VALVE_AND_LOAD: Final[dict[str, Callable[[Actuator, float], float]]] = {
-    "valve_lag_deg": _valve_lag,
-    "valve_hz": lambda actuator, mass: actuator.valve_frequency / (2.0 * math.pi),
-    "omega_h_hz": lambda actuator, mass: omega_h(actuator, mass) / (2.0 * math.pi),
-    "delta_h": delta_h,
-}
-
-
-def _allowed(study: PaperStudy, actuator: Actuator, figure: str, computed: float) -> tuple[float, float]:
-    """Span of a figure when every value of Table I moves by half a unit of its last digit, the worst way, to first
-    order; a case that multiplies a value multiplies its rounding."""
+def _spread(study: PaperStudy, actuator: Actuator, figure: str) -> float:
+    """By how much a figure moves when every value of Table I moves by half a unit of its last digit, the worst way, to
+    first order; a case that multiplies a value multiplies its rounding."""
     spread = 0.0
     for name, half_unit in ROUNDING.items():
         relative = half_unit / (PAPER_MASS if name == "mass" else getattr(FIRST_GENERATION, name))
@@ -208,4 +176,22 @@ def _allowed(study: PaperStudy, actuator: Actuator, figure: str, computed: float
             _value(*scaled(actuator, study.mass, name, 1.0 + sign * relative), figure) for sign in (1.0, -1.0)
         )
         spread += 0.5 * abs(above - below)
-    return computed - spread, computed + spread
+    return spread
+
+
+def _value(actuator: Actuator, mass: float, figure: str) -> float:
+    """A figure of merit by name, or the valve's lag at 250 Hz [deg] (eq. 1), and no more than that one."""
+    ratio = 2.0 * math.pi * 250.0 / actuator.valve_frequency
+    match figure.removesuffix("_eq8"):
+        case "valve_lag_deg":
+            return math.degrees(math.atan2(2.0 * actuator.valve_damping * ratio, 1.0 - ratio**2))
+        case "valve_hz":
+            return actuator.valve_frequency / (2.0 * math.pi)
+        case "omega_h_hz":
+            return omega_h(actuator, mass) / (2.0 * math.pi)
+        case "delta_h":
+            return delta_h(actuator, mass)
+    loop = PositionLoop.of_actuator(actuator, mass, "eq8" if figure.endswith("_eq8") else "exact")
+    if figure.startswith("gain_margin_db"):
+        return 20.0 * math.log10(loop.stability_gain)
+    return loop.phase_crossover / (2.0 * math.pi)

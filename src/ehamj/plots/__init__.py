@@ -6,31 +6,21 @@ pyplot never. Colours are those of Okabe and Ito, which most colour-blind people
 """
 
 from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion, levels
+from ehamj.plots.charts import Line, direction_chart, lines_chart, locus_chart, map_chart
 from ehamj.plots.files import inline, svg
 from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
 from ehamj.plots.machine import Foot, Mark, machine_plan, machine_side
 from ehamj.plots.responses import Response, response, response_matrix
-from ehamj.plots.style import (
-    BLUE,
-    FLOOR_COLOR,
-    GREEN,
-    GREY,
-    INK,
-    LIMIT_COLOR,
-    ORANGE,
-    PURPLE,
-    SKY,
-    STYLE,
-    VERMILLION,
-    colors_of,
-    mount_styles,
-    shown,
-)
+
+from ehamj.plots.style import (  # isort: skip
+    BLUE, FLOOR_COLOR, GREEN, GREY, INK, LIMIT_COLOR, ORANGE, PURPLE, SKY, STYLE, VERMILLION, Figure,
+    colors_of, mount_styles, shown,
+)  # fmt: skip
 
 __all__ = [
-    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE",
-    "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Foot", "Levels", "Limit", "Mark", "Response", "Trace",
-    "attenuation", "colors_of", "criterion", "envelope", "history", "inline", "levels", "machine_plan", "machine_side",
-    "mount_styles", "response",
+    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE", "QUIETEST", "SKY",
+    "STRETCHES", "STYLE", "VERMILLION", "Figure", "Foot", "Levels", "Limit", "Line", "Mark", "Response", "Trace",
+    "attenuation", "colors_of", "criterion", "direction_chart", "envelope", "history", "inline", "levels",
+    "lines_chart", "locus_chart", "machine_plan", "machine_side", "map_chart", "mount_styles", "response",
     "response_matrix", "shown", "svg", "thinned",
 ]  # fmt: skip

@@ -1,15 +1,10 @@
 """Axes as people read them: plain numbers, logarithmic ones with round ticks, frequencies, decibels."""
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.plots.style import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
+from ehamj.plots.style import Array, Axes, Axis
 
 
 def plain(value: float, place: int | None = None) -> str:
@@ -17,7 +12,7 @@ def plain(value: float, place: int | None = None) -> str:
     return f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("-", "−")
 
 
-def linear_axis(axis: "Axis", most: int = 4) -> None:
+def linear_axis(axis: Axis, most: int = 4) -> None:
     """An axis with at most so many intervals."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -25,7 +20,7 @@ def linear_axis(axis: "Axis", most: int = 4) -> None:
     axis.set_major_formatter(FuncFormatter(plain))
 
 
-def log_axis(axis: "Axis", few: bool = False) -> None:
+def log_axis(axis: Axis, few: bool = False) -> None:
     """Make an axis logarithmic, with round numbers over what it shows; ``few``: powers of ten alone."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
@@ -44,14 +39,14 @@ def log_axis(axis: "Axis", few: bool = False) -> None:
     axis.set_major_formatter(FuncFormatter(plain))
 
 
-def frequency_axis(axes: "Axes", low: float, high: float, name: str = "frequency [Hz]", few: bool = False) -> None:
+def frequency_axis(axes: Axes, low: float, high: float, name: str = "frequency [Hz]", few: bool = False) -> None:
     """A logarithmic axis of frequency from ``low`` to ``high`` [Hz]."""
     axes.set_xlim(low, high)
     log_axis(axes.xaxis, few)
     axes.set_xlabel(name)
 
 
-def decibel_axis(axes: "Axes", values: Array, least: tuple[float, float], deepest: float = -math.inf) -> None:
+def decibel_axis(axes: Axes, values: Array, least: tuple[float, float], deepest: float = -math.inf) -> None:
     """Limits at multiples of 10 dB around all values that are known, and ``least`` in any case."""
     known = values[np.isfinite(values)]
     bottom = max(deepest, min(least[0], 10.0 * math.floor(float(known.min(initial=0.0)) / 10.0)))

@@ -3,17 +3,13 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from ehamj.plots import style
 from ehamj.plots.axes import decibel_axis, frequency_axis, log_axis
-from ehamj.plots.style import FAINT, FLOOR_COLOR, GREY, MARKERS, Array, arrange, new_figure, shown, styled
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ehamj.plots.style import Array, Artist, Axes, Figure
 
 LABEL_HEIGHT: Final = 8.0
 """Least distance between the names of two curves [pt]."""
@@ -39,21 +35,21 @@ class Levels:
         return cls(label, np.array([float(band) for band in table]), np.array(values), color)
 
 
-def attenuation(title: str, curves: Sequence[Levels]) -> "Figure":
+def attenuation(title: str, curves: Sequence[Levels]) -> Figure:
     """Attenuation [dB] over third-octave bands; up is quieter than the floor."""
     from matplotlib.lines import Line2D
 
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = figure.add_subplot()
         _band_axis(axes, curves)
         decibel_axis(axes, np.concatenate([curve.values for curve in curves] or [np.zeros(0)]), (-10.0, 10.0))
         axes.axhspan(axes.get_ylim()[0], 0.0, color="#FBEDEA", zorder=0)
-        axes.axhline(0.0, color=GREY, linewidth=1.2)
+        axes.axhline(0.0, color=style.GREY, linewidth=1.2)
         axes.set_ylabel("attenuation [dB], up = quieter")
         entries = _band_lines(axes, curves)
-        entries["as the floor (0 dB)"] = Line2D([], [], color=GREY, linewidth=1.2)
-        arrange(figure, [(axes, 150.0)], entries)
+        entries["as the floor (0 dB)"] = Line2D([], [], color=style.GREY, linewidth=1.2)
+        style.arrange(figure, [(axes, 150.0)], entries)
     return figure
 
 
@@ -63,7 +59,7 @@ def criterion(
     classes: Mapping[str, tuple[Array, Array]],
     known_to: float | None = None,
     quantity: str = "RMS velocity per band [µm/s]",
-) -> "Figure":
+) -> Figure:
     """Third-octave RMS velocity [µm/s] over bands, with the curves of a criterion's classes.
 
     Args:
@@ -76,8 +72,8 @@ def criterion(
     """
     from matplotlib.patches import Patch
 
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = figure.add_subplot()
         _band_axis(axes, curves)
         values = np.concatenate([_seen(curve.values) for curve in curves] or [np.zeros(0)])
@@ -91,7 +87,7 @@ def criterion(
             if not bottom * 1.1 < level < top:
                 continue
             axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
-            axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=FAINT, linewidth=0.8, linestyle=":")
+            axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=style.FAINT, linewidth=0.8, linestyle=":")
             if math.log(named_at / level) * height / math.log(top / bottom) < LABEL_HEIGHT:
                 continue  # its name would lie on that of the class above
             place, named_at = (axes.get_xlim()[1], level), level
@@ -100,11 +96,11 @@ def criterion(
         if known_to is not None and known_to < axes.get_xlim()[1]:
             axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
             entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
-        arrange(figure, [(axes, height)], entries, right=76.0)
+        style.arrange(figure, [(axes, height)], entries, right=76.0)
     return figure
 
 
-def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "third-octave band [Hz]") -> "Figure":
+def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "third-octave band [Hz]") -> Figure:
     """Levels over frequency, both logarithmic.
 
     Args:
@@ -113,19 +109,19 @@ def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "t
         quantity: what the vertical axis shows, with its unit.
         across: what the horizontal axis shows.
     """
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = figure.add_subplot()
         _band_axis(axes, curves, across)
         values = np.concatenate([_seen(curve.values) for curve in curves])
         top = 1.5 * float(values.max())
         _level_axis(axes, max(float(values.min()) / 1.5, 1e-6 * top), top, quantity)
         entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
-        arrange(figure, [(axes, 170.0)], entries)
+        style.arrange(figure, [(axes, 170.0)], entries)
     return figure
 
 
-def _level_axis(axes: "Axes", bottom: float, top: float, quantity: str) -> None:
+def _level_axis(axes: Axes, bottom: float, top: float, quantity: str) -> None:
     axes.set_ylim(bottom, top)
     log_axis(axes.yaxis, few=True)
     axes.set_ylabel(quantity)
@@ -141,37 +137,37 @@ def _positive(values: Array) -> Array:
     return np.where(values > 0, values, np.nan)
 
 
-def _band_axis(axes: "Axes", curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> None:
+def _band_axis(axes: Axes, curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> None:
     """A logarithmic axis of frequency that spans all bands, known or not."""
     frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
     frequency_axis(axes, float(frequency.min()) / 1.12, float(frequency.max()) * 1.12, across)
 
 
-def _band_lines(axes: "Axes", curves: Sequence[Levels]) -> "dict[str, Artist]":
+def _band_lines(axes: Axes, curves: Sequence[Levels]) -> dict[str, Artist]:
     """Draw the curves, earlier ones thinner and on top, so that those which coincide all show; dashed ones without
     markers, above all. Returns the legend."""
     entries: dict[str, Artist] = {}
     for curve in curves:
         if curve.dash != "-":
-            (entries[shown(curve.label)],) = axes.plot(
+            (entries[style.shown(curve.label)],) = axes.plot(
                 curve.frequency, curve.values, color=curve.color, linewidth=1.1, linestyle=curve.dash, zorder=3.5
             )
-    plain = [curve for curve in curves if curve.dash == "-" and curve.color != FLOOR_COLOR]
+    plain = [curve for curve in curves if curve.dash == "-" and curve.color != style.FLOOR_COLOR]
     machines: dict[str, Artist] = {}
     for place, curve in enumerate(plain):
-        (machines[shown(curve.label)],) = axes.plot(
+        (machines[style.shown(curve.label)],) = axes.plot(
             curve.frequency,
             curve.values,
             color=curve.color,
             linewidth=1.4 + 0.9 * place,
-            marker=MARKERS.get(curve.color, "o"),
+            marker=style.MARKERS.get(curve.color, "o"),
             markersize=3.4 + 1.6 * place,
             zorder=3.0 - 0.1 * place,
         )
     floors: dict[str, Artist] = {}
     for curve in curves:
-        if curve.color == FLOOR_COLOR:
-            (floors[shown(curve.label)],) = axes.plot(
+        if curve.color == style.FLOOR_COLOR:
+            (floors[style.shown(curve.label)],) = axes.plot(
                 curve.frequency, curve.values, color=curve.color, linewidth=4.5, zorder=2.2, solid_capstyle="round"
             )
     return floors | machines | entries

@@ -2,35 +2,25 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ehamj.plots import style
 from ehamj.plots.axes import log_axis
-from ehamj.plots.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    LIMIT_COLOR,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-    arrange,
-    new_figure,
-    share,
-    shown,
-    styled,
+from ehamj.plots.style import Artist, Axes, Figure
+
+COLORS: Final = (
+    style.BLUE,
+    style.VERMILLION,
+    style.GREEN,
+    style.PURPLE,
+    style.ORANGE,
+    style.SKY,
+    style.GREY,
+    style.INK,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-COLORS: Final = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, GREY, INK)
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 LONGEST: Final = 50
 """Letters of a name in the legend."""
@@ -56,7 +46,7 @@ class Line:
         return self.color if isinstance(self.color, str) else COLORS[self.color % len(COLORS)]
 
 
-def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
+def _draw(axes: Axes, lines: Sequence[Line]) -> None:
     for line in lines:
         look: dict[str, Any] = {"color": line.hue, "label": line.label or "_"}
         if line.marker:
@@ -67,16 +57,16 @@ def _draw(axes: "Axes", lines: Sequence[Line]) -> None:
         axes.plot(np.asarray(line.x, float), np.asarray(line.y, float), **look)
 
 
-def _entries(axes: "Sequence[Axes]", extra: "Sequence[Artist]" = ()) -> "dict[str, Artist]":
+def _entries(axes: Sequence[Axes], extra: Sequence[Artist] = ()) -> dict[str, Artist]:
     """What has a name, once."""
     entries = {str(artist.get_label()): artist for artist in extra}
     for one in axes:
         handles, names = one.get_legend_handles_labels()
-        entries |= {shown(name, LONGEST): handle for handle, name in zip(handles, names, strict=True)}
+        entries |= {style.shown(name, LONGEST): handle for handle, name in zip(handles, names, strict=True)}
     return entries
 
 
-def _scales(axes: "Axes", wanted: str) -> None:
+def _scales(axes: Axes, wanted: str) -> None:
     """Make the axes logarithmic that ``wanted`` names: "x", "y" or "xy"."""
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         if name in wanted:
@@ -90,7 +80,7 @@ def lines_chart(
     logarithmic: str = "",
     marks: Mapping[str, float] | None = None,
     limits: Mapping[str, tuple[float, float]] | None = None,
-) -> "Figure":
+) -> Figure:
     """Lines over a common axis, one panel per quantity.
 
     Args:
@@ -101,8 +91,8 @@ def lines_chart(
         marks: name → place on the axis, drawn as a vertical line through all panels.
         limits: quantity → lowest and highest value shown.
     """
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = list(figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0])
         for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
             _draw(one, lines)
@@ -115,21 +105,25 @@ def lines_chart(
             if limits and quantity in limits:
                 one.set_ylim(*limits[quantity])
             for place in (marks or {}).values():
-                one.axvline(place, color=GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
+                one.axvline(place, color=style.GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
         last = axes[-1]
         last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
         for one in axes:
             _scales(one, logarithmic)
         for name, place in (marks or {}).items():
             side = "left" if _share(last, place) < 0.6 else "right"
-            axes[0].annotate(name, (place, 1.0), (3 if side == "left" else -3, -2), ha=side, va="top", fontsize=8.8,
-                             color=GREY, xycoords=("data", "axes fraction"), textcoords="offset points")  # fmt: skip
-        share(axes)
-        arrange(figure, [(one, HEIGHT if len(axes) == 1 else 0.65 * HEIGHT) for one in axes], _entries(axes), gap=12.0)
+            axes[0].annotate(
+                name, (place, 1.0), (3 if side == "left" else -3, -2), xycoords=("data", "axes fraction"), ha=side,
+                va="top", textcoords="offset points", fontsize=8.8, color=style.GREY,
+            )  # fmt: skip
+        style.share(axes)
+        style.arrange(
+            figure, [(one, HEIGHT if len(axes) == 1 else 0.65 * HEIGHT) for one in axes], _entries(axes), gap=12.0
+        )
     return figure
 
 
-def _share(axes: "Axes", place: float) -> float:
+def _share(axes: Axes, place: float) -> float:
     low, high = axes.get_xlim()
     if axes.get_xscale() == "log":
         return float(np.log(place / low) / np.log(high / low))
@@ -145,7 +139,7 @@ def map_chart(
     points: Sequence[Line] = (),
     levels: Sequence[float] | None = None,
     logarithmic: str = "",
-) -> "Figure":
+) -> Figure:
     """A quantity over two parameters as filled contours, with the boundary of stability.
 
     Args:
@@ -167,8 +161,8 @@ def map_chart(
     field = np.ma.masked_invalid(np.asarray(values[1], float))
     if boundary is not None:
         field = np.ma.masked_where(np.asarray(boundary[1], float) > 0.0, field)
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = figure.add_subplot()
         axes.grid(False)
         if levels is None:
@@ -177,14 +171,14 @@ def map_chart(
         colors = colormaps["viridis"](np.linspace(0.12, 0.98, len(steps) - 1))
         axes.contourf(across, up, field, levels=steps, colors=colors, extend="neither", zorder=0.5)
         drawn = axes.contour(across, up, field, levels=steps, colors="white", linewidths=0.6, zorder=0.6)
-        axes.clabel(drawn, fontsize=8, fmt=lambda value: f"{value:g}".replace("-", "−"), colors=INK)
+        axes.clabel(drawn, fontsize=8, fmt=lambda value: f"{value:g}".replace("-", "−"), colors=style.INK)
         handles: list[Any] = []
         if boundary is not None:
             reach = np.asarray(boundary[1], float)
             if reach.max() > 0.0:
                 axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=["#F3D9D5"], zorder=0.7)
-                axes.contour(across, up, reach, levels=[0.0], colors=[LIMIT_COLOR], linewidths=2.0, zorder=0.8)
-                handles.append(Patch(facecolor="#F3D9D5", edgecolor=LIMIT_COLOR, label=boundary[0]))
+                axes.contour(across, up, reach, levels=[0.0], colors=[style.LIMIT_COLOR], linewidths=2.0, zorder=0.8)
+                handles.append(Patch(facecolor="#F3D9D5", edgecolor=style.LIMIT_COLOR, label=boundary[0]))
         _draw(axes, points)
         axes.set_xlabel(x[0])
         axes.set_ylabel(y[0])
@@ -192,11 +186,11 @@ def map_chart(
         axes.set_ylim(up.min(), up.max())
         _scales(axes, logarithmic)
         handles.insert(0, Line2D([], [], color=colors[len(colors) // 2], linewidth=6.0, label=values[0]))
-        arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes], handles))
+        style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes], handles))
     return figure
 
 
-def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> "Figure":
+def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> Figure:
     """Root locus: poles [1/s] over a factor on the loop's gain, from cold to warm colours; the right half is unstable.
 
     Args:
@@ -206,33 +200,33 @@ def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -
         span: largest imaginary part shown, over 2π [Hz].
     """
     factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes = figure.add_subplot()
-        shown = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
-        place = np.broadcast_to(factor[:, None], roots.shape)[shown]
-        drawn = axes.scatter(roots.real[shown], roots.imag[shown], c=place, s=5.0, cmap="viridis", linewidths=0.0)
+        inside = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
+        place = np.broadcast_to(factor[:, None], roots.shape)[inside]
+        drawn = axes.scatter(roots.real[inside], roots.imag[inside], c=place, s=5.0, cmap="viridis", linewidths=0.0)
         ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
         for row, marker, label in ends:
-            at = roots[row][shown[row]]
-            color = INK if marker == "x" else VERMILLION
+            at = roots[row][inside[row]]
+            color = style.INK if marker == "x" else style.VERMILLION
             axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
         left, right = axes.get_xlim()
         right = max(right, 0.08 * (right - left))
         axes.axvspan(0.0, right, color="#F3D9D5", zorder=0)
-        axes.axvline(0.0, color=LIMIT_COLOR, linewidth=1.4)
+        axes.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4)
         axes.set_xlim(left, right)
         axes.set_ylim(0.0, 1.02 * span)
         axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
         axes.set_ylabel("imaginary part/2π [Hz]")
-        arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
+        style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
         box = axes.get_position()
         beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
         figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
     return figure
 
 
-def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence[Line]) -> "Figure":
+def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence[Line]) -> Figure:
     """Quantities over the direction of travel, seen from above: +x (front) is up, +y (left) is left.
 
     Args:
@@ -242,8 +236,8 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
         lines: their ``x`` is not used.
     """
     angle = np.radians(np.asarray(degrees, float))
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         axes: Any = figure.add_subplot(projection="polar")
         axes.set_theta_zero_location("N")
         axes.set_theta_direction(1)
@@ -255,5 +249,5 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
         axes.set_rlabel_position(22.5)
         axes.tick_params(labelsize=8.5)
         axes.set_xlabel(radius)
-        arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
+        style.arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
     return figure

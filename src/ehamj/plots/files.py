@@ -2,15 +2,11 @@
 
 import io
 import re
-from typing import TYPE_CHECKING
 
-from ehamj.plots.style import FONTS, styled
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from ehamj.plots.style import FONTS, Figure, styled
 
 
-def svg(figure: "Figure", name: str) -> str:
+def svg(figure: Figure, name: str) -> str:
     """The figure as an SVG file: text as text, the same bytes every time, its ids beginning with ``name``."""
     title = figure.get_suptitle()
     with styled(), io.StringIO() as file:

@@ -2,17 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from ehamj.plots.axes import linear_axis
-from ehamj.plots.style import LIMIT_COLOR, Array, arrange, new_figure, shown, styled
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ehamj.plots.style import LIMIT_COLOR, Array, Artist, Axes, Figure, arrange, new_figure, shown, styled
 
 STRETCHES: Final = 500
 """Stretches of time that a long record is drawn in."""
@@ -84,7 +79,7 @@ def history(
     detail: Sequence[Trace],
     limits: Sequence[Limit] = (),
     window: tuple[float, float] | None = None,
-) -> "Figure":
+) -> Figure:
     """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
 
     Args:
@@ -128,12 +123,12 @@ def finite(values: Array) -> Array:
     return np.where(np.abs(values) < 1e30, values, np.nan)
 
 
-def _band_over_time(axes: "Axes", trace: Trace) -> "Artist":
+def _band_over_time(axes: Axes, trace: Trace) -> Artist:
     time, low, high = envelope(trace.time, finite(trace.values))
     return axes.fill_between(time, low, high, facecolor=trace.color, edgecolor=trace.color, linewidth=0.6, alpha=0.85)
 
 
-def _line_over_time(axes: "Axes", trace: Trace, window: tuple[float, float] | None) -> "Artist":
+def _line_over_time(axes: Axes, trace: Trace, window: tuple[float, float] | None) -> Artist:
     inside = slice(None)
     if window:
         first, last = np.searchsorted(trace.time, window)
@@ -143,7 +138,7 @@ def _line_over_time(axes: "Axes", trace: Trace, window: tuple[float, float] | No
     return line
 
 
-def _limits(axes: "Axes", traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, "Artist"]:
+def _limits(axes: Axes, traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, Artist]:
     """Draw limits that are near enough to matter, and name all."""
     from matplotlib.lines import Line2D
 

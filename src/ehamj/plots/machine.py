@@ -4,30 +4,11 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.plots.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    LEFT,
-    LIMIT_COLOR,
-    ORANGE,
-    PURPLE,
-    WIDTH,
-    arrange,
-    new_figure,
-    shown,
-    styled,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ehamj.plots import style
+from ehamj.plots.style import Artist, Axes, Figure
 
 Vector = tuple[float, float, float]
 
@@ -56,7 +37,7 @@ def machine_plan(
     feet: Sequence[Foot],
     waves: Sequence[tuple[str, float]] = (),
     points: Sequence[Mark] = (),
-) -> "Figure":
+) -> Figure:
     """The machine from above, to scale, origin at the mount plane's centre [m].
 
     Args:
@@ -69,12 +50,12 @@ def machine_plan(
     from matplotlib.patches import Rectangle
 
     length, width, _ = size
-    with styled():
-        figure = new_figure("The machine from above")
+    with style.styled():
+        figure = style.new_figure("The machine from above")
         axes, scale, room, foot_size = _view(figure, size)
         high = width + 2.0 * room
         axes.set_ylim(-0.5 * high, 0.5 * high)
-        axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=INK))
+        axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=style.INK))
         colors = _foot_colors(feet)
         for foot in feet:
             _square(axes, foot.x, foot.y - foot_size / 2, foot_size, colors[foot.kind])
@@ -91,29 +72,29 @@ def machine_plan(
         entries: dict[str, Artist] = dict([_cg(axes, cg, 1, 0.4 * foot_size)])
         entries |= _points(axes, points, 1)
         axes.set_ylabel("y [m]")
-        arrange(figure, [(axes, scale * high)], {**_foot_entries(feet), **entries})
+        style.arrange(figure, [(axes, scale * high)], {**_foot_entries(feet), **entries})
     return figure
 
 
-def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequence[Mark] = ()) -> "Figure":
+def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequence[Mark] = ()) -> Figure:
     """The machine from its right side, at the scale of `machine_plan` [m]; mounts are drawn of some height."""
     from matplotlib.patches import Rectangle
 
     length, _, height = size
-    with styled():
-        figure = new_figure("The machine from the right")
+    with style.styled():
+        figure = style.new_figure("The machine from the right")
         axes, scale, room, foot_size = _view(figure, size)
         low, high = -2.2 * foot_size, height + 0.5 * room
         axes.set_ylim(low, high)
-        axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=INK))
+        axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=style.INK))
         colors = _foot_colors(feet)
         for foot in sorted(feet, key=lambda foot: -foot.y):
             _square(axes, foot.x, -foot_size, foot_size, colors[foot.kind])
         ends = axes.get_xlim()
         ground = Rectangle((ends[0], -1.6 * foot_size), ends[1] - ends[0], 0.6 * foot_size, linewidth=0.0, hatch="////")
-        ground.set(facecolor="white", edgecolor=GREY)
+        ground.set(facecolor="white", edgecolor=style.GREY)
         axes.add_patch(ground)
-        axes.plot(ends, [-foot_size] * 2, color=GREY, linewidth=1.4)
+        axes.plot(ends, [-foot_size] * 2, color=style.GREY, linewidth=1.4)
         _dimension(axes, (0.0, height), length / 2 + foot_size, "y")
         if cg[2] > 1.5 * foot_size:
             _dimension(axes, (0.0, cg[2]), -length / 2 - foot_size, "y")
@@ -121,16 +102,16 @@ def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequenc
         entries: dict[str, Artist] = dict([_cg(axes, cg, 2, 0.4 * foot_size)])
         entries |= _points(axes, points, 2)
         axes.set_ylabel("z [m]")
-        arrange(figure, [(axes, scale * (high - low))], {**_foot_entries(feet), **entries})
+        style.arrange(figure, [(axes, scale * (high - low))], {**_foot_entries(feet), **entries})
     return figure
 
 
-def _view(figure: "Figure", size: Vector) -> tuple["Axes", float, float, float]:
+def _view(figure: Figure, size: Vector) -> tuple[Axes, float, float, float]:
     """Axes of a drawing, its scale [pt/m], the room beside the machine [m], the side of a mount's square [m]."""
     length, width, height = size
     larger = max(length, width)
     room = 0.2 * larger
-    across = WIDTH - LEFT - 14.0
+    across = style.WIDTH - style.LEFT - 14.0
     scale = min(across / (length + 2.0 * room), 300.0 / (max(width, height) + 2.0 * room))
     axes = figure.add_subplot()
     axes.set_xlim(-0.5 * across / scale, 0.5 * across / scale)
@@ -141,37 +122,37 @@ def _view(figure: "Figure", size: Vector) -> tuple["Axes", float, float, float]:
 
 def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:
     kinds = dict.fromkeys(foot.kind for foot in feet)
-    return dict(zip(kinds, itertools.cycle((BLUE, GREEN, PURPLE, ORANGE)), strict=False))
+    return dict(zip(kinds, itertools.cycle((style.BLUE, style.GREEN, style.PURPLE, style.ORANGE)), strict=False))
 
 
-def _foot_entries(feet: Sequence[Foot]) -> dict[str, "Artist"]:
+def _foot_entries(feet: Sequence[Foot]) -> dict[str, Artist]:
     from matplotlib.patches import Patch
 
-    return {f"mount: {shown(kind)}": Patch(color=color) for kind, color in _foot_colors(feet).items()}
+    return {f"mount: {style.shown(kind)}": Patch(color=color) for kind, color in _foot_colors(feet).items()}
 
 
-def _square(axes: "Axes", x: float, bottom: float, side: float, color: str) -> None:
+def _square(axes: Axes, x: float, bottom: float, side: float, color: str) -> None:
     from matplotlib.patches import Rectangle
 
     axes.add_patch(Rectangle((x - side / 2, bottom), side, side, color=color))
 
 
-def _cg(axes: "Axes", cg: Vector, up: int, radius: float) -> tuple[str, "Artist"]:
+def _cg(axes: Axes, cg: Vector, up: int, radius: float) -> tuple[str, Artist]:
     """The draughtsman's mark of a centre of gravity; ``up`` is the axis that points up. Returns its legend entry."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle, Wedge
 
     place = (cg[0], cg[up])
-    axes.add_patch(Circle(place, radius, facecolor="white", edgecolor=INK, zorder=4))
+    axes.add_patch(Circle(place, radius, facecolor="white", edgecolor=style.INK, zorder=4))
     for first in (0.0, 180.0):
-        axes.add_patch(Wedge(place, radius, first, first + 90.0, facecolor=INK, zorder=4))
-    mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=INK)
+        axes.add_patch(Wedge(place, radius, first, first + 90.0, facecolor=style.INK, zorder=4))
+    mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=style.INK)
     mark.set_markerfacecoloralt("white")
     place_text = ", ".join(f"{part:.3g}" for part in cg).replace("-", "−")
     return f"centre of gravity ({place_text}) m", mark
 
 
-def _points(axes: "Axes", points: Sequence[Mark], up: int) -> "dict[str, Artist]":
+def _points(axes: Axes, points: Sequence[Mark], up: int) -> dict[str, Artist]:
     """A numbered cross at each point; ``up`` is the axis that points up. Returns the legend."""
     from matplotlib.lines import Line2D
 
@@ -181,28 +162,28 @@ def _points(axes: "Axes", points: Sequence[Mark], up: int) -> "dict[str, Artist]
         at = (point.place[0], point.place[up])
         if not (left < at[0] < right and bottom < at[1] < top):
             continue  # an arm or a workpiece outside of the drawing
-        axes.plot(*at, marker="x", markersize=7, markeredgewidth=1.8, color=PURPLE, zorder=5)
+        axes.plot(*at, marker="x", markersize=7, markeredgewidth=1.8, color=style.PURPLE, zorder=5)
         sign = str(number) if len(points) > 1 else ""
-        axes.annotate(sign, at, (5, 5), textcoords="offset points", color=PURPLE, fontsize=8.8, zorder=5)
+        axes.annotate(sign, at, (5, 5), textcoords="offset points", color=style.PURPLE, fontsize=8.8, zorder=5)
         text = ", ".join(f"{part:.3g}" for part in point.place).replace("-", "−")
-        mark = Line2D([], [], linestyle="none", marker="x", markersize=7, markeredgewidth=1.8, color=PURPLE)
-        entries[shown(f"{sign} {point.name} ({text}) m".strip())] = mark
+        mark = Line2D([], [], linestyle="none", marker="x", markersize=7, markeredgewidth=1.8, color=style.PURPLE)
+        entries[style.shown(f"{sign} {point.name} ({text}) m".strip())] = mark
     return entries
 
 
-def _tripod(axes: "Axes", up: str, length: float) -> None:
+def _tripod(axes: Axes, up: str, length: float) -> None:
     for tip, name in (((length, 0.0), "x"), ((0.0, length), up)):
-        style = {"arrowstyle": "-|>", "color": LIMIT_COLOR, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", tip, (0.0, 0.0), arrowprops=style)
+        look = {"arrowstyle": "-|>", "color": style.LIMIT_COLOR, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tip, (0.0, 0.0), arrowprops=look)
         beyond = (5, 7) if name == "x" else (0, 6)
-        axes.annotate(name, tip, beyond, textcoords="offset points", color=LIMIT_COLOR, ha="center", va="center")
+        axes.annotate(name, tip, beyond, textcoords="offset points", color=style.LIMIT_COLOR, ha="center", va="center")
 
 
-def _dimension(axes: "Axes", ends: tuple[float, float], at: float, along: str) -> None:
+def _dimension(axes: Axes, ends: tuple[float, float], at: float, along: str) -> None:
     """A dimension line from end to end, at a distance, with its length [m]."""
-    style = {"arrowstyle": "<|-|>", "color": "#4B5563", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+    look = {"arrowstyle": "<|-|>", "color": "#4B5563", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     first, last = ((end, at) if along == "x" else (at, end) for end in ends)
-    axes.annotate("", last, first, arrowprops=style)
+    axes.annotate("", last, first, arrowprops=look)
     middle = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]))
     box = {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"}
     turned = 90.0 if along == "y" else 0.0
@@ -210,13 +191,13 @@ def _dimension(axes: "Axes", ends: tuple[float, float], at: float, along: str) -
     axes.text(*middle, text, ha="center", va="center", rotation=turned, fontsize=8.8, color="#374151", bbox=box)
 
 
-def _waves(axes: "Axes", waves: Sequence[tuple[str, float]], room: float) -> None:
+def _waves(axes: Axes, waves: Sequence[tuple[str, float]], room: float) -> None:
     """Arrows in the margin on the left that show where waves in the floor go."""
     (left, _), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     step = (top - bottom) / (len(waves) + 1)
     for place, (label, direction) in enumerate(waves, start=1):
         x, y = left + 0.5 * room, top - place * step
         reach = 0.3 * room * np.array([math.cos(math.radians(direction)), math.sin(math.radians(direction))])
-        style = {"arrowstyle": "-|>", "color": GREY, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", (x + reach[0], y + reach[1]), (x - reach[0], y - reach[1]), arrowprops=style)
+        look = {"arrowstyle": "-|>", "color": style.GREY, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (x + reach[0], y + reach[1]), (x - reach[0], y - reach[1]), arrowprops=look)
         axes.text(x, y - 0.4 * room, label, va="top", ha="center", fontsize=8.8, color="#4B5563")

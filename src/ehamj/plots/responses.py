@@ -2,32 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.plots import style
 from ehamj.plots.axes import decibel_axis, frequency_axis
-from ehamj.plots.style import (
-    BELOW,
-    GREY,
-    INCH,
-    LEFT,
-    MARKERS,
-    WIDTH,
-    Array,
-    arrange,
-    legend_columns,
-    new_figure,
-    share,
-    shown,
-    styled,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ehamj.plots.style import Array, Artist, Axes, Figure
 
 MANY: Final = 120
 """Measured lines above which a response is drawn as a line instead of markers."""
@@ -63,7 +45,7 @@ class Response:
         return np.where(self.radius < np.abs(self.response), self.response, np.nan)
 
 
-def response(title: str, curves: Sequence[Response], unit: str, confidence: float = 0.95) -> "Figure":
+def response(title: str, curves: Sequence[Response], unit: str, confidence: float = 0.95) -> Figure:
     """Magnitude [dB], phase [deg] and, of what was measured, coherence.
 
     Args:
@@ -75,16 +57,16 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         coherent = any(curve.measured for curve in curves)
         above, middle, *below = figure.subplots(3 if coherent else 2, 1, squeeze=False)[:, 0]
         entries: dict[str, Artist] = {}
         for place, curve in enumerate(curves):
-            entries[shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
+            entries[style.shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
             _line(middle, curve, np.degrees(np.angle(curve.known)), 3.0 - 0.1 * place)
         _decibels(above, curves)
-        above.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
+        above.axhline(0.0, color=style.GREY, linewidth=1.0, zorder=1)
         above.set_ylabel(f"magnitude [dB re 1 {unit}]")
         middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
         if below:
@@ -97,21 +79,21 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
                         below[0].plot(curve.frequency, curve.ordinary, color=curve.color, linewidth=0.9, linestyle=":")
             below[0].set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
             if several:
-                entries["multiple coherence"] = Line2D([], [], color=GREY, linewidth=1.5)
-                entries["ordinary coherence"] = Line2D([], [], color=GREY, linewidth=0.9, linestyle=":")
-            entries[f"{100 * confidence:g} % confidence"] = Patch(color=GREY, alpha=0.35)
+                entries["multiple coherence"] = Line2D([], [], color=style.GREY, linewidth=1.5)
+                entries["ordinary coherence"] = Line2D([], [], color=style.GREY, linewidth=0.9, linestyle=":")
+            entries[f"{100 * confidence:g} % confidence"] = Patch(color=style.GREY, alpha=0.35)
         panels = [(above, 120.0), (middle, 70.0), *((axes, 56.0) for axes in below)]
         for axes, _ in panels:
             _frequency_axis(axes, curves)
-        share(axes for axes, _ in panels)
-        arrange(figure, panels, entries, gap=10.0)
+        style.share(axes for axes, _ in panels)
+        style.arrange(figure, panels, entries, gap=10.0)
     return figure
 
 
 def response_matrix(
     title: str, rows: Sequence[str], columns: Sequence[str], curves: Mapping[tuple[str, str], Sequence[Response]],
     unit: str,
-) -> "Figure":  # fmt: skip
+) -> Figure:  # fmt: skip
     """Magnitudes [dB] of a matrix of responses, all panels with the same axes.
 
     Args:
@@ -122,17 +104,17 @@ def response_matrix(
         unit: of the magnitudes, for the axes' label.
     """
     everything = [curve for part in curves.values() for curve in part]
-    with styled():
-        figure = new_figure(title)
+    with style.styled():
+        figure = style.new_figure(title)
         grid = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
         entries: dict[str, Artist] = {}
         for i, row in enumerate(rows):
             for j, column in enumerate(columns):
                 axes = grid[i, j]
                 for place, curve in enumerate(curves.get((row, column), ())):
-                    entries.setdefault(shown(curve.label), _magnitude(axes, curve, 3.0 - 0.1 * place, small=True))
+                    entries.setdefault(style.shown(curve.label), _magnitude(axes, curve, 3.0 - 0.1 * place, small=True))
                 if (row, column) not in curves:
-                    axes.text(0.5, 0.5, "0", transform=axes.transAxes, ha="center", va="center", color=GREY)
+                    axes.text(0.5, 0.5, "0", transform=axes.transAxes, ha="center", va="center", color=style.GREY)
                 if i == 0:
                     axes.set_title(f"floor {column}", fontsize=8.8)
                 axes.tick_params(labelsize=7.5, length=2)
@@ -145,22 +127,22 @@ def response_matrix(
         figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
         figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
         size = 78.0
-        width = max(WIDTH, LEFT + 12.0 + size * len(columns))
-        beside = legend_columns(list(entries), width - LEFT)
+        width = max(style.WIDTH, style.LEFT + 12.0 + size * len(columns))
+        beside = style.legend_columns(list(entries), width - style.LEFT)
         head = 50.0 + 12.0 * -(-len(entries) // beside)
-        height = head + BELOW + size * len(rows)
-        figure.set_size_inches(width / INCH, height / INCH)
+        height = head + style.BELOW + size * len(rows)
+        figure.set_size_inches(width / style.INCH, height / style.INCH)
         figure.suptitle(title, x=6.0 / width, y=1.0 - 6.0 / height, ha="left", va="top")
-        figure.subplots_adjust(left=LEFT / width, right=1 - 12.0 / width, bottom=BELOW / height, top=1 - head / height,
-                               wspace=0.08, hspace=0.08)  # fmt: skip
+        left, bottom = style.LEFT / width, style.BELOW / height
+        figure.subplots_adjust(left, bottom, 1 - 12.0 / width, 1 - head / height, wspace=0.08, hspace=0.08)
         figure.legend(
             list(entries.values()), list(entries), loc="upper left", ncols=beside, borderaxespad=0.0,
-            bbox_to_anchor=(LEFT / width, 1.0 - 24.0 / height),
+            bbox_to_anchor=(left, 1.0 - 24.0 / height),
         )  # fmt: skip
     return figure
 
 
-def _magnitude(axes: "Axes", curve: Response, order: float, small: bool = False) -> "Artist":
+def _magnitude(axes: Axes, curve: Response, order: float, small: bool = False) -> Artist:
     size = np.abs(curve.known)
     if curve.radius is not None:
         low, high = _in_decibels(size - curve.radius), _in_decibels(size + curve.radius)
@@ -168,17 +150,17 @@ def _magnitude(axes: "Axes", curve: Response, order: float, small: bool = False)
     return _line(axes, curve, _in_decibels(size), order, small)
 
 
-def _line(axes: "Axes", curve: Response, values: Array, order: float, small: bool = False) -> "Artist":
+def _line(axes: Axes, curve: Response, values: Array, order: float, small: bool = False) -> Artist:
     """Linear curves as lines; measured ones as markers, or as a broken line where they are dense."""
-    style: dict[str, Any] = {"color": curve.color, "zorder": order}
+    look: dict[str, Any] = {"color": curve.color, "zorder": order}
     if not curve.measured:
-        style |= {"linewidth": 1.0 if small else 1.5}
+        look |= {"linewidth": 1.0 if small else 1.5}
     elif curve.frequency.size > MANY:
-        style |= {"linewidth": 1.2, "linestyle": (0, (4, 1.2))}
+        look |= {"linewidth": 1.2, "linestyle": (0, (4, 1.2))}
     else:
-        marker = MARKERS.get(curve.color, "o")
-        style |= {"linestyle": "none", "marker": marker, "markersize": 2.0 if small else 4.0, "fillstyle": "none"}
-    (line,) = axes.plot(curve.frequency, values, **style)
+        marker = style.MARKERS.get(curve.color, "o")
+        look |= {"linestyle": "none", "marker": marker, "markersize": 2.0 if small else 4.0, "fillstyle": "none"}
+    (line,) = axes.plot(curve.frequency, values, **look)
     artist: Artist = line
     return artist
 
@@ -188,12 +170,12 @@ def _in_decibels(size: Array) -> Array:
         return np.asarray(np.where(size > 0, 20 * np.log10(size), np.nan))
 
 
-def _decibels(axes: "Axes", curves: Sequence[Response]) -> None:
+def _decibels(axes: Axes, curves: Sequence[Response]) -> None:
     parts = [_in_decibels(np.abs(curve.known)) for curve in curves]
     decibel_axis(axes, np.concatenate(parts or [np.zeros(0)]), (0.0, 10.0), DEEPEST)
 
 
-def _frequency_axis(axes: "Axes", curves: Sequence[Response], few: bool = False) -> None:
+def _frequency_axis(axes: Axes, curves: Sequence[Response], few: bool = False) -> None:
     ends = [(curve.frequency.min(), curve.frequency.max()) for curve in curves if curve.frequency.size]
     low, high = (min(low for low, _ in ends), max(high for _, high in ends)) if ends else (1.0, 300.0)
     frequency_axis(axes, low / 1.03, high * 1.03, few=few)

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+else:  # names for annotations: Matplotlib itself is imported when the first figure is drawn
+    Artist = Axes = Axis = Figure = Any
 
 Array = NDArray[np.float64]
 
@@ -76,7 +79,7 @@ def styled() -> Iterator[None]:
         yield
 
 
-def new_figure(title: str) -> "Figure":
+def new_figure(title: str) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(WIDTH / INCH, WIDTH / INCH))
@@ -84,23 +87,23 @@ def new_figure(title: str) -> "Figure":
     return figure
 
 
-def share(axes: "Iterable[Axes]") -> None:
+def share(axes: Iterable[Axes]) -> None:
     """Let axes below each other share the lowest one's horizontal axis: the others keep its name, unseen."""
     for one in list(axes)[:-1]:
         one.tick_params(labelbottom=False)
         one.xaxis.label.set_visible(False)
 
 
-def _room(axes: "Axes") -> float:
+def _room(axes: Axes) -> float:
     """What the numbers and the name of an axis need on the left [pt]."""
     ticks = axes.yaxis.get_major_formatter().format_ticks(list(axes.yaxis.get_major_locator()()))
     return max([LEFT, *(5.6 * len(text) + 24.0 for text in ticks)])
 
 
 def arrange(
-    figure: "Figure",
-    panels: Sequence[tuple["Axes", float]],
-    entries: Mapping[str, "Artist"],
+    figure: Figure,
+    panels: Sequence[tuple[Axes, float]],
+    entries: Mapping[str, Artist],
     right: float = 14.0,
     gap: float = BELOW,
     head: float = 0.0,

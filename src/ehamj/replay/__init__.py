@@ -13,14 +13,14 @@ from typing import Literal
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
-from ehamj.replay.marks import arrow_scale, log_marks
-from ehamj.replay.names import result_color
+from ehamj.replay.marks import arrow_scale, log_arrows, log_bar
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
-from ehamj.replay.recording import fixed, recorded
+from ehamj.replay.recording import fixed, recorded, result_color
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
 from ehamj.result import Result
 
@@ -49,17 +49,16 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
     compared, curves = compared_plots(results), curves_of(results)
     isolators = {label: isolator_plots(label, result) for label, result in results.items()}
     title = next(iter(results.values())).scenario.name
-    with recorded(
-        path,
-        _application(title, results, factor),
-        title,
-        lambda: make_blueprint(results, compared, isolators, curves, factor, speed),
-    ) as recording:
-        text = page(results, factor, arrows, speed)
-        fixed(recording, "about", rr.TextDocument(text, media_type="text/markdown"))
+
+    def layout() -> rrb.Blueprint:
+        return make_blueprint(results, compared, isolators, curves, factor, speed)
+
+    with recorded(path, _application(title, results, factor), title, layout) as recording:
+        fixed(recording, "about", rr.TextDocument(page(results, factor, arrows, speed), media_type="text/markdown"))
         for index, (label, result) in enumerate(results.items()):
             log_scene(recording, label, result, factor)
-            log_marks(recording, label, result, factor, arrows, result_color(index))
+            log_bar(recording, label, result, factor)
+            log_arrows(recording, label, result, arrows, result_color(index))
         for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
             log_plot(recording, plot)
         log_attenuation(recording, curves, tuple(results))
@@ -74,10 +73,8 @@ def _application(title: str, labels: Iterable[str], factor: float) -> str:
 
 def open_viewer(path: Path) -> bool:
     """Start the Rerun viewer on a recording where there is a screen; whether it was started."""
-    on_desktop = sys.platform in ("darwin", "win32")
-    if not (on_desktop or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return False
-    if importlib.util.find_spec("rerun_cli") is None:
+    screen = sys.platform in ("darwin", "win32") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not screen or importlib.util.find_spec("rerun_cli") is None:
         return False
     # Rerun listens on all interfaces unless told otherwise. A viewer that is already open takes the file.
     command = [sys.executable, "-m", "rerun", "--bind", "127.0.0.1", str(Path(path).resolve())]

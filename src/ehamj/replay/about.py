@@ -51,11 +51,11 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _verdicts(results: Mapping[str, Result]) -> str:
     """The vibration classes that floor and machine meet, where a summary has them."""
-    lines = []
-    for label, result in results.items():
-        for direction, verdict in result.summary.criterion.verdict.items():
-            lines.append(f"- {label}, {direction}: {verdict}")
-    return "\n".join(lines)
+    return "\n".join(
+        f"- {label}, {direction}: {verdict}"
+        for label, result in results.items()
+        for direction, verdict in result.summary.criterion.verdict.items()
+    )
 
 
 def _numbers(results: Mapping[str, Result]) -> str:
@@ -112,12 +112,10 @@ def _speed(velocity: float) -> str:
 def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
     said = _labels_of(
-        results, lambda r: [*([] if r.summary.failure is None else [r.summary.failure]), *r.summary.warnings]
+        results, lambda result: [text for text in (result.summary.failure, *result.summary.warnings) if text]
     )
-    lines = [
-        f"- {text}" if len(labels) == len(results) else f"- {', '.join(labels)}: {text}"
-        for text, labels in said.items()
-    ]
+    whose = {text: "" if len(labels) == len(results) else f"{', '.join(labels)}: " for text, labels in said.items()}
+    lines = [f"- {labels}{text}" for text, labels in whose.items()]
     return ["## Warnings", "\n".join(lines)] if said else []
 
 

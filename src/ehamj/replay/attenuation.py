@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.names import Array, Color, entity, result_color
-from ehamj.replay.recording import fixed
+from ehamj.replay.recording import Array, Color, entity, fixed, result_color
 from ehamj.result import Result
 
 ROOT = "attenuation"
@@ -38,16 +37,11 @@ def curves_of(results: Mapping[str, Result]) -> dict[str, dict[str, Curve]]:
     found: dict[str, dict[str, Curve]] = {}
     for label, result in results.items():
         for axis, bands in result.summary.attenuation_db.items():
-            curve = _curve(bands)
-            if curve is not None:
+            points = sorted((float(centre), np.nan if value is None else value) for centre, value in bands.items())
+            curve = Curve(*np.array(points, float).reshape(-1, 2).T)
+            if np.isfinite(curve.decibel).any():
                 found.setdefault(axis, {})[label] = curve
     return dict(sorted(found.items(), key=lambda item: (item[0] != "z", len(item[0]), item[0])))
-
-
-def _curve(bands: Mapping[str, float | None]) -> Curve | None:
-    points = sorted((float(centre), math.nan if value is None else float(value)) for centre, value in bands.items())
-    frequency, decibel = np.array(points).reshape(-1, 2).T
-    return Curve(frequency, decibel) if np.isfinite(decibel).any() else None
 
 
 def log_attenuation(
@@ -73,10 +67,8 @@ class _Chart(NamedTuple):
 
     @classmethod
     def around(cls, curves: Mapping[str, Curve]) -> "_Chart":
-        shown = [
-            (curve.frequency[ok], curve.decibel[ok]) for curve in curves.values() for ok in [np.isfinite(curve.decibel)]
-        ]
-        frequency, decibel = (np.concatenate(parts) for parts in zip(*shown, strict=True))
+        frequency, decibel = (np.concatenate(parts) for parts in zip(*curves.values(), strict=True))
+        frequency, decibel = frequency[np.isfinite(decibel)], decibel[np.isfinite(decibel)]
         lowest = max((tick for tick in TICKS if tick <= frequency.min() * 1.05), default=float(frequency.min()))
         highest = min((tick for tick in TICKS if tick >= frequency.max() * 0.95), default=float(frequency.max()))
         bottom = min(-10.0, 10.0 * math.floor(float(decibel.min()) / 10.0))
@@ -98,8 +90,7 @@ def _log_grid(recording: rr.RecordingStream, path: str, chart: _Chart) -> None:
     ends, sides = [chart.bottom, chart.top], [chart.lowest, chart.highest]
     strips = [chart.place(tick, ends) for tick in frequencies] + [chart.place(sides, level) for level in levels]
     colors = [GRID] * len(frequencies) + [ZERO if level == 0.0 else GRID for level in levels]
-    lines = rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0)
-    fixed(recording, path, lines)
+    fixed(recording, path, rr.LineStrips2D(strips, colors=colors, radii=rr.Radius.ui_points(0.5), draw_order=0.0))
     below = [(point[0], HEIGHT + 4.0) for tick in frequencies for point in chart.place(tick, chart.bottom)]
     beside = [(-20.0, point[1] - 8.0) for level in levels for point in chart.place(chart.lowest, level)]
     titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -50.0)]
@@ -114,8 +105,7 @@ def _log_curve(recording: rr.RecordingStream, path: str, curve: Curve, chart: _C
     known = np.isfinite(curve.decibel)
     points = chart.place(curve.frequency, curve.decibel)[known]
     strips = np.split(points, np.flatnonzero(np.diff(np.flatnonzero(known)) > 1) + 1)
-    lines = rr.LineStrips2D(strips, colors=[color], radii=rr.Radius.ui_points(1.5), draw_order=10.0)
-    fixed(recording, path, lines)
+    fixed(recording, path, rr.LineStrips2D(strips, colors=[color], radii=rr.Radius.ui_points(1.5), draw_order=10.0))
     dots = rr.Points2D(points, radii=rr.Radius.ui_points(3.0), colors=[color], draw_order=11.0)
     fixed(recording, f"{path}/bands", dots)
 
@@ -124,5 +114,4 @@ def _log_legend(recording: rr.RecordingStream, path: str, labels: tuple[str, ...
     """The results' names in their colours, in a row above the chart."""
     places = [(WIDTH * (index + 0.5) / len(labels), -26.0) for index in range(len(labels))]
     colors = [result_color(index) for index in range(len(labels))]
-    names = rr.Points2D(places, radii=0.01, colors=colors, labels=labels, show_labels=True)
-    fixed(recording, path, names)
+    fixed(recording, path, rr.Points2D(places, radii=0.01, colors=colors, labels=labels, show_labels=True))

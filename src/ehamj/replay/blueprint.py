@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from ehamj.plant.machine import Machine
 from ehamj.replay import attenuation
-from ehamj.replay.names import TIMELINE, entity
 from ehamj.replay.plots import NEGLIGIBLE, Plot
+from ehamj.replay.recording import TIMELINE, entity
 from ehamj.result import Result
 
 VELOCITIES: Final = ("vertical", "along_x", "along_y")

@@ -5,8 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.names import GROUND_COLOR, Array, Color, entity
-from ehamj.replay.recording import fixed, moving
+from ehamj.replay.recording import GROUND_COLOR, Array, Color, entity, fixed, moving
 from ehamj.replay.scene import FLOOR, LARGEST_DRAWN, drawn_rows, nice, pose_rows
 from ehamj.result import Result
 
@@ -27,25 +26,7 @@ def arrow_scale(results: Iterable[Result]) -> float:
     return nice(TYPICAL_ARROW / largest) if largest > LEAST_VELOCITY else 0.0
 
 
-def log_marks(
-    recording: rr.RecordingStream, label: str, result: Result, factor: float, arrows: float, color: Color
-) -> None:
-    """Log the bar of a scene and the arrows beside its mounts.
-
-    Args:
-        recording: where to.
-        label: the result's name, first part of every path.
-        result: what is drawn.
-        factor: exaggeration of the motions.
-        arrows: length of an arrow over velocity, 0 for none.
-        color: of the machine's arrows; the floor's have the floor's colour.
-    """
-    _log_bar(recording, label, result, factor)
-    if arrows > 0.0:
-        _log_arrows(recording, label, result, arrows, color)
-
-
-def _log_bar(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
+def log_bar(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
     """A bar in front of the machine that says how long a motion is drawn."""
     length = nice(1.5 * LARGEST_DRAWN / factor)
     x, y = 0.5 * result.scenario.machine.size[0] + 0.4, -0.05 * result.scenario.machine.size[1]
@@ -56,16 +37,19 @@ def _log_bar(recording: rr.RecordingStream, label: str, result: Result, factor: 
         [[x - wing, y - wing, bottom], [x + wing, y + wing, bottom]],
         [[x - wing, y - wing, top], [x + wing, y + wing, top]],
     ]
-    bar = rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=[(255, 255, 255)])
-    fixed(recording, entity(label, "world", "scale"), bar)
-    text = rr.Points3D(
-        [[x, y, bottom]], radii=0.001, colors=[(255, 255, 255)], labels=[length_text(length)], show_labels=True
-    )
-    fixed(recording, entity(label, "world", "scale", "text"), text)
+    path, white = entity(label, "world", "scale"), [(255, 255, 255)]
+    fixed(recording, path, rr.LineStrips3D(strips, radii=rr.Radius.ui_points(1.5), colors=white))
+    text = rr.Points3D([strips[0][0]], radii=0.001, colors=white, labels=[length_text(length)], show_labels=True)
+    fixed(recording, f"{path}/text", text)
 
 
-def _log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale: float, color: Color) -> None:
-    """Two arrows outside each mount: vertical velocity of the floor, and beside it of the machine's foot."""
+def log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale: float, color: Color) -> None:
+    """Two arrows outside each mount: vertical velocity of the floor, and beside it of the machine's foot.
+
+    ``scale`` is their length over velocity [m/(m/s)], 0 for none; ``color`` the foot's, the floor's is the floor's own.
+    """
+    if not scale:
+        return
     rows = pose_rows(result)
     corners = np.array(result.scenario.plant.positions)
     away = np.sign(corners) * (0.5 * np.array(result.scenario.machine.size[:2]) + (0.1, 0.1))
@@ -75,8 +59,7 @@ def _log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale
     ):
         path = entity(label, "world", "velocity", name)
         origins = np.column_stack([place, np.zeros(len(place))])
-        style = rr.Arrows3D.from_fields(origins=origins, colors=[shade], radii=0.02)
-        fixed(recording, path, style)
+        fixed(recording, path, rr.Arrows3D.from_fields(origins=origins, colors=[shade], radii=0.02))
         vectors = np.zeros((*velocity.shape, 3))
         vectors[..., 2] = scale * velocity
         columns = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3)).partition([velocity.shape[1]] * len(rows))

@@ -17,14 +17,18 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.errors import InputError
+from ehamj.linear.modes import Mode
+from ehamj.linear.shapes import in_phase
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.levers import lever, levers
+from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
 from ehamj.replay.about import table
 from ehamj.replay.blueprint import laid_out, scene_view
-from ehamj.replay.names import Array, Color, entity, result_color
-from ehamj.replay.recording import fixed, moving, recorded
-from ehamj.replay.scene import FLOOR, GHOST, log_shapes, quaternion
+from ehamj.replay.recording import Array, Color, entity, fixed, moving, recorded, result_color
+from ehamj.replay.scene import FLOOR, GHOST, Pose, log_poses, log_shapes, quaternion
+from ehamj.scenario.model import Scenario
 
 ComplexArray = NDArray[np.complex128]
 
@@ -77,21 +81,47 @@ class Swing:
         return f"{self.name}: {self.frequency:.4g} Hz, damping {100 * self.damping_ratio:.2g} %"
 
 
-def write_mode_replay(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
-    """Write the recording of a machine's modes.
+def swing(machine: Machine, mode: Mode) -> Swing:
+    """A mode as it is drawn: turned in phase so that most of it is largest at once, at the beginning."""
+    part, _ = in_phase(machine, mode.shape)
+    phase = np.vdot(mode.shape, part.astype(complex))
+    axis = None if mode.centre is None else (mode.centre.point, mode.centre.direction)
+    return Swing(mode.name, mode.frequency, mode.damping_ratio, mode.shape * phase / abs(phase), axis)
+
+
+def _swings(machine: Machine, modes: Sequence[Mode]) -> list[Swing]:
+    """Those modes in which the machine moves; where two have one name, the later ones are numbered."""
+    found: list[Swing] = []
+    for mode in modes:
+        if mode.machine_moves:
+            one = swing(machine, mode)
+            same = sum(other.name.split(" (")[0] == one.name for other in found)
+            found.append(replace(one, name=f"{one.name} ({same + 1})") if same else one)
+    return found
+
+
+def replay_modes(path: Path, scenario: Scenario, variants: Mapping[str, Sequence[Mode]]) -> None:
+    """Write the recording of those modes in which the machine itself moves.
 
     Args:
         path: file to write, ``*.rrd``; it appears when it is whole.
-        title: the machine's name.
-        plant: what is drawn.
-        variants: modes by variant (``valves held``, ``closed loop``, …); those of one name are shown beside each other.
+        scenario: the machine.
+        variants: its modes by variant (``valves held``, ``closed loop``, …); those of one name are shown beside each
+            other, variants without a swinging machine are left out.
 
     Raises:
-        ValueError: if there is no mode to show.
-        OSError: if the file cannot be written.
+        InputError: if the machine swings in none of them, or the file cannot be written.
     """
-    if not variants or not all(variants.values()):
-        raise ValueError(f"variants {list(variants)}: each needs a mode to show")
+    found = {label: swings for label, modes in variants.items() if (swings := _swings(scenario.machine, modes))}
+    if not found:
+        raise InputError("modes: the machine does not swing (all its motions are overdamped, or it tips over)")
+    try:
+        _write(path, scenario.name, scenario.plant, found)
+    except OSError as error:
+        raise InputError(f"--replay {str(path)!r}: cannot be written ({error.strerror or error})") from error
+
+
+def _write(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
     model = build_spec(plant, 1e-4, drawn=True).compile()
     first, swings = next(iter(variants.items()))
     names = [swing.name for swing in swings]
@@ -139,12 +169,8 @@ def _displacement(shape: ComplexArray, points: Sequence[ArrayLike] | Array) -> C
 
 def _corners(model: mujoco.MjModel) -> Array:
     """Upper corners of the parts that show their paths, (n, 3) [m]."""
-    found = []
-    for name in PARTS:
-        geom = model.geom(name)
-        for sx, sy in ((1, 1), (1, -1), (-1, -1), (-1, 1)):
-            found.append(geom.pos + geom.size * (sx, sy, 1.0))
-    return np.array(found)
+    around = np.array([(1, 1, 1), (1, -1, 1), (-1, -1, 1), (-1, 1, 1)])
+    return np.concatenate([model.geom(name).pos + model.geom(name).size * around for name in PARTS])
 
 
 def _log_swing(
@@ -160,16 +186,17 @@ def _log_swing(
     points = _corners(model)
     drawn = replace(swing, shape=drawn_scale(plant, swing, points) * swing.shape)
     motion = motion_of(drawn, pace)
-    poses = {"machine": (motion[:, :3], quaternion(motion[:, 3:]))}
+    poses = {"machine": Pose(motion[:, :3], quaternion(motion[:, 3:]))}
     for mount, position in zip(plant.mounts, plant.positions, strict=True):
-        pad = rr.Transform3D(translation=model.body(f"pad {mount}").pos)
-        fixed(recording, entity(label, "world", f"pad {mount}"), pad)
+        fixed(
+            recording,
+            entity(label, "world", f"pad {mount}"),
+            rr.Transform3D(translation=model.body(f"pad {mount}").pos),
+        )
         if plant.plates == "sliding":
             upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(TIMES), 1))
-            poses[f"plate {mount}"] = (model.body(f"plate {mount}").pos + motion @ lever(position).T, upright)
-    for body, (translation, turned) in poses.items():
-        columns = rr.Transform3D.columns(translation=translation, quaternion=turned)
-        moving(recording, entity(label, "world", body), TIMES, columns, TIMELINE)
+            poses[f"plate {mount}"] = Pose(model.body(f"plate {mount}").pos + motion @ lever(position).T, upright)
+    log_poses(recording, label, poses, TIMES, TIMELINE)
     _log_paths(recording, label, drawn, points)
     _log_axis(recording, label, plant, model, drawn)
 
@@ -179,8 +206,7 @@ def _log_paths(recording: rr.RecordingStream, label: str, drawn: Swing, points: 
     phase = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 49))
     moved = _displacement(drawn.shape, points)
     paths = [points[k] + (phase[:, None] * moved[k]).real for k in range(len(points))]
-    strips = rr.LineStrips3D(paths, radii=0.012, colors=[PATH_COLOR])
-    fixed(recording, entity(label, "world", "paths"), strips)
+    fixed(recording, entity(label, "world", "paths"), rr.LineStrips3D(paths, radii=0.012, colors=[PATH_COLOR]))
     origins, vectors = [], []
     for point, move in zip(points, moved, strict=True):
         far = move * np.exp(-0.5j * np.angle(np.sum(move**2)))  # the ellipse's longer half axis
@@ -190,8 +216,8 @@ def _log_paths(recording: rr.RecordingStream, label: str, drawn: Swing, points: 
                 origins.append(point + sign * (1.0 - HEAD / max(length, HEAD)) * far.real)
                 vectors.append(sign * min(HEAD, length) / length * far.real)
     if origins:
-        arrows = rr.Arrows3D(origins=origins, vectors=vectors, radii=0.03, colors=[PATH_COLOR])
-        fixed(recording, entity(label, "world", "turning"), arrows)
+        heads = rr.Arrows3D(origins=origins, vectors=vectors, radii=0.03, colors=[PATH_COLOR])
+        fixed(recording, entity(label, "world", "turning"), heads)
 
 
 def drawn_axis(plant: Plant, swing: Swing) -> tuple[Array, Array] | None:
@@ -217,8 +243,7 @@ def _log_axis(recording: rr.RecordingStream, label: str, plant: Plant, model: mu
     ends = np.array([nearest - reach * direction, nearest + reach * direction])
     path = entity(label, "world", "axis")
     fixed(recording, path, rr.LineStrips3D([ends], radii=0.022, colors=[AXIS_COLOR]))
-    balls = rr.Points3D(ends, radii=0.07, colors=[AXIS_COLOR])
-    fixed(recording, entity(label, "world", "axis", "ends"), balls)
+    fixed(recording, f"{path}/ends", rr.Points3D(ends, radii=0.07, colors=[AXIS_COLOR]))
     if ends[:, 2].min() < FLOOR and abs(direction[2]) < 0.5:
         floor = model.geom("floor")
         lines = rr.Boxes3D(half_sizes=[floor.size], centers=[floor.pos], colors=[GHOST], fill_mode="majorwireframe")

@@ -8,8 +8,7 @@ from typing import Final
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.names import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, result_color
-from ehamj.replay.recording import fixed, moving
+from ehamj.replay.recording import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, fixed, moving, result_color
 from ehamj.replay.scene import fitted_slab
 from ehamj.result import Result
 

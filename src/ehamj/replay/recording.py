@@ -1,17 +1,40 @@
-"""One way into a recording: a file that appears when it is whole, what stays in it and what moves."""
+"""One way into a recording: a file that appears when it is whole, paths, what stays in it and what moves, colours."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 from rerun.error_utils import catch_and_log_exceptions
 
-from ehamj.replay.names import TIMELINE, Array, nanoseconds
 from ehamj.result import written_whole
+
+Array = NDArray[np.float64]
+Color = tuple[int, int, int]
+
+TIMELINE: Final = "sim_time"
+"""Simulated time, in whole nanoseconds."""
+
+GROUND_COLOR: Final[Color] = (110, 165, 235)
+"""Everything that is the ground: its lines, its pads."""
+
+RESULT_COLORS: Final[tuple[Color, ...]] = (
+    (92, 214, 140),
+    (240, 110, 150),
+    (240, 220, 90),
+    (105, 220, 225),
+    (190, 150, 255),
+    (255, 170, 90),
+)
+"""One per result, over again when there are more."""
+
+MOUNT_COLORS: Final[tuple[Color, ...]] = ((79, 195, 247), (255, 183, 77), (129, 199, 132), (240, 110, 130))
+"""One per mount, in their order."""
 
 
 @contextmanager
@@ -57,3 +80,18 @@ def check_whole(path: Path) -> None:
         RrdReader(path).store()
     except (OSError, RuntimeError, ValueError) as error:
         raise OSError(f"recording not written whole; is the disk full, or Rerun off (RERUN=off)? {error}") from error
+
+
+def entity(*parts: str) -> str:
+    """An entity path, its parts escaped: labels and mounts may hold blanks and slashes."""
+    return rr.new_entity_path(list(parts))
+
+
+def result_color(index: int) -> Color:
+    """Colour of a result by its place in the comparison."""
+    return RESULT_COLORS[index % len(RESULT_COLORS)]
+
+
+def nanoseconds(time: Array) -> NDArray[np.int64]:
+    """Time stamps [s] as whole nanoseconds; Rerun truncates float seconds and would be off by one."""
+    return np.round(time * 1e9).astype(np.int64)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import mujoco
@@ -10,11 +10,10 @@ import numpy as np
 import rerun as rr
 
 from ehamj.mujoco.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
-from ehamj.plant.kinematics import point_motion
-from ehamj.plant.levers import levers
+from ehamj.plant.kinematics import points_motion
+from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
-from ehamj.replay.names import Array, entity
-from ehamj.replay.recording import fixed, moving
+from ehamj.replay.recording import TIMELINE, Array, entity, fixed, moving
 from ehamj.result import Result
 
 LARGEST_DRAWN = 0.12
@@ -71,20 +70,23 @@ def main_frequency(results: Iterable[Result]) -> float:
 
 
 def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
-    """Log one result's machine: shapes once, poses over time, a ghost of the machine at rest.
+    """Log one result's machine: shapes once, a ghost of it at rest, and poses over time, ``factor`` times exaggerated.
 
-    Args:
-        recording: where to.
-        label: the result's name, first part of every path.
-        result: what to draw.
-        factor: exaggeration of translations and rotations.
+    The result's ``label`` is the first part of every path.
     """
     model = drawn_model(result)
     log_shapes(recording, label, model)
     rows = pose_rows(result)
-    for body, pose in poses(result, model, factor, rows).items():
+    log_poses(recording, label, poses(result, model, factor, rows), result.dataset.time.values[rows])
+
+
+def log_poses(
+    recording: rr.RecordingStream, label: str, found: Mapping[str, Pose], time: Array, timeline: str = TIMELINE
+) -> None:
+    """Log the poses of bodies at each time [s]."""
+    for body, pose in found.items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
-        moving(recording, entity(label, "world", body), result.dataset.time.values[rows], columns)
+        moving(recording, entity(label, "world", body), time, columns, timeline)
 
 
 def drawn_model(result: Result) -> mujoco.MjModel:
@@ -128,20 +130,14 @@ def quaternion(angles: Array) -> Array:
         angles: rx, ry, rz [rad], shape (n, 3); the order of turns is that of `ehamj.plant.kinematics`.
     """
     (sx, sy, sz), (cx, cy, cz) = np.sin(0.5 * angles.T), np.cos(0.5 * angles.T)
-    return np.column_stack(
-        [
-            cz * sx * cy - sz * cx * sy,
-            cz * cx * sy + sz * sx * cy,
-            sz * cx * cy + cz * sx * sy,
-            cz * cx * cy - sz * sx * sy,
-        ]
-    )
+    x, y = cz * sx * cy - sz * cx * sy, cz * cx * sy + sz * sx * cy
+    z, w = sz * cx * cy + cz * sx * sy, cz * cx * cy - sz * sx * sy
+    return np.column_stack([x, y, z, w])
 
 
 def fitted_slab(ground: Array, plant: Plant) -> Array:
     """Motion of the rigid slab closest to the ground below the mounts: x, y, z, rx, ry, rz, shape (n, 6)."""
-    pattern = levers(plant.positions)
-    return ground.reshape(len(ground), len(pattern)) @ np.linalg.pinv(pattern).T
+    return ground.reshape(len(ground), 3 * len(plant.mounts)) @ slab_fit(plant.positions).T
 
 
 def drawn_rows(result: Result) -> slice:
@@ -169,12 +165,9 @@ def _largest_motion(result: Result) -> float:
         return 0.0
     still = np.zeros_like(machine)
     length, width, height = result.scenario.machine.size
-    corners = itertools.product((-length / 2, length / 2), (-width / 2, width / 2), (0.0, height))
-    largest = float(np.linalg.norm(ground - ground[0], axis=-1).max())
-    for corner in corners:
-        path = point_motion(machine, still, still, corner)[0]
-        largest = max(largest, float(np.linalg.norm(path - path[0], axis=-1).max()))
-    return largest
+    corners = list(itertools.product((-length / 2, length / 2), (-width / 2, width / 2), (0.0, height)))
+    paths = [ground, *(moved for moved, *_ in points_motion(machine, still, still, corners))]
+    return max(float(np.linalg.norm(path - path[0], axis=-1).max()) for path in paths)
 
 
 def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:
@@ -188,8 +181,7 @@ def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel)
         color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
         fixed(recording, path, _shape(model, geom, color, "solid"))
         if owner in ("machine", "floor") and not name.startswith(("plate", "foot")):  # no ghost of what the bed hides
-            ghost = _shape(model, geom, GHOST, "majorwireframe")
-            fixed(recording, entity(label, "world", "ghost", name), ghost)
+            fixed(recording, entity(label, "world", "ghost", name), _shape(model, geom, GHOST, "majorwireframe"))
 
 
 def _shape(model: mujoco.MjModel, geom: int, color: tuple[int, ...], fill: str) -> rr.Boxes3D | rr.Cylinders3D:

@@ -15,8 +15,8 @@ from ehamj.control.sensors import Sensors
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
+from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
-from ehamj.forces.load import Load
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.isolator.actuator import Actuator

@@ -5,7 +5,7 @@ The law keeps driving all four valves as if nothing had happened: it is the law 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,7 @@ from ehamj.labels import table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
-from ehamj.plots.charts import lines_chart
+from ehamj.plots import Figure, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -27,9 +27,6 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel
 from ehamj.studies.rest import modes_table, static_forces
 from ehamj.studies.study import WholeHertz, among, study
 from ehamj.studies.variants import still, with_actuators
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NEGLIGIBLE_GAIN = 1e-9
 """Gain of a valve that no longer moves [mA/V]."""
@@ -278,7 +275,7 @@ def _failure_answers(mount: str, isolation: xr.Dataset, forces: xr.Dataset) -> l
     return found
 
 
-def _failed_chart(residuals: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> "Figure":
+def _failed_chart(residuals: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> Figure:
     lines = curves(decibel(residuals[what].clip(1e-6)), "case")
     runs = curves(decibel(isolation[f"{what}_simulated"].clip(1e-6)), "case", 1)
     lines += [replace(run, label="" if k else "nonlinear run", marker="o") for k, run in enumerate(runs)]

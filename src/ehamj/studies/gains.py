@@ -1,6 +1,6 @@
 """Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -12,15 +12,12 @@ from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import eigen_of, modes
-from ehamj.plots.charts import lines_chart, locus_chart
+from ehamj.plots import Figure, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, curves
 from ehamj.studies.position_loop import highest_factor, inertial_position, scaled
 from ehamj.studies.study import Positive, study
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OWN_LAW: Final = (
     "The scenario's control measures nothing of the machine and moves no pole; a law of the study's own is looked at."
@@ -141,7 +138,7 @@ def _damping_answer(modes_over: xr.Dataset) -> str:
     return f"Damping ratios, valves held → as designed: {', '.join(moved)}."
 
 
-def _damping_chart(modes_over: xr.Dataset, limit: float) -> "Figure":
+def _damping_chart(modes_over: xr.Dataset, limit: float) -> Figure:
     marks = {"unstable": limit} if limit <= float(modes_over["factor"].max()) else {}
     panels = {"damping ratio [%]": curves(100 * modes_over["damping"], "mode", 2)}
     return lines_chart("Damping over the gain", "factor on the gain", panels, marks=marks)

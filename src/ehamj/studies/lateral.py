@@ -1,7 +1,5 @@
 """Lateral stiffness of the mounts: where sway ends and rocking begins, and what a floor that sways does."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import xarray as xr
 from pydantic import Field, field_validator
@@ -10,15 +8,12 @@ from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import floor_response, modes_of
 from ehamj.labels import labelled
-from ehamj.plots.charts import Line, lines_chart, map_chart
+from ehamj.plots import Figure, Line, lines_chart, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, curves
 from ehamj.studies.study import Range, study
 from ehamj.studies.variants import every_value
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class LateralSettings(Settings):
@@ -114,7 +109,7 @@ def _quietest(response: xr.DataArray) -> tuple[float, float, float]:
     )
 
 
-def _modes_chart(modes: xr.Dataset, mean: float) -> "Figure":
+def _modes_chart(modes: xr.Dataset, mean: float) -> Figure:
     over = modes.swap_dims(factor="stiffness")
     panels = {
         "frequency [Hz]": curves(over["frequency"], "mode", 2),
@@ -125,7 +120,7 @@ def _modes_chart(modes: xr.Dataset, mean: float) -> "Figure":
     )
 
 
-def _sway_chart(response: xr.DataArray, mean: float) -> "Figure":
+def _sway_chart(response: xr.DataArray, mean: float) -> Figure:
     decibel = 20 * np.log10(response.transpose("factor", "frequency").values)
     return map_chart(
         "A floor that sways along x",

@@ -6,7 +6,7 @@ spends its voltage where it counts, and holds on longer.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.labels import table
 from ehamj.plant.levers import plane, plane_fit
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.result import Result
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import changed
@@ -25,9 +25,6 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import among, study
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 BANDS: Final = ("2", "5", "10", "20", "50", "100")
 RECORD_RATE: Final = 4000.0
@@ -167,7 +164,7 @@ def _answers(levels_over: xr.Dataset) -> list[str]:
     return found
 
 
-def _chart(levels_over: xr.Dataset) -> "Figure":
+def _chart(levels_over: xr.Dataset) -> Figure:
     micro = 1e6 * levels_over.velocity.values
     lines, shares = [], []
     for row, name in enumerate(levels_over.law.values):

@@ -2,15 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ehamj.plots.charts import DASHES, Line
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from ehamj.plots import Figure, Line
+from ehamj.plots.charts import DASHES
 
 Progress = Callable[[str], None]
 """Called with what is being done now."""
@@ -25,7 +23,7 @@ class Drawing:
     """A figure, drawn when it is asked for, and what it says."""
 
     caption: str
-    draw: "Callable[[], Figure]"
+    draw: Callable[[], Figure]
 
 
 @dataclass(frozen=True)

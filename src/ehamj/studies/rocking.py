@@ -1,7 +1,7 @@
 """Rocking over the height of the centre of gravity and the distance of the mounts: thousands of designs at once."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from ehamj.estimate.identification import realise
 from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.labels import labelled, table
 from ehamj.mujoco import hydraulics
-from ehamj.plots.charts import Line, map_chart
+from ehamj.plots import Figure, Line, map_chart
 from ehamj.rig.ringdown import JOLTS, decay, jolt, step_for
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
@@ -21,10 +21,6 @@ from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, silent
 from ehamj.studies.study import Range, among, study
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
@@ -156,7 +152,7 @@ def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -
     )
 
 
-def _slowest_chart(scenario: Scenario, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> "Figure":
+def _slowest_chart(scenario: Scenario, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> Figure:
     marks = []
     if runs is not None:
         across = np.ptp(positions(scenario)[:, 1]) * runs["width"].values
@@ -166,7 +162,7 @@ def _slowest_chart(scenario: Scenario, modes: xr.Dataset, title: str, runs: xr.D
     return _chart(scenario, title, ("slowest sway-rocking [Hz]", slowest), points=marks, boundary=boundary)
 
 
-def _damping_chart(scenario: Scenario, modes: xr.Dataset) -> "Figure":
+def _damping_chart(scenario: Scenario, modes: xr.Dataset) -> Figure:
     least = 100 * modes["damping_ratio"].sel(mode=list(LOWER)).min("mode")
     levels = (2.0, 3.0, 3.5, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0)
     return _chart(scenario, "Damping of sway-rocking", ("damping ratio [%]", least), levels=levels)
@@ -174,7 +170,7 @@ def _damping_chart(scenario: Scenario, modes: xr.Dataset) -> "Figure":
 
 def _chart(
     scenario: Scenario, title: str, values: tuple[str, xr.DataArray], points: Sequence[Line] = (), **options: Any
-) -> "Figure":
+) -> Figure:
     """A quantity over distance and height, with the machine as it is."""
     name, found = values
     across = np.ptp(positions(scenario)[:, 1])

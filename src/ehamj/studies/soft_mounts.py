@@ -7,7 +7,7 @@ the static stiffness k: oil or gas that can leak around the piston holds nothing
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -24,7 +24,7 @@ from ehamj.linear.response import rigid_floor
 from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
-from ehamj.plots.charts import Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -33,9 +33,6 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel
 from ehamj.studies.rest import modes_table
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MOUNTS_COMPARED = ("elastic-mount", "pneumatic-mount")
 AXES_OF_TIPPING = ("about x", "about y")
@@ -290,7 +287,7 @@ def _answers(scenario: Scenario, simulated: int, tipping: xr.Dataset) -> tuple[s
     )
 
 
-def _tipping_chart(tipping: xr.Dataset, height: float) -> "Figure":
+def _tipping_chart(tipping: xr.Dataset, height: float) -> Figure:
     half = tipping["half_distance"].values
     lines = curves(tipping["closed_form"].assign_coords(width=half), "mounts", 1, "{}: tips above")
     runs = (("stands", "run stood (0.5 % below)", 7, "s"), ("falls", "run fell (0.5 % above)", 1, "X"))
@@ -304,6 +301,6 @@ def _tipping_chart(tipping: xr.Dataset, height: float) -> "Figure":
     )
 
 
-def _gain_chart(gains: xr.Dataset, title: str) -> "Figure":
+def _gain_chart(gains: xr.Dataset, title: str) -> Figure:
     panels = {"CG over floor [dB]": curves(decibel(gains["gain"]), "system")}
     return lines_chart(title, "frequency [Hz]", panels, logarithmic="x", limits=dict.fromkeys(panels, (-70.0, 30.0)))

@@ -1,6 +1,6 @@
 """Unequal loads: the centre of gravity beside the middle of the mounts."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,16 +11,13 @@ from ehamj.designs.designs import Designs
 from ehamj.designs.many import floor_response, modes_of
 from ehamj.labels import labelled, table
 from ehamj.linear.machine import linear_model
-from ehamj.plots.charts import Line, map_chart
+from ehamj.plots import Figure, Line, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.rest import static_forces
 from ehamj.studies.study import Positive, Range, study
 from ehamj.studies.variants import check_gravity, positions, resized, still
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class UnequalSettings(Settings):
@@ -159,7 +156,7 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
 
 def _chart(
     scenario: Scenario, title: str, values: tuple[str, xr.DataArray], lifts: xr.DataArray | None = None
-) -> "Figure":
+) -> Figure:
     at, cg = positions(scenario), scenario.machine.cg
     name, found = values
     boundary: Any = None if lifts is None else ("a foot lifts off", lifts.transpose("y", "x").values)

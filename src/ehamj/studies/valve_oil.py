@@ -1,6 +1,6 @@
 """Valve and oil: what their parameters do to the machine's modes, and how fast a position loop may be."""
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.labels import labelled, table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
-from ehamj.plots.charts import lines_chart
+from ehamj.plots import Figure, lines_chart
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
@@ -21,9 +21,6 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, silent
 from ehamj.studies.position_loop import highest_factor, inertial_position
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.variants import every_value
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 OIL: Final = ("bulk_modulus", "chamber_volume", "piston_area", "flow_pressure", "membrane_stiffness")
 """What decides the modes with valves held."""
@@ -162,7 +159,7 @@ def _answers(oil: xr.Dataset, air: xr.Dataset, loops: xr.Dataset) -> tuple[str, 
     )
 
 
-def _modes_chart(oil: xr.Dataset, mode: str) -> "Figure":
+def _modes_chart(oil: xr.Dataset, mode: str) -> Figure:
     one = oil.sel(mode=mode)
     panels = {
         "frequency [Hz]": curves(one["frequency"], "parameter"),
@@ -171,12 +168,12 @@ def _modes_chart(oil: xr.Dataset, mode: str) -> "Figure":
     return lines_chart(mode.capitalize(), "factor on the parameter", panels, "x", {"as it is": 1.0})
 
 
-def _air_chart(air: xr.Dataset) -> "Figure":
+def _air_chart(air: xr.Dataset) -> Figure:
     over = air["frequency"].assign_coords(air=100 * air["air"])
     panels = {"frequency [Hz]": curves(over, "mode", 2)}
     return lines_chart("Modes over entrained air", "air at 1 atm [% by volume]", panels)
 
 
-def _loops_chart(loops: xr.Dataset) -> "Figure":
+def _loops_chart(loops: xr.Dataset) -> Figure:
     panels = {"crossover at the limit [Hz]": curves(loops["crossover"], "parameter")}
     return lines_chart("Fastest position loop", "factor on the parameter", panels, "x", {"as it is": 1.0})

@@ -6,7 +6,7 @@ given over the floor's velocity: [rad/s per m/s] = [rad/m].
 """
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -18,16 +18,13 @@ from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import ground_response, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
-from ehamj.plots.charts import Line, direction_chart, map_chart
+from ehamj.plots import Figure, Line, direction_chart, map_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, WholeHertz, study
 from ehamj.studies.variants import still
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 HELD = "valves held"
 TURNS = ("machine_velocity rx", "machine_velocity ry")
@@ -218,7 +215,7 @@ def simulated_rocking(scenario: Scenario, axis: str, wave: dict[str, float], vel
     return float(largest_turn(*map(np.asarray, phasors))) / velocity
 
 
-def _map(found: xr.Dataset, worst: dict[str, float], system: str) -> "Figure":
+def _map(found: xr.Dataset, worst: dict[str, float], system: str) -> Figure:
     values = _at(found, worst, system)
     return map_chart(
         f"Rocking in waves, {system}",
@@ -230,7 +227,7 @@ def _map(found: xr.Dataset, worst: dict[str, float], system: str) -> "Figure":
     )
 
 
-def _directions(found: xr.Dataset) -> "Figure":
+def _directions(found: xr.Dataset) -> Figure:
     speeds = found["speed"].values
     chosen = [int(np.argmin(np.abs(np.log(speeds / speed)))) for speed in (100.0, 200.0, 500.0)]
     lines = [

@@ -1,8 +1,9 @@
 """What a case of verification is, what came out of it, and how cases are registered and run."""
 
+import math
 import time as clock
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ehamj.linear.machine import LinearModel, linear_model
@@ -52,20 +53,21 @@ class Case:
 class CaseOutcome:
     """What a case gave. ``seconds`` includes independent solutions that later cases use again."""
 
-    name: str
-    compares: str
-    source: str
+    case: Case
     error: float
-    tolerance: float
-    unit: str
-    why: str
-    passed: bool
     detail: str
     seconds: float
 
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the tolerance; a NaN is not."""
+        return bool(self.error <= self.case.tolerance)
+
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
+        """As plain data; an error that is no finite number becomes null."""
+        stated = {name: value for name, value in vars(self.case).items() if name != "measure"}
+        error = self.error if math.isfinite(self.error) else None
+        return stated | {"error": error, "passed": self.passed, "detail": self.detail, "seconds": self.seconds}
 
 
 def run_case(case: Case, subject: Subject | None = None) -> CaseOutcome:
@@ -75,11 +77,7 @@ def run_case(case: Case, subject: Subject | None = None) -> CaseOutcome:
         error, detail = case.measure(subject or Subject())
     except Exception as failure:  # whatever breaks, the other cases are still worth running
         error, detail = float("inf"), f"{type(failure).__name__}: {failure}"
-    passed = bool(error <= case.tolerance)  # not so for a NaN
-    seconds = clock.perf_counter() - began
-    return CaseOutcome(
-        case.name, case.compares, case.source, error, case.tolerance, case.unit, case.why, passed, detail, seconds
-    )
+    return CaseOutcome(case, error, detail, clock.perf_counter() - began)
 
 
 CASES: Registry[Case] = Registry("verification case")

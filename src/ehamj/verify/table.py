@@ -11,14 +11,8 @@ from ehamj.verify.case import CaseOutcome
 
 
 def to_dict(outcomes: Sequence[CaseOutcome]) -> dict[str, Any]:
-    """All outcomes as plain data; an error that is no finite number becomes null."""
-    cases = []
-    for outcome in outcomes:
-        entry = outcome.to_dict()
-        if not abs(outcome.error) < float("inf"):
-            entry["error"] = None
-        cases.append(entry)
-    return {"passed": all(outcome.passed for outcome in outcomes), "cases": cases}
+    """All outcomes as plain data."""
+    return {"passed": all(one.passed for one in outcomes), "cases": [one.to_dict() for one in outcomes]}
 
 
 def write_table(outcomes: Sequence[CaseOutcome], path: Path) -> Path:
@@ -38,13 +32,13 @@ def page(outcomes: Sequence[CaseOutcome]) -> Page:
 
 
 def _row(outcome: CaseOutcome) -> list[str]:
-    mark = badge("✓", "agrees") if outcome.passed else badge("✗", "fails")
+    case, mark = outcome.case, badge("✓", "agrees") if outcome.passed else badge("✗", "fails")
     two_lines = Markup("{}<br><small>{}</small>")
     return [
-        Markup("{} <b>{}</b><br><small>{}</small>").format(mark, outcome.name, outcome.compares),
-        two_lines.format(outcome.source, outcome.detail),
+        Markup("{} <b>{}</b><br><small>{}</small>").format(mark, case.name, case.compares),
+        two_lines.format(case.source, outcome.detail),
         f"{outcome.error:.3g}",
-        f"{outcome.tolerance:.3g}",
-        two_lines.format(outcome.unit, outcome.why),
+        f"{case.tolerance:.3g}",
+        two_lines.format(case.unit, case.why),
         f"{outcome.seconds:.1f}",
     ]

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.signal import residue
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.mounts import MOUNTS
@@ -37,12 +38,9 @@ def piston_step(subject: Subject) -> Finding:
     plate = np.array([mass, a.membrane_damping, a.membrane_stiffness])
     third = np.polyadd([1.0, 0.0], np.polymul([soft, a.flow_pressure / area**2], plate))  # exact solution of 3, 6, 7
     valve = np.array([1 / a.valve_frequency**2, 2 * a.valve_damping / a.valve_frequency, 1.0])
-    poles = np.concatenate([np.roots(third), np.roots(valve)])
     height = 1e-3 * a.valve_gain * a.flow_gain / area
-    whole = np.polymul(np.polymul(third, valve), [1.0, 0.0])
-    poles = np.append(poles, 0.0)
-    residues = height / np.polyval(np.polyder(whole), poles)
-    exact = (residues[None, :] * np.exp(np.outer(time, poles))).sum(axis=1).real
+    residues, poles, _ = residue([height], np.polymul(np.polymul(third, valve), [1.0, 0.0]))
+    exact = (residues * np.exp(np.outer(time, poles))).sum(axis=1).real
     return Finding(
         float(np.abs(found - exact[:, None]).max() / np.abs(exact).max()), f"{1e9 * exact[-1]:.1f} nm at {time[-1]:g} s"
     )

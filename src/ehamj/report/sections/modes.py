@@ -12,7 +12,7 @@ from ehamj.linear.modes import Mode
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import DASH, number
 from ehamj.plant.axes import DOFS
-from ehamj.plots.charts import Line, map_chart
+from ehamj.plots import Line, map_chart
 from ehamj.report.shown import Shown
 
 NOTABLE: Final = 0.05

@@ -1,4 +1,4 @@
-"""The right-hand side of the reference model.
+"""The reference model: its constants, from a plant, and its right-hand side.
 
 State of n mounts: coordinates x, y, z, rx, ry, rz (6), their rates (6), spools (n) [mA], their rates (n), pressures
 (mount, chamber) (2n) [Pa]; with a shared supply the accumulator's pressure [Pa], the line's flow [m³/s] and the
@@ -6,16 +6,97 @@ manifold's pressure [Pa].
 """
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Final, NamedTuple
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
+from ehamj.plant.plant import Plant
 from ehamj.verify.reference.inputs import GRID
 
-ATMOSPHERE = 101325.0
+Array = NDArray[np.float64]
+
+ATMOSPHERE: Final = 101325.0
 """Pressure at which the air fraction and the walls' stretch are stated [Pa]."""
+
+OF_ISOLATOR: Final = (
+    "piston_area", "area_ratio", "chamber_volume", "volume_share", "moving_volume", "bulk_modulus", "vapour_pressure",
+    "air_fraction", "polytropic_exponent", "wall_modulus", "flow_gain", "flow_pressure", "edge_leakage_share",
+    "laminar_ratio", "overlap", "null_offset", "hysteresis", "threshold", "spool_stroke", "end_stops", "valve_gain",
+    "voltage_limit", "valve_frequency", "valve_damping", "spool_drive_limit", "membrane_stiffness", "membrane_damping",
+    "lateral_stiffness", "lateral_damping", "plate_mass",
+)  # fmt: skip
+"""Settings of an isolator that the model has as they stand, beside its ``flow_curve``."""
+
+WITHOUT_EFFECT: Final = ("rated_drop", "foot_damping")
+"""Settings that only count with one that the model does not have; a plant has no rated_flow but the flow_gain of it."""
+
+OF_SUPPLY: Final = (
+    "pressure", "tank_pressure", "dynamic", "pump_flow", "pump_droop", "accumulator_volume", "accumulator_precharge",
+    "accumulator_exponent", "line_length", "line_diameter", "oil_viscosity", "oil_density", "oil_modulus",
+    "manifold_volume",
+)  # fmt: skip
+"""Settings of the supply that the model has."""
+
+
+class Constants(NamedTuple):
+    """The equations' constants. SI, spool in mA."""
+
+    inverse_mass: Array  # (6, 6)
+    feet: Array  # motion of each foot per coordinate (mount, axis, 6)
+    weight: Array  # generalised (6,)
+    topple: Array  # m g h on rocking (6,)
+    isolators: NDArray[Any]  # records of `OF_ISOLATOR` (mount,)
+    curves: Array  # (mount, 2, points): positions and flows as shares
+    supply: NDArray[Any]  # one record of `OF_SUPPLY` (1,)
+
+
+def constants(plant: Plant) -> Constants:
+    """The constants of a plant.
+
+    Raises:
+        ValueError: for a setting of an actuator or of the supply that this model does not have, and that is not at its
+            default.
+    """
+    known = (*OF_ISOLATOR, "flow_curve", *WITHOUT_EFFECT)
+    found = [(f"isolator of {m}", a.beyond(known)) for m, a in zip(plant.mounts, plant.actuators, strict=True)]
+    for place, unknown in [*found, ("supply", plant.supply.beyond(OF_SUPPLY))]:
+        for name, value in unknown.items():
+            raise ValueError(f"{place}: the reference model does not have {name} = {value!r}")
+    isolators, supply = _records(plant.actuators, OF_ISOLATOR), _records([plant.supply], OF_SUPPLY)
+    return Constants(*_rigid_body(plant, isolators["plate_mass"]), isolators, _flow_curves(plant), supply)
+
+
+def _records(parts: Sequence[Any], names: Sequence[str]) -> NDArray[Any]:
+    """Settings of like parts by name, as numbers."""
+    rows = [tuple(getattr(part, name) for name in names) for part in parts]
+    return np.array(rows, [(name, np.float64, np.shape(value)) for name, value in zip(names, rows[0], strict=True)])
+
+
+def _rigid_body(plant: Plant, plates: Array) -> tuple[Array, Array, Array, Array]:
+    """Inverse of the mass matrix, motion of the feet, weight, and m g h on rocking; ``plates`` are masses (mount,)."""
+    x, y = np.array(plant.positions).T
+    o, i = np.zeros(len(x)), np.ones(len(x))
+    feet = np.array([[i, o, o, o, o, -y], [o, i, o, o, o, x], [o, o, i, y, -x, o]]).transpose(2, 0, 1)
+    cx, cy, h = plant.machine.cg
+    cg = np.array([[1, 0, 0, 0, h, -cy], [0, 1, 0, -h, 0, cx], [0, 0, 1, cy, -cx, 0]], float)
+    m, g, up = plant.machine.mass, plant.gravity, feet[:, 2]
+    mass = m * cg.T @ cg + up.T @ (plates[:, None] * up)
+    mass[3:, 3:] += np.diag(plant.machine.inertia)
+    weight = -g * (m * cg[2] + plates @ up)
+    return np.linalg.inv(mass), np.ascontiguousarray(feet), weight, m * g * h * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+
+
+def _flow_curves(plant: Plant) -> Array:
+    """Points of each flow curve, the last one repeated where another has more."""
+    curves = [np.array(a.flow_curve or ((0.0, 0.0), (1.0, 1.0))).T for a in plant.actuators]
+    points = max(curve.shape[1] for curve in curves)
+    return np.array([np.pad(curve, ((0, 0), (0, points - curve.shape[1])), mode="edge") for curve in curves])
+
+
+# --- the right-hand side: ``a`` is the record of an isolator ---------------------------------------------------------
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -33,129 +114,130 @@ def _slope(k, s):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _edge(gain, opening, drop, rated, eps, leakage):  # type: ignore[no-untyped-def]
-    """Flow over one edge: K_Q·opening·φ(Δp/Δp₀) and a laminar leak."""
-    r = drop / rated
-    root = (r * r + eps * eps) ** 0.25
-    turbulent = gain * opening * r / root if root > 0.0 else 0.0
-    return turbulent + leakage * drop
-
-
-@_compiled
-def drive(c, i, spool, voltage):  # type: ignore[no-untyped-def]
+def drive(a, spool, voltage):  # type: ignore[no-untyped-def]
     """Force of the solenoid over the spool's mass [mA/s²]."""
-    error = c.K_v[i] * max(-c.v_max[i], min(c.v_max[i], voltage)) - spool
-    if abs(error) <= c.threshold[i]:
+    error = a.valve_gain * max(-a.voltage_limit, min(a.voltage_limit, voltage)) - spool
+    if abs(error) <= a.threshold:
         return 0.0
-    error -= math.copysign(c.threshold[i], error)
-    return max(-c.a_max[i], min(c.a_max[i], c.omega[i] ** 2 * error))
+    error -= math.copysign(a.threshold, error)
+    return max(-a.spool_drive_limit, min(a.spool_drive_limit, a.valve_frequency**2 * error))
 
 
 @_compiled
-def _modulus(c, i, p):  # type: ignore[no-untyped-def]
+def _modulus(a, p):  # type: ignore[no-untyped-def]
     """Bulk modulus of liquid with polytropic air at the pressure p: harmonic by volume."""
-    if c.air[i] == 0.0:
-        return c.beta[i]
-    liquid = (1.0 - c.air[i]) * math.exp(-(p - ATMOSPHERE) / c.beta[i])
-    gas = c.air[i] * (ATMOSPHERE / p) ** (1.0 / c.exponent[i])
+    if a.air_fraction == 0.0:
+        return a.bulk_modulus
+    liquid = (1.0 - a.air_fraction) * math.exp(-(p - ATMOSPHERE) / a.bulk_modulus)
+    gas = a.air_fraction * (ATMOSPHERE / p) ** (1.0 / a.polytropic_exponent)
     share = gas / (liquid + gas)
-    return 1.0 / ((1.0 - share) / c.beta[i] + share / (c.exponent[i] * p))
+    return 1.0 / ((1.0 - share) / a.bulk_modulus + share / (a.polytropic_exponent * p))
 
 
 @_compiled
-def _stand(c, i, y, ground, s, p1, p2, force):  # type: ignore[no-untyped-def]
-    """Add a mount's forces to the machine's; returns its stroke and the stroke's rate."""
+def _stand(a, feet, y, ground, s, lift, force):  # type: ignore[no-untyped-def]
+    """Add a mount's forces to the machine's, ``lift`` is its oil's; returns its stroke and the stroke's rate."""
     offset, speed = 0.0, 0.0
     for axis in range(3):
         offset, speed = -_quintic(ground[axis], s), -_slope(ground[axis], s)
         for j in range(6):
-            offset += c.feet[i, axis, j] * y[j]
-            speed += c.feet[i, axis, j] * y[6 + j]
-        push = -c.stiffness[i, axis] * offset - c.damping[i, axis] * speed
+            offset += feet[axis, j] * y[j]
+            speed += feet[axis, j] * y[6 + j]
         if axis == 2:
-            push += c.area[i, 0] * p1 - c.area[i, 1] * p2
+            push = -a.membrane_stiffness * offset - a.membrane_damping * speed + lift
+        else:
+            push = -a.lateral_stiffness * offset - a.lateral_damping * speed
         for j in range(6):
-            force[j] += c.feet[i, axis, j] * push
+            force[j] += feet[axis, j] * push
     return offset, speed
 
 
 @_compiled
-def _opening(c, i, edge):  # type: ignore[no-untyped-def]
+def _opening(a, curve, edge):  # type: ignore[no-untyped-def]
     """Opening behind the metering edges' position, along the flow curve [mA]."""
-    opening = max(-c.stroke[i], min(c.stroke[i], edge + c.offset[i]))
-    share = np.interp(abs(opening) / c.stroke[i], c.curve[i, 0], c.curve[i, 1])
-    return math.copysign(share * c.stroke[i], opening)
+    opening = max(-a.spool_stroke, min(a.spool_stroke, edge + a.null_offset))
+    share = np.interp(abs(opening) / a.spool_stroke, curve[0], curve[1])
+    return math.copysign(share * a.spool_stroke, opening)
 
 
 @_compiled
-def _flows(c, i, opening, supply, p1, p2):  # type: ignore[no-untyped-def]
+def _edge(a, opening, drop, rated):  # type: ignore[no-untyped-def]
+    """Flow over one edge: K_Q·opening·φ(Δp/Δp₀) and a laminar leak."""
+    r = drop / rated
+    root = (r * r + a.laminar_ratio * a.laminar_ratio) ** 0.25
+    turbulent = a.flow_gain * min(max(opening, 0.0), a.spool_stroke) * r / root if root > 0.0 else 0.0
+    return turbulent + a.flow_pressure * a.edge_leakage_share * drop
+
+
+@_compiled
+def _flows(a, opening, supply, tank, rated, p1, p2):  # type: ignore[no-untyped-def]
     """What flows into chamber 1 and 2, and what is taken from the supply [m³/s]."""
-    rated = 0.5 * (c.P_s - c.P_t)
-    e0 = min(max(opening - c.laps[i, 0], 0.0), c.stroke[i])
-    e1 = min(max(-opening - c.laps[i, 1], 0.0), c.stroke[i])
-    e2 = min(max(-opening - c.laps[i, 2], 0.0), c.stroke[i])
-    e3 = min(max(opening - c.laps[i, 3], 0.0), c.stroke[i])
-    from_1 = _edge(c.K_Q[i], e0, supply - p1, rated, c.eps[i], c.g0[i])
-    to_1 = _edge(c.K_Q[i], e1, p1 - c.P_t, rated, c.eps[i], c.g0[i])
-    from_2 = _edge(c.K_Q[i], e2, supply - p2, rated, c.eps[i], c.g0[i])
-    to_2 = _edge(c.K_Q[i], e3, p2 - c.P_t, rated, c.eps[i], c.g0[i])
-    across = c.cross[i] * (p1 - p2)
+    from_1 = _edge(a, opening - a.overlap[0], supply - p1, rated)
+    to_1 = _edge(a, -opening - a.overlap[1], p1 - tank, rated)
+    from_2 = _edge(a, -opening - a.overlap[2], supply - p2, rated)
+    to_2 = _edge(a, opening - a.overlap[3], p2 - tank, rated)
+    across = (a.flow_pressure - a.flow_pressure * a.edge_leakage_share) * (p1 - p2)
     return from_1 - to_1 - across, from_2 - to_2 + across, from_1 + from_2
 
 
 @_compiled
-def _compress(c, i, chamber, state, p, flow, offset, speed):  # type: ignore[no-untyped-def]
-    """Rate of a chamber's pressure state [Pa/s]."""
-    sign = 1.0 if chamber == 0 else -1.0
-    stretch = 1.0 + (state - ATMOSPHERE) * c.wall[i]
-    volume = c.volume[i, chamber] + sign * c.moves[i] * c.area[i, chamber] * offset
+def _compress(a, area, volume, state, flow, offset, speed):  # type: ignore[no-untyped-def]
+    """Rate of a chamber's pressure state [Pa/s]; its ``area`` is negative where the stroke makes it smaller."""
+    modulus = _modulus(a, max(state, a.vapour_pressure))
+    stretch = 1.0 + (state - ATMOSPHERE) / a.wall_modulus
     # compliance of oil and walls at this pressure [m³/Pa]
-    compliance = volume * (stretch / _modulus(c, i, p) + c.wall[i])
+    compliance = (volume + a.moving_volume * area * offset) * (stretch / modulus + 1.0 / a.wall_modulus)
     # Below the vapour pressure the state stands for a void: p_v − p = −β ln(share that is oil). What the oil's
     # volume gains must be the flow, so that the flow counts more the less oil there is.
-    filled = math.exp(min(state - c.vapour[i], 0.0) / _modulus(c, i, p))
-    return (flow / filled - stretch * sign * c.area[i, chamber] * speed) / compliance
+    filled = math.exp(min(state - a.vapour_pressure, 0.0) / modulus)
+    return (flow / filled - stretch * area * speed) / compliance
 
 
 @_compiled
-def _station(c, accumulator, line, manifold, drawn, out):  # type: ignore[no-untyped-def]
+def _station(station, accumulator, line, manifold, drawn, out):  # type: ignore[no-untyped-def]
     """Rates of the shared supply."""
-    conductance, limit, gas, precharge, n, resistance, inertance, volume, beta = c.supply
-    pump = min(max(conductance * (c.P_s - accumulator), 0.0), limit)
-    filled = gas * (precharge / accumulator) ** (1.0 / n)
+    wanted = station.pump_flow / station.pump_droop * (station.pressure - accumulator)
+    pump = min(max(wanted, 0.0), station.pump_flow)
+    n, section = station.accumulator_exponent, math.pi * station.line_diameter**2
+    filled = station.accumulator_volume * (station.accumulator_precharge / accumulator) ** (1.0 / n)
+    resistance = 128.0 * station.oil_viscosity * station.line_length / (section * station.line_diameter**2)
+    inertance = 4.0 * station.oil_density * station.line_length / section
     out[0] = n * accumulator / filled * (pump - line)
     out[1] = (accumulator - manifold - resistance * line) / inertance
-    out[2] = beta / volume * (line - drawn)
+    out[2] = station.oil_modulus / station.manifold_volume * (line - drawn)
 
 
 @_compiled
 def rates(t, y, c, quintics, held, side, memory, stopped, out):  # type: ignore[no-untyped-def]
     """Time derivative of the state; ``held`` [V] comes from a controller, the modes from the integration."""
-    n = c.area.shape[0]
+    n, station = len(c.isolators), c.supply[0]
     piece = min(max(int(t / GRID), 0), quintics.shape[0] - 1)
     s = t / GRID - piece
     force = c.weight + c.topple * y[:6]
-    shared = c.supply.size > 0
-    first_pressure, station = 12 + 2 * n, 12 + 4 * n
-    supply = y[station + 2] if shared else c.P_s
+    first, last, tank = 12 + 2 * n, 12 + 4 * n, station.tank_pressure
+    rated = 0.5 * (station.pressure - tank)
+    supply = y[last + 2] if station.dynamic else station.pressure
     drawn = 0.0
     for i in range(n):
-        k = first_pressure + 2 * i
-        p1, p2 = max(y[k], c.vapour[i]), max(y[k + 1], c.vapour[i])
-        offset, speed = _stand(c, i, y, quintics[piece, 3 * i : 3 * i + 3], s, p1, p2, force)
+        a, k = c.isolators[i], first + 2 * i
+        p1, p2 = max(y[k], a.vapour_pressure), max(y[k + 1], a.vapour_pressure)
+        area_1, area_2 = a.piston_area, a.piston_area * a.area_ratio
+        lift = area_1 * p1 - area_2 * p2
+        offset, speed = _stand(a, c.feet[i], y, quintics[piece, 3 * i : 3 * i + 3], s, lift, force)
         spool, rate = y[12 + i], y[12 + n + i]
         if stopped[i] != 0.0:
             out[12 + i] = out[12 + n + i] = 0.0
         else:
-            pull = drive(c, i, spool, held[i] + _quintic(quintics[piece, 3 * n + i], s))
+            pull = drive(a, spool, held[i] + _quintic(quintics[piece, 3 * n + i], s))
             out[12 + i] = rate
-            out[12 + n + i] = pull - 2.0 * c.zeta[i] * c.omega[i] * rate
-        edge = memory[i] if side[i] == 0.0 and c.play[i] > 0.0 else spool - side[i] * 0.5 * c.play[i]
-        into_1, into_2, taken = _flows(c, i, _opening(c, i, edge), supply, p1, p2)
+            out[12 + n + i] = pull - 2.0 * a.valve_damping * a.valve_frequency * rate
+        edge = memory[i] if side[i] == 0.0 and a.hysteresis > 0.0 else spool - side[i] * 0.5 * a.hysteresis
+        into_1, into_2, taken = _flows(a, _opening(a, c.curves[i], edge), supply, tank, rated, p1, p2)
         drawn += taken
-        out[k] = _compress(c, i, 0, y[k], p1, into_1, offset, speed)
-        out[k + 1] = _compress(c, i, 1, y[k + 1], p2, into_2, offset, speed)
+        volume_1, volume_2 = a.chamber_volume * a.volume_share, a.chamber_volume * (1.0 - a.volume_share)
+        out[k] = _compress(a, area_1, volume_1, y[k], into_1, offset, speed)
+        out[k + 1] = _compress(a, -area_2, volume_2, y[k + 1], into_2, offset, speed)
     out[:6] = y[6:12]
     out[6:12] = c.inverse_mass @ force
-    if shared:
-        _station(c, y[station], y[station + 1], y[station + 2], drawn, out[station:])
+    if station.dynamic:
+        _station(station, y[last], y[last + 1], y[last + 2], drawn, out[last:])

@@ -10,8 +10,7 @@ from scipy.integrate import OdeSolver as Solver
 from ehamj.control import Controller
 from ehamj.control.sensors import IDEAL
 from ehamj.scenario.model import Scenario
-from ehamj.verify.reference.constants import constants
-from ehamj.verify.reference.equations import drive, rates
+from ehamj.verify.reference.equations import constants, drive, rates
 from ehamj.verify.reference.inputs import GRID, SampledLaw, quintics_of
 from ehamj.verify.reference.modes import Modes
 
@@ -20,13 +19,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ReferenceRun:
-    """A run of n mounts: time (rows,) [s], q and its rate (rows, 6) in the order x, y, z, rx, ry, rz, spool (rows, n)
-    [mA], pressure states (rows, n, 2) [Pa] and the supply's pressure (rows,) [Pa]; the number of steps, and of changes
-    of mode."""
+    """A run of n mounts: q (rows, 6) in the order x, y, z, rx, ry, rz, spool (rows, n) [mA], pressure states
+    (rows, n, 2) [Pa] and the supply's pressure (rows,) [Pa]; the number of steps, and of changes of mode."""
 
-    time: Array
     q: Array
-    rate: Array
     spool: Array
     pressure: Array
     supply: Array
@@ -34,15 +30,15 @@ class ReferenceRun:
     switches: int
 
 
-def simulate_reference(scenario: Scenario, rtol: float = 1e-9, controller: Controller | None = None) -> ReferenceRun:
+def simulate_reference(scenario: Scenario, rtol: float = 1e-9) -> ReferenceRun:
     """Run a scenario from its static equilibrium and report at its recording times.
 
     Raises:
-        ValueError: for what this model does not have: settings of `ehamj.verify.reference.constants.constants`,
+        ValueError: for what this model does not have: settings of `ehamj.verify.reference.equations.constants`,
             channels other than of ground and pressure, laws of several rates, sensors, forces on the machine.
         RuntimeError: if SciPy gives up, or no equilibrium is found.
     """
-    law = scenario.controller() if controller is None else controller
+    law = scenario.controller()
     if law is not None and not isinstance(law, Controller):
         raise ValueError("the reference model has laws of one rate only")
     if scenario.force:
@@ -58,22 +54,19 @@ class _Run:
     def __init__(self, scenario: Scenario, controller: Controller | None, rtol: float) -> None:
         plant = scenario.plant
         self.c, self.n = constants(plant), len(plant.mounts)
-        self.controller, self.rtol = controller, rtol
+        self.law, self.rtol = SampledLaw(controller, plant.mounts) if controller else None, rtol
         rows = round(scenario.duration * scenario.record_rate) + 1
         self.times: Array = np.arange(rows, dtype=np.float64) / scenario.record_rate
         self.quintics, self.jumps = quintics_of(scenario)
         self.pressures, self.station = 12 + 2 * self.n, 12 + 4 * self.n
-        size = self.station + (3 if self.c.supply.size else 0)
         # A small motion of each state: 0.1 µm, 10 µm/s, 1 mA, …; the absolute tolerance is rtol times this.
-        small = [1e-7, 1e-5, 1.0, 1e2, 1e4, 1e4, 1e-6, 1e4]
-        self.atol = rtol * np.repeat(small, [6, 6, self.n, self.n, 2 * self.n, 1, 1, 1])[:size]
+        small = np.repeat([1e-7, 1e-5, 1.0, 1e2, 1e4, 1e4, 1e-6, 1e4], [6, 6, self.n, self.n, 2 * self.n, 1, 1, 1])
+        self.atol = rtol * small[: self.station + (3 if plant.supply.dynamic else 0)]
         self.held = np.zeros(self.n)
-        stops = np.array([actuator.end_stops for actuator in plant.actuators])
-        start = self._mid_pressure(scenario, size)
-        limit = np.where(stops, self.c.stroke, np.inf)
-        self.modes = Modes(start[12 : 12 + self.n], self.c.play, limit, self._drives)
+        start, isolators = self._mid_pressure(scenario), self.c.isolators
+        limit = np.where(isolators["end_stops"] > 0.0, isolators["spool_stroke"], np.inf)
+        self.modes = Modes(start[12 : 12 + self.n], isolators["hysteresis"], limit, self._drives)
         self.y = self._equilibrium(start)
-        self.law = SampledLaw(controller, plant.mounts) if controller else None
         self.first_step, self.steps = 1e-5, 0
 
     def rates(self, t: float, y: Array) -> Array:
@@ -82,16 +75,17 @@ class _Run:
         rates(t, y, self.c, self.quintics, self.held, modes.side, modes.memory, modes.stopped, out)
         return out
 
-    def _mid_pressure(self, scenario: Scenario, size: int) -> Array:
+    def _mid_pressure(self, scenario: Scenario) -> Array:
         """The machine in its place, spools where the first commands put them, every pressure in the middle."""
-        c, start = self.c, np.zeros(1)
-        volts = np.array([signal.sample(start, left=True).value[0] for signal in scenario.commands()])
-        y = np.zeros(size)
-        y[12 : 12 + self.n] = c.K_v * np.clip(volts, -c.v_max, c.v_max)
-        y[self.pressures : self.station] = 0.5 * (c.P_s + c.P_t)
-        if size > self.station:
-            behind_pump = c.P_s - 0.5 * c.supply[1] / c.supply[0]
-            y[self.station :] = behind_pump, 0.5 * c.supply[1], behind_pump
+        isolators, supply = self.c.isolators, scenario.plant.supply
+        volts = np.array([signal.sample(np.zeros(1), left=True).value[0] for signal in scenario.commands()])
+        y = np.zeros(len(self.atol))
+        limit = isolators["voltage_limit"]
+        y[12 : 12 + self.n] = isolators["valve_gain"] * np.clip(volts, -limit, limit)
+        y[self.pressures : self.station] = 0.5 * (supply.pressure + supply.tank_pressure)
+        if supply.dynamic:
+            behind_pump = supply.pressure - 0.5 * supply.pump_droop
+            y[self.station :] = behind_pump, 0.5 * supply.pump_flow, behind_pump
         return y
 
     def _equilibrium(self, y: Array) -> Array:
@@ -100,17 +94,12 @@ class _Run:
         ground = self.quintics[0, :grounds].copy()
         self.quintics[0, :grounds, 1:] = 0.0  # the ground stands still while the machine finds its place
         unknown, balance = np.r_[0:6, self.pressures : size], np.r_[6:12, self.pressures : size]
-        station = np.array([1e6, 1e-5, 1e6])[: size - self.station]
-        unit = np.r_[np.full(6, 1e-5), np.full(2 * self.n, 1e6), station]
-        change = np.full(len(unknown), np.inf)
+        unit = np.repeat([1e-5, 1e6, 1e6, 1e-5, 1e6], [6, 2 * self.n, 1, 1, 1])[: len(unknown)]
+        shifts = 1e-5 * unit[:, None] * np.eye(size)[unknown]
         for _ in range(80):
             residual = self.rates(0.0, y)[balance]
-            jacobian = np.empty((balance.size, unknown.size))
-            for column, k in enumerate(unknown):
-                shift = np.zeros(size)
-                shift[k] = 1e-5 * unit[column]
-                ahead, behind = self.rates(0.0, y + shift), self.rates(0.0, y - shift)
-                jacobian[:, column] = (ahead - behind)[balance] / 2e-5
+            ahead, behind = (np.array([self.rates(0.0, y + way * shift) for shift in shifts]) for way in (1.0, -1.0))
+            jacobian = (ahead - behind).T[balance] / 2e-5
             row = np.abs(jacobian).max(axis=1)
             change = np.linalg.lstsq(jacobian / row[:, None], -residual / row, rcond=1e-12)[0]
             y[unknown] += unit * np.clip(change, -1.0, 1.0)
@@ -123,28 +112,26 @@ class _Run:
 
     def run(self) -> ReferenceRun:
         """Integrate from time to time at which something is recorded, sampled, commanded or jumps."""
-        end = self.times[-1]
         rows = [self.y.copy()]
-        for begin, finish in self._pieces(end):
+        for begin, finish in self._pieces(self.times[-1]):
             if self.law is not None:
                 self.held = self.law.at(begin, self._ground_velocity)
             self._integrate(begin, finish)
             if np.abs(self.times[len(rows)] - finish) < 1e-9:
                 rows.append(self.y.copy())
-        states, n = np.array(rows), self.n
-        pressure = states[:, self.pressures : self.station].reshape(-1, n, 2)
-        supply = states[:, self.station + 2] if self.c.supply.size else np.full(len(states), self.c.P_s)
-        return ReferenceRun(
-            self.times, states[:, :6], states[:, 6:12], states[:, 12 : 12 + n], pressure, supply, self.steps,
-            self.modes.switches,
-        )  # fmt: skip
+        q, _, spool, _, pressure, station = np.split(
+            np.array(rows), [6, 12, 12 + self.n, self.pressures, self.station], axis=1
+        )
+        pressure = pressure.reshape(-1, self.n, 2)
+        supply = station[:, 2] if station.size else np.full(len(rows), self.c.supply["pressure"][0])
+        return ReferenceRun(q, spool, pressure, supply, self.steps, self.modes.switches)
 
     def _pieces(self, end: float) -> list[tuple[float, float]]:
         parts = [self.times, self.jumps]
-        if self.controller is not None:
-            count = round(end / self.controller.period) + 1
-            samples: Array = np.arange(count, dtype=np.float64) * self.controller.period
-            parts += [samples, samples + self.controller.latency]
+        if self.law is not None:
+            period = self.law.controller.period
+            samples: Array = period * np.arange(round(end / period) + 1, dtype=np.float64)
+            parts += [samples, samples + self.law.controller.latency]
         edges = np.unique(np.round(np.concatenate(parts), 12))
         edges = edges[(edges >= 0.0) & (edges <= end + 1e-12)]
         return list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
@@ -157,11 +144,10 @@ class _Run:
     def _integrate(self, begin: float, end: float) -> None:
         """Advance the state; where a mode ends, the integration starts anew."""
         t, last = begin, end - 1e-12  # inputs that jump at the end belong to the next piece
+        method = DOP853 if self.law is None else RK45  # between samples a step is short anyway, and half the stages do
         while t < end - 1e-11:
             if self.modes.any:
                 self.modes.settle(t, self.y)
-            # Between samples a step is short anyway, and half the stages do.
-            method = DOP853 if self.law is None else RK45
             solver = method(
                 lambda at, y: self.rates(min(at, last), y), t, self.y, end, rtol=self.rtol, atol=self.atol,
                 first_step=min(self.first_step, end - t),
@@ -189,4 +175,4 @@ class _Run:
         """Force of the solenoids over the spools' mass [mA/s²]."""
         piece = min(int(t / GRID), len(self.quintics) - 1)
         voltage = self.held + self.quintics[piece, 3 * self.n :] @ (t / GRID - piece) ** np.arange(6)
-        return np.array([drive(self.c, i, y[12 + i], voltage[i]) for i in range(self.n)])
+        return np.array([drive(self.c.isolators[i], y[12 + i], voltage[i]) for i in range(self.n)])
