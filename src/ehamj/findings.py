@@ -1,11 +1,17 @@
 """What was found, typed: attributes in the code, keys of the JSON file for whoever reads it as plain data."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ehamj.errors import InputError
+
+
+def finite(value: float) -> float | None:
+    """A number as JSON has it: None where it is not finite."""
+    return float(value) if math.isfinite(value) else None
 
 
 class Finding(BaseModel, Mapping[str, Any]):
@@ -36,13 +42,6 @@ class Finding(BaseModel, Mapping[str, Any]):
         if isinstance(other, Finding):
             other = other.to_dict()
         return self.to_dict() == other
-
-    def __hash__(self) -> int:
-        return hash(tuple(self))
-
-    def attributes(self) -> dict[str, Any]:
-        """The fields that were set, by name."""
-        return {name: getattr(self, name) for name in self._names().values()}
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data, ready for JSON."""

@@ -23,20 +23,20 @@ RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
 
 CONTROLLER_FILE = "controller.json"
 
-COORDINATES: dict[str, tuple[Any, dict[str, str]]] = {
-    "axis": (list(AXES), {"long_name": "axis"}),
-    "dof": (list(DOFS), {"long_name": "degree of freedom of the machine, at the mount plane's centre"}),
-    "chamber": (list(CHAMBERS), {"long_name": "chamber; oil in chamber 1 lifts the plate"}),
-}
+FIXED: dict[str, Sequence[Any]] = {"axis": AXES, "dof": DOFS, "chamber": CHAMBERS}
+"""Dimensions whose labels are the same in every result; plant, scenario or controller give the others."""
 
-LABELLED = {
+DIMENSIONS = {
+    "axis": "axis",
+    "dof": "degree of freedom of the machine, at the mount plane's centre",
+    "chamber": "chamber; oil in chamber 1 lifts the plate",
     "mount": "mount (+x front, +y left)",
     "point": "point of the machine",
     "relative": "relative motion, as named in the scenario",
     "sensor": "channel that the controller reads",
     "law_state": "number of the controller's state",
 }
-"""Dimensions whose labels plant, scenario or controller give; a result has them where there are any."""
+"""Long name of each dimension beside ``time``."""
 
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
@@ -100,18 +100,17 @@ class Result:
 
     def save(self, folder: Path) -> None:
         """Write the result's files into an existing folder, each renamed into place when it is whole."""
-        with written_whole(folder / "scenario.toml") as path:
-            path.write_text(self.scenario.to_toml(), encoding="utf-8")
+        summary = json.dumps(self.summary.to_dict(), indent=2, allow_nan=False) + "\n"
+        texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml, "summary.json": summary}
         if self.controller is not None:
             with written_whole(folder / CONTROLLER_FILE) as path:
                 self.controller.save(path)
-        with written_whole(folder / "model.xml") as path:
-            path.write_text(self.model_xml, encoding="utf-8")
         with written_whole(folder / "result.nc") as path:
             # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
             self.dataset.to_netcdf(path, engine="h5netcdf")
-        with written_whole(folder / "summary.json") as path:
-            path.write_text(json.dumps(self.summary.to_dict(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        for name, text in texts.items():
+            with written_whole(folder / name) as path:
+                path.write_text(text, encoding="utf-8")
 
 
 def load_result(folder: str | Path) -> Result:
@@ -159,15 +158,13 @@ def make_dataset(
 ) -> xr.Dataset:
     """Label arrays of shape (time, …) with dimensions, units and names; ``values`` are keyed as `VARIABLES`.
 
-    ``labels`` names what lies along the dimensions of `LABELLED`, which differ from model to model.
+    ``labels`` names what lies along the `DIMENSIONS` that are not `FIXED`, of those that the result has.
     """
     data = {}
     for name, array in values.items():
         dimensions, units, long_name = VARIABLES[name]
         data[name] = (("time", *dimensions), array, {"units": units, "long_name": long_name})
     coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s", "long_name": "time"})}
-    for name, along in labels.items():
-        coordinates[name] = (name, list(along), {"long_name": LABELLED[name]})
-    for name, (values_along, attrs) in COORDINATES.items():
-        coordinates[name] = (name, values_along, attrs)
+    for name, along in {**labels, **FIXED}.items():
+        coordinates[name] = (name, list(along), {"long_name": DIMENSIONS[name]})
     return xr.Dataset(data, coordinates, attributes)

@@ -33,9 +33,7 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _lists_are_tuples(cls, table: Any) -> Any:
-        if not isinstance(table, Mapping):
-            return table
-        return {key: _tuples(value) for key, value in table.items()}
+        return {key: _tuples(value) for key, value in table.items()} if isinstance(table, Mapping) else table
 
 
 def _tuples(value: Any) -> Any:

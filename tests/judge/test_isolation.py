@@ -15,7 +15,7 @@ from ehamj.criteria.settings import CriteriaSettings, ResponseSpectrumSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.estimate.bands import bands
 from ehamj.judge import isolation, settled
-from ehamj.judge.levels import floor_and_machine, levels_of
+from ehamj.judge.levels import SLAB, floor_and_machine, levels_of
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.verdicts import by_norm, undecided, worst_class
 from ehamj.plant.mounts import MOUNTS
@@ -141,8 +141,8 @@ def test_floor_and_machine_turn_the_same_way(corners: dict[str, list[float]] | N
     values = {"ground_velocity": motion.ground, "cg_velocity": motion.cg, "machine_velocity": motion.machine}
     floor, machine = floor_and_machine(make_dataset(TIMES, values, {}, {"mount": MOUNTS}), plant)
     for name, expected in (("rx", rx), ("ry", ry)):
-        np.testing.assert_allclose(floor[name], expected, rtol=0, atol=1e-18)
-        np.testing.assert_array_equal(machine[name], expected)
+        np.testing.assert_allclose(floor[:, SLAB.index(name)], expected, rtol=0, atol=1e-18)
+        np.testing.assert_array_equal(machine[:, SLAB.index(name)], expected)
 
 
 def test_the_beginning_of_a_run_does_not_count() -> None:

@@ -16,8 +16,7 @@ from ehamj.paper.actuator import FAST_VALVE
 from ehamj.paper.cases import CASES, PaperStudy
 from ehamj.paper.figures import FIGURES, figure
 from ehamj.paper.page import write_paper
-from ehamj.paper.reproduction import Reproduction, reproduce
-from ehamj.paper.table import AGREES, FAILS, GIVEN, ROUNDED
+from ehamj.paper.reproduction import AGREES, FAILS, GIVEN, ROUNDED, Reproduction, reproduce
 
 TABLE = linear.PaperActuator()
 """Table I, typed in once more by the oracle."""

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOF_OF_JOINT
-from ehamj.plant.kinematics import point_motion
+from ehamj.plant.kinematics import points_motion
 from ehamj.scenario.model import Scenario
 
 settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
@@ -24,7 +24,7 @@ points = st.tuples(*(st.floats(-2.0, 2.0),) * 3)
 def displaced(displacement: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Displacement (n, 3) of a point, from displacements (n, 6)."""
     still = np.zeros_like(displacement)
-    return point_motion(displacement, still, still, point)[0]
+    return points_motion(displacement, still, still, [point])[0][0]
 
 
 @given(points, angles, points)
@@ -58,7 +58,8 @@ def test_velocity_and_acceleration_integrate_to_the_motion(coefficients: list[fl
 
     def motion(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         t = times[:, None]
-        return point_motion(a + b * t + c * t * t, b + 2 * c * t, np.tile(2 * c, (times.size, 1)), np.array(point))
+        (moved,) = points_motion(a + b * t + c * t * t, b + 2 * c * t, np.tile(2 * c, (times.size, 1)), [point])
+        return moved
 
     place, speed, _ = motion(np.array([0.0, duration]))
     _, speed_between, change_between = motion(0.5 * duration * (1 + NODES))

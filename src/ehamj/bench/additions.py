@@ -14,7 +14,7 @@ from ehamj.mujoco.advance import NOT_LOADED, advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
-from ehamj.run.inputs import sample_inputs, sample_load
+from ehamj.run.drive import sample_inputs, sample_load
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 

@@ -12,7 +12,7 @@ from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import advance
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
-from ehamj.run.inputs import sample_inputs
+from ehamj.run.drive import sample_inputs
 from ehamj.scenario.model import Scenario
 
 

@@ -12,6 +12,7 @@ from ehamj.cli.frame import JsonOption, ScenarioArgument, SetOption, app, log, p
 from ehamj.cli.modal_tables import print_measured, print_modes
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
+from ehamj.findings import finite
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import Mode
@@ -151,12 +152,8 @@ def _plain_slopes(slopes: xr.Dataset) -> dict[str, Any]:
         str(key): {
             "value": float(slopes["value"].sel(parameter=key)),
             "unit": slopes["unit"].sel(parameter=key).item(),
-            "frequency": [_finite(value) for value in slopes["frequency"].sel(parameter=key).values],
-            "damping": [_finite(value) for value in slopes["damping"].sel(parameter=key).values],
+            "frequency": [finite(value) for value in slopes["frequency"].sel(parameter=key).values],
+            "damping": [finite(value) for value in slopes["damping"].sel(parameter=key).values],
         }
         for key in slopes["parameter"].values
     }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -142,24 +142,29 @@ class Norm:
         if missing := self.kinds - levels.keys():
             wanted, given = (", ".join(f"{s} of {q}" for q, s in sorted(kinds)) for kinds in (missing, levels))
             raise InputError(f"norm {self.title!r}: limits {wanted}; the levels are {given}")
-        of_band = _by_band(levels, measured)
-        needed = [band for band in (*CANDIDATES, None) if any(self.limit(name, axis, band) for name in self.classes)]
-        undecided = tuple(_name(band) for band in needed if not of_band.get(band))
-        met, deciding, margin = None, None, None
-        following, following_band, excess = None, None, None
+        known = {
+            (band, kind): float(value)
+            for kind, values in levels.items()
+            for band, value in zip(measured if kind[1] == "rms" else (None,), values, strict=True)
+            if np.isfinite(value)
+        }
+        limited = {band for name in self.classes for band in self._limits[name, axis]}
+        unknown = limited - {band for band, _ in known}
+        undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
+        met = deciding = margin = following = following_band = excess = None
         for name in self.classes:
-            shares = self._shares(name, axis, of_band)
+            shares = self._shares(name, axis, known)
             if not shares:
                 break
-            worst = max(shares, key=lambda band: shares[band][1])
-            kept, share = all(kept for kept, _ in shares.values()), shares[worst][1]
-            if not kept:
+            worst, share = max(shares.items(), key=lambda item: item[1])
+            if share > 1.0:
                 following, following_band, excess = name, _name(worst), _decibel(share)
                 deciding = deciding or _name(worst)
                 break
             met, deciding = name, _name(worst)
             margin = -_decibel(share) if share > 0 else None
-        verdict = Verdict(
+        base = {} if self.base is None else self._shares(self.base, axis, known)
+        return Verdict(
             met=met,
             decided=deciding is not None and (met is None or not undecided),
             deciding_band=deciding,
@@ -168,11 +173,8 @@ class Norm:
             next_band=following_band,
             excess_db=excess,
             undecided=undecided,
+            **({} if self.base is None else {"factor": max(base.values(), default=None)}),
         )
-        if not self.base:
-            return verdict
-        base = [share for _, share in self._shares(self.base, axis, of_band).values()]
-        return verdict.model_copy(update={"factor": max(base, default=None)})
 
     def rank(self, verdict: Verdict) -> tuple[int, float]:
         """The less, the worse: by the class met, and of one class by the margin."""
@@ -180,26 +182,12 @@ class Norm:
             return -1, -(verdict.excess_db or 0.0)
         return self.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
 
-    def _shares(self, name: str, axis: str, of_band: "_ByBand") -> dict[Band | None, tuple[bool, float]]:
-        """Whether the limit is kept, and the level over it, per band that is known and limited."""
-        return {
-            band: (known[limit.kind] <= limit.value, known[limit.kind] / limit.value)
-            for band, known in of_band.items()
-            if (limit := self.limit(name, axis, band)) is not None and limit.kind in known
-        }
-
-
-_ByBand = dict[Band | None, dict[Kind, float]]
-
-
-def _by_band(levels: ByKind, measured: tuple[Band, ...]) -> _ByBand:
-    """The levels that are known in each band, and of the whole history (None)."""
-    found: _ByBand = {band: {} for band in (*measured, None)}
-    for kind, values in levels.items():
-        for band, value in zip(measured if kind[1] == "rms" else (None,), values, strict=True):
-            if np.isfinite(value):
-                found[band][kind] = float(value)
-    return found
+    def _shares(
+        self, name: str, axis: str, known: Mapping[tuple[Band | None, Kind], float]
+    ) -> dict[Band | None, float]:
+        """Level over limit in each band in which both are known."""
+        limits = self._limits[name, axis].items()
+        return {band: known[band, limit.kind] / limit.value for band, limit in limits if (band, limit.kind) in known}
 
 
 def _name(band: Band | None) -> str:

@@ -9,7 +9,7 @@ ramp-invariant method of Smallwood (1981), which ISO 18431-4 has too. Straight l
 samples by sinc²: a line at a tenth of the sampling rate, the highest natural frequency taken, comes out 3 % low.
 """
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,15 +21,12 @@ HIGHEST_SHARE = 0.1
 """Highest natural frequency over the sampling rate."""
 
 
-@dataclass(frozen=True)
-class ResponseSpectrum:
+class ResponseSpectrum(NamedTuple):
     """Peak responses of oscillators, (frequencies, channels) each."""
 
-    frequency: Array
-    """Natural frequencies [Hz]."""
-    velocity: Array = field(repr=False)
+    velocity: Array
     """Pseudo-velocity: 2πf times the peak displacement relative to the base [m/s]."""
-    acceleration: Array = field(repr=False)
+    acceleration: Array
     """Peak absolute acceleration [m/s²]."""
 
 
@@ -87,4 +84,4 @@ def response_spectrum(
         moved = sosfilt(to_displacement[None], base, axis=1)[:, begin:]
         velocity[row, moving] = 2.0 * np.pi * frequency * np.abs(moved).max(axis=1)
         absolute[row, moving] = np.abs(sosfilt(to_acceleration[None], base, axis=1)[:, begin:]).max(axis=1)
-    return ResponseSpectrum(natural, velocity, absolute)
+    return ResponseSpectrum(velocity, absolute)

@@ -9,6 +9,7 @@ from ehamj.control import LinearController
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
+from ehamj.findings import finite
 from ehamj.labels import labelled
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
@@ -65,18 +66,14 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         ),
         numbers={
             "meets": design.meets,
-            "gain_margin_db": _finite(gain),
-            "phase_margin_deg": _finite(phase),
+            "gain_margin_db": finite(gain),
+            "phase_margin_deg": finite(phase),
             "disk_margin": disk,
             "margins": {name: one.to_dict() for name, one in design.reports.items()},
             "budget": limits.to_dict(),
             "law": {"states": design.law.states, "inputs": len(design.law.inputs)},
         },
     )
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool) -> list[str]:

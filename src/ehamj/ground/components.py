@@ -102,12 +102,10 @@ def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dic
                 f"ground.axes does not say which axis {component!r} is; name it, for instance "
                 f'axes = {{ {names[-1] or component!r} = "x" }}; else {", ".join(STANDARD_AXES)} are known'
             )
-    all_names = {name for names in components.values() for name in names}
-    for name in axes or {}:
-        if name not in all_names:
-            raise ValueError(
-                f"ground.axes names {name!r}, which the record does not hold; it holds {', '.join(components)}"
-            )
+    held = ", ".join(components)
+    missing = [name for name in axes or {} if not any(name in names for names in components.values())]
+    if missing:
+        raise ValueError(f"ground.axes names {missing[0]!r}, which the record does not hold; it holds {held}")
     twice = [axis for axis, count in Counter(chosen.values()).items() if count > 1]
     if twice:
         both = ", ".join(component for component, axis in chosen.items() if axis == twice[0])
@@ -115,7 +113,7 @@ def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dic
             f"ground.axes: {both} are all {twice[0]}; each axis takes one component; choose with ground.axes"
         )
     if not chosen:
-        raise ValueError(f"ground.axes = {axes} leaves no component; the record holds {', '.join(components)}")
+        raise ValueError(f"ground.axes = {axes} leaves no component; the record holds {held}")
     return chosen
 
 

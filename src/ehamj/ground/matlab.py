@@ -42,7 +42,9 @@ def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
     columns: dict[str, Array] = {}
     for name, array in arrays.items():
         if name not in (*CLOCKS, *RATES) and array.size > 1 and array.ndim == 2:
-            columns |= _columns(name, array)
+            long = array if array.shape[0] >= array.shape[1] else array.T
+            one = long.shape[1] == 1
+            columns |= {name if one else f"{name}({n + 1})": column for n, column in enumerate(long.T)}
     length = max((column.size for column in columns.values()), default=0)
     columns = {name: column for name, column in columns.items() if column.size == length}
     if not columns:
@@ -62,13 +64,6 @@ def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
         holds, size = agreed_unit(choices, None, f"variable {name!r}", "set ground.unit")
         channels.append(Channel(axis, name, rate, holds, on_grid(index, size * columns[name])))
     return recorded(path.name, channels, notes)
-
-
-def _columns(name: str, array: Array) -> dict[str, Array]:
-    if 1 in array.shape:
-        return {name: array.ravel()}
-    long = array if array.shape[0] >= array.shape[1] else array.T
-    return {f"{name}({n + 1})": long[:, n] for n in range(long.shape[1])}
 
 
 def _arrays(path: Path) -> dict[str, Array]:

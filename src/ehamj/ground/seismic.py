@@ -28,6 +28,13 @@ if TYPE_CHECKING:
 
 EXAMPLE = "example:BW.RJOB"
 
+SENSED: dict[str, tuple[Quantity, str]] = {
+    "": ("displacement", "DISP"),
+    "/S": ("velocity", "VEL"),
+    "/S2": ("acceleration", "ACC"),
+}
+"""What an instrument senses by its unit over the metre, and what ObsPy calls that."""
+
 
 def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
     """A record in any format ObsPy reads; the last part of ``path`` may hold wildcards, or it is `EXAMPLE`.
@@ -52,10 +59,7 @@ def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
     beginning = max(trace.stats.starttime for trace in stream)
     channels = []
     for trace in stream:
-        found: Quantity | None = None
-        response: Response | None = None
-        if choices.remove_response:
-            found, response = _response(trace, responses)
+        found, response = _response(trace, responses) if choices.remove_response else (None, None)
         told = None if found is None else (found, 1.0)
         holds, size = agreed_unit(choices, told, trace.id, "let ground.remove_response find out")
         stats = trace.stats
@@ -155,8 +159,7 @@ def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, 
     kind = re.fullmatch(r"[NUMC]?M(|/S|/S2)", per)
     if kind is None:
         raise ValueError(f"ground.inventory: {trace.id} senses {units!r}; known are M, M/S and M/S**2")
-    quantity: Quantity = {"": "displacement", "/S": "velocity", "/S2": "acceleration"}[kind[1]]  # type: ignore[assignment]
-    output = {"displacement": "DISP", "velocity": "VEL", "acceleration": "ACC"}[quantity]
+    quantity, output = SENSED[kind[1]]
 
     def evaluate(frequency: Array) -> np.ndarray:
         try:

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -64,38 +65,32 @@ def read_table(path: Path, key: str = "ground.file") -> tuple[list[Column], Arra
     except UnicodeDecodeError:
         text = raw.decode("latin-1")  # spreadsheets on Windows write µ and ² like this
     lines = text.splitlines()
-    rate_hz, header, header_at = None, None, 0
+    rate_hz, header, header_at = None, "", 0
     for number, line in enumerate(lines):
         stated = re.fullmatch(r"#\s*rate_hz\s*[=:]\s*(\S+)\s*", line)
         if stated:
-            rate_hz = _positive_rate(stated[1], key)
+            rate_hz = float(stated[1]) if _is_number(stated[1]) else 0.0
+            if not 0.0 < rate_hz < np.inf:
+                raise ValueError(f"{key}: rate_hz = {stated[1]} must be a positive number, in Hz")
         elif line.lstrip().startswith("#"):
             header, header_at = line.lstrip().lstrip("#"), number + 1
         elif line.strip():
             if not _is_number(re.split(r"[,;\t]", line)[0]):
                 header, header_at = line, number + 1
             break
-    if header is None:
+    if not header_at:
         raise ValueError(
             f"{key} = {path.name!r}: the first line must name columns and units, as in 'time [s], z [m/s]'"
         )
     delimiter = next((mark for mark in "\t;" if mark in header), ",")
     columns = parse_header(header, delimiter, key)
     rows = [(n, line) for n, line in enumerate(lines[header_at:], header_at + 1) if line.split("#")[0].strip()]
-    try:
-        table = np.loadtxt([line for _, line in rows], delimiter=delimiter, ndmin=2) if rows else np.empty((0, 0))
-    except ValueError:
-        table = np.empty((0, 0))
+    table: Array = np.empty((0, 0))
+    with suppress(ValueError):
+        table = np.loadtxt([line for _, line in rows], delimiter=delimiter, ndmin=2) if rows else table
     if table.shape[1] != len(columns):
         raise ValueError(f"{key} = {path.name!r}: " + _csv_fault(rows, len(columns), delimiter))
     return columns, table, rate_hz
-
-
-def _positive_rate(text: str, key: str) -> float:
-    rate = float(text) if _is_number(text) else 0.0
-    if not 0.0 < rate < np.inf:
-        raise ValueError(f"{key}: rate_hz = {text} must be a positive number, in Hz")
-    return rate
 
 
 def _is_number(text: str) -> bool:

@@ -116,11 +116,8 @@ class FileTarget(TargetSettings):
         common = len(rest) == 1 and names[0] not in ("x", "y", "z")
         if not common and missing:
             raise ValueError(f"{where}: it has {names[0]!r} only; set ground.axes = [{names[0]!r}]")
-        found: dict[Axis, Spectrum] = {}
-        for axis in axes:
-            at = 0 if common else names.index(axis)
-            found[axis] = _from_column(clock.name, rest[at], table[:, 0], table[:, at + 1], where)
-        return found
+        at = {axis: 0 if common else names.index(axis) for axis in axes}
+        return {axis: _from_column(rest[k], table[:, 0], table[:, k + 1], clock.name, where) for axis, k in at.items()}
 
 
 TARGETS: tuple[type[TargetSettings], ...] = (ThirdOctaveTarget, PsdTarget, PetersonTarget, FileTarget)
@@ -158,28 +155,21 @@ def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tupl
         raise ValueError(f"{key} must rise; {falling:g} Hz does not")
 
 
-def _from_column(kind: str, column: Column, frequency: Array, values: Array, where: str) -> Spectrum:
+def _from_column(column: Column, frequency: Array, values: Array, kind: str, where: str) -> Spectrum:
     """The spectrum of one column of levels (``kind`` band) or of a PSD (``kind`` frequency)."""
-    unit = spelled(column.unit or "")
-    if kind == "band":
-        if unit not in UNITS:
-            raise ValueError(
-                f"{where}: column {column.name!r} has the unit {column.unit!r}; levels are in one of {', '.join(UNITS)}"
-            )
-        quantity, size = UNITS[unit]
-        try:
-            numbers = band_numbers(frequency)
-        except ValueError as error:
-            raise ValueError(f"{where}: {error}") from error
-        return from_third_octaves(numbers, size * values, quantity)
-    power = re.fullmatch(r"\(?([^()]+?)\)?\^2/Hz", unit)
-    root = re.fullmatch(r"(.+?)/(?:sqrt\(Hz\)|√Hz)", unit)
-    match = power or root
-    inner = "" if match is None else match[1]
-    if inner not in UNITS:
-        raise ValueError(
-            f"{where}: column {column.name!r} has the unit {column.unit!r}; a PSD is in (U)^2/Hz or U/sqrt(Hz), "
-            f"where U is one of {', '.join(UNITS)}"
-        )
-    quantity, size = UNITS[inner]
-    return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+    unit, allowed, root = spelled(column.unit or ""), "levels are in one of", None
+    if kind == "frequency":
+        power = re.fullmatch(r"\(?([^()]+?)\)?\^2/Hz", unit)
+        root = None if power else re.fullmatch(r"(.+?)/(?:sqrt\(Hz\)|√Hz)", unit)
+        match, allowed = power or root, "a PSD is in (U)^2/Hz or U/sqrt(Hz), where U is one of"
+        unit = match[1] if match else ""
+    if unit not in UNITS:
+        told = f"column {column.name!r} has the unit {column.unit!r}"
+        raise ValueError(f"{where}: {told}; {allowed} {', '.join(UNITS)}")
+    quantity, size = UNITS[unit]
+    if kind == "frequency":
+        return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+    try:
+        return from_third_octaves(band_numbers(frequency), size * values, quantity)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error

@@ -38,10 +38,7 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
     found = {f"{s['rsp_node']}:{_direction(s['rsp_dir'])}": s for s in sets}
     if len(found) < len(sets):
         raise ValueError(f"ground.file = {path.name!r} holds several time responses of one node and direction")
-    names: dict[str, tuple[str, ...]] = {
-        name: (name, DIRECTIONS.get(abs(s["rsp_dir"]), "")) for name, s in found.items()
-    }
-    chosen = choose_axes(names, choices.axes)
+    chosen = choose_axes({n: (n, DIRECTIONS.get(abs(s["rsp_dir"]), "")) for n, s in found.items()}, choices.axes)
     beginning = max(float(found[name]["x"][0]) for name in chosen if found[name]["x"].size)
     channels, notes = [], []
     for name, axis in chosen.items():
@@ -49,10 +46,8 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
         samples = np.asarray(content["data"])
         stated = int(content["num_pts"])
         if samples.size < stated:
-            raise ValueError(
-                f"ground.file = {path.name!r}: {name} holds {samples.size} of {stated} samples; the file may be "
-                "truncated"
-            )
+            held = f"{name} holds {samples.size} of {stated} samples"
+            raise ValueError(f"ground.file = {path.name!r}: {held}; the file may be truncated")
         if np.iscomplexobj(samples):
             raise ValueError(f"ground.file = {path.name!r}: {name} is complex; a time response must be real")
         time = np.asarray(content["x"], float)[:stated]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.judge.levels import BANDS, ByBand, Levels
+from ehamj.judge.levels import SLAB, ByBand, Levels, by_band
 from ehamj.plant.axes import AXES
 from ehamj.plant.levers import plane
 from ehamj.plant.plant import Plant
@@ -21,10 +21,10 @@ the distortion of what moves elsewhere."""
 
 def attenuation_at_cg(levels: Levels, plant: Plant) -> dict[str, ByBand]:
     """Of the machine's CG and rotation, for x, y, z, rx, ry: band → dB, None where the floor says nothing."""
-    return {
-        name: _attenuation(levels.floor[name], levels.machine[name], _reference(name, levels, plant), levels)
-        for name in levels.floor
-    }
+    single = _single(levels)
+    arms = np.sqrt((plane(plant.positions)[:, 1:] ** 2).mean(axis=0))
+    turning = single[:, [AXES.index("z")]] / arms
+    return by_band(_attenuation(levels.floor, levels.machine, np.hstack([single, turning])), levels.bands, SLAB)
 
 
 def attenuation_at_places(levels: Levels) -> dict[str, dict[str, ByBand]]:
@@ -33,46 +33,23 @@ def attenuation_at_places(levels: Levels) -> dict[str, dict[str, ByBand]]:
     A point is held against the mean of the floor, like the CG; a foot against the ground below it, and the foot counts
     that is worst.
     """
-    places = levels.places["velocity", "rms"]
-    feet = {axis: _worst_foot(levels, k) for k, axis in enumerate(AXES)}
-    points = {
-        name: {
-            axis: _attenuation(levels.floor[axis], places[name][:, k], _single(levels, k), levels)
-            for k, axis in enumerate(AXES)
-        }
-        for name in levels.points
-    }
-    return {"feet": feet, **points}
+    velocity = {place: found["velocity", "rms"] for place, found in levels.places.items()}
+    ground, feet = velocity.pop("floor"), velocity.pop("feet")
+    del velocity["machine"]
+    mean, single = levels.floor[:, : len(AXES)], _single(levels)
+    found = {"feet": np.fmin.reduce(_attenuation(ground, feet, ground), axis=1)}
+    found |= {point: _attenuation(mean, level, single) for point, level in velocity.items()}
+    return {place: by_band(decibel, levels.bands) for place, decibel in found.items()}
 
 
-def _worst_foot(levels: Levels, axis: int) -> ByBand:
-    ground, feet = levels.ground[:, :, axis], levels.feet[:, :, axis]
-    each = [_attenuation(g, f, g, levels) for g, f in zip(ground.T, feet.T, strict=True)]
-    worst: ByBand = {}
-    for band in BANDS:
-        decided = [value for table in each if (value := table[band.name]) is not None]
-        worst[band.name] = min(decided, default=None)
-    return worst
+def _single(levels: Levels) -> Array:
+    """What a single mount makes of the floor's motion, (bands, axis): RMS over the mounts."""
+    return np.asarray(np.sqrt((levels.places["floor"]["velocity", "rms"] ** 2).mean(axis=1)))
 
 
-def _single(levels: Levels, axis: int) -> Array:
-    """RMS over the mounts of what a single mount moves along an axis."""
-    level: Array = np.sqrt((levels.ground[:, :, axis] ** 2).mean(axis=1))
-    return level
-
-
-def _reference(name: str, levels: Levels, plant: Plant) -> Array:
-    """What a single mount makes of this floor motion: RMS over the mounts, over their lever for a rotation."""
-    if name in AXES:
-        return _single(levels, AXES.index(name))
-    heights = plane(plant.positions)[:, ("rx", "ry").index(name) + 1]
-    return _single(levels, AXES.index("z")) / np.sqrt((heights**2).mean())
-
-
-def _attenuation(floor: Array, machine: Array, reference: Array, levels: Levels) -> ByBand:
-    strongest = float(np.nanmax(floor, initial=0.0))
-    found: ByBand = {band.name: None for band in BANDS}
-    for band, below, above, single in zip(levels.bands, floor, machine, reference, strict=True):
-        if below > max(NOISE, LEAST_LEVEL * strongest) and below >= LEAST_SHARE * single and above > 0.0:
-            found[band.name] = float(20.0 * np.log10(below / above))
-    return found
+def _attenuation(floor: Array, machine: Array, single: Array) -> Array:
+    """Floor over machine [dB], (bands, …) like both; NaN where the floor says nothing, beside a ``single`` mount's."""
+    least = np.maximum(NOISE, LEAST_LEVEL * np.fmax.reduce(floor, axis=0, initial=0.0))
+    says = (floor > least) & (floor >= LEAST_SHARE * single) & (machine > 0.0)
+    ratio = np.divide(floor, machine, out=np.full_like(floor, np.nan), where=says)
+    return np.asarray(20.0 * np.log10(ratio))

@@ -2,8 +2,9 @@
 
 from typing import Any
 
-import numpy as np
 import xarray as xr
+
+from ehamj.findings import finite
 
 
 def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -25,7 +26,6 @@ def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
 def _nested(values: xr.DataArray) -> Any:
     """Labelled numbers as nested dictionaries; a number that is not finite becomes None."""
     if values.ndim == 0:
-        number = float(values)
-        return number if np.isfinite(number) else None
+        return finite(float(values))
     dimension = values.dims[0]
     return {str(label): _nested(values.sel({dimension: label})) for label in values[dimension].values}

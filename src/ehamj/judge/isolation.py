@@ -1,17 +1,13 @@
 """How well a run is isolated: attenuation and levels in third-octaves, and what the norms say of every place."""
 
-from collections.abc import Iterable
-
-import numpy as np
 import xarray as xr
 
-from ehamj.criteria.curves import ORDERS, Norm, Quantity
+from ehamj.criteria.curves import ORDERS
 from ehamj.criteria.settings import CriteriaSettings
-from ehamj.findings import Finding
+from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
-from ehamj.judge.levels import BANDS, ByBand, Levels, levels_of, named, settled
+from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, levels_of, settled
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided
-from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 
 Places = dict[str, dict[str, ByBand]]
@@ -66,31 +62,27 @@ def isolation(
         criteria: the norms that judge.
     """
     norms = (criteria or CriteriaSettings()).chosen()
-    end = float(dataset.time[-1]) if dataset.time.size else 0.0
+    end = duration_of(dataset)
     begin = settled(end)
     known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
     levels = levels_of(dataset.sel(time=slice(begin, None)), plant, rate, known)
     verdicts = {name: by_norm(norm, levels) for name, norm in norms.items()}
     first = next(iter(verdicts.values()))
+    # Velocity, and what else the norms limit in bands.
+    limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms.values()))
+    tables = {
+        f"third_octave_{quantity}": {
+            place: by_band(levels.at(place)[quantity, "rms"], levels.bands) for place in levels.places
+        }
+        for quantity in ORDERS
+        if (quantity, "rms") in limited
+    }
     found = Isolation(
         attenuation_db=attenuation_at_cg(levels, plant),
         attenuation_at_db=attenuation_at_places(levels),
         criterion=Criterion(floor=first.places["floor"], machine=first.places["machine"], verdict=first.verdict),
         criteria=verdicts,
-        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=usable_to if np.isfinite(usable_to) else None),
-        **{f"third_octave_{quantity}": _tables(levels, quantity) for quantity in _wanted(norms.values())},
+        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to)),
+        **tables,
     )
     return found, undecided(norms, end - begin, rate, usable_to)
-
-
-def _wanted(norms: Iterable[Norm]) -> list[Quantity]:
-    """Velocity, and what else the norms limit in bands."""
-    limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms))
-    return [quantity for quantity in ORDERS if (quantity, "rms") in limited]
-
-
-def _tables(levels: Levels, quantity: Quantity) -> Places:
-    return {
-        place: {axis: named(found[:, k], levels.bands) for k, axis in enumerate(AXES)}
-        for place, found in levels.places[quantity, "rms"].items()
-    }

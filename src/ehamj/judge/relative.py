@@ -7,13 +7,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.estimate.periodogram import band_rms
-from ehamj.findings import Finding
-from ehamj.judge.levels import BANDS, LEAST_ROWS, ByBand, named, settled
+from ehamj.findings import Finding, finite
+from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, rms_in_bands, settled
 from ehamj.plant.axes import AXES
 from ehamj.plant.points import Relative
 
 Array = NDArray[np.float64]
+
+ALONG = (*AXES, "total")
 
 
 class RelativeMotion(Finding):
@@ -33,39 +34,25 @@ def relative_motions(
     dataset: xr.Dataset, relatives: Sequence[Relative], rate: float, usable_to: float
 ) -> dict[str, RelativeMotion]:
     """Each relative displacement by name; ``rate`` and ``usable_to`` [Hz] as in `ehamj.judge.isolation`."""
-    if not relatives:
-        return {}
-    moved = dataset["relative_displacement"].values
-    end = float(dataset.time[-1]) if dataset.time.size else 0.0
-    part = dataset["relative_displacement"].sel(time=slice(settled(end), None)).values
+    displacement = dataset["relative_displacement"]
+    moved = _with_total(displacement.values - displacement.values[:1])
+    peak = np.abs(moved).max(axis=0, initial=0.0)
+    rms = np.sqrt((moved**2).sum(axis=0) / (len(moved) or np.nan))
     known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
-    levels = np.full((len(known), *part.shape[1:]), np.nan)
-    if part.shape[0] >= LEAST_ROWS:
-        levels = band_rms(part.reshape(part.shape[0], -1), rate, known).reshape(levels.shape)
+    settled_part = displacement.sel(time=slice(settled(duration_of(dataset)), None)).values
+    levels = _with_total(rms_in_bands(settled_part, rate, known)[0])
     return {
         relative.name: RelativeMotion(
             origin=relative.origin,
             to=relative.to,
-            **_peak_and_rms(moved[:, k]),
-            third_octave_displacement={
-                **{axis: named(levels[:, k, a], known) for a, axis in enumerate(AXES)},
-                "total": named(np.sqrt((levels[:, k] ** 2).sum(axis=1)), known),
-            },
+            peak=dict(zip(ALONG, map(finite, peak[k]), strict=True)),
+            rms=dict(zip(ALONG, map(finite, rms[k]), strict=True)),
+            third_octave_displacement=by_band(levels[:, k], known, ALONG),
         )
         for k, relative in enumerate(relatives)
     }
 
 
-def _peak_and_rms(moved: Array) -> dict[str, dict[str, float | None]]:
-    about = moved - moved[:1]
-    channels = {**{axis: about[:, k] for k, axis in enumerate(AXES)}, "total": np.sqrt((about**2).sum(axis=1))}
-    return {
-        "peak": {name: _number(np.abs(channel).max(initial=0.0)) for name, channel in channels.items()},
-        "rms": {
-            name: _number(np.sqrt((channel**2).mean())) if channel.size else None for name, channel in channels.items()
-        },
-    }
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _with_total(moved: Array) -> Array:
+    """The axes (…, 3) and beside them their root of the sum of squares, (…, 4)."""
+    return np.concatenate([moved, np.sqrt((moved**2).sum(axis=-1, keepdims=True))], axis=-1)

@@ -2,16 +2,12 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ehamj.criteria.response_spectrum import ResponseSpectrum, frequencies, response_spectrum
+from ehamj.criteria.response_spectrum import frequencies, response_spectrum
 from ehamj.criteria.settings import ResponseSpectrumSettings
-from ehamj.findings import Finding
-from ehamj.judge.levels import LEAST_ROWS, settled
+from ehamj.findings import Finding, finite
+from ehamj.judge.levels import LEAST_ROWS, duration_of, motions_of, settled
 from ehamj.plant.axes import AXES
-
-Array = NDArray[np.float64]
-
 
 Peaks = dict[str, dict[str, list[float | None]]]
 """Place → axis → one per natural frequency."""
@@ -40,30 +36,18 @@ def response_spectra(
     """
     natural = frequencies(settings.first, settings.last, settings.per_octave)
     known = natural <= usable_to
-    rows = dataset.time.size
-    begin = int(np.ceil(settled(float(dataset.time[-1])) * rate - 1e-6)) if rows else 0
-    ground = dataset["ground_acceleration"].values
-    if np.array_equal(ground, np.broadcast_to(ground[:, :1], ground.shape)):
-        ground = ground[:, :1]  # a floor that moves as one
-    parts = {"floor": ground, "machine": dataset["cg_acceleration"].values[:, None]}
-    if "point_acceleration" in dataset:
-        parts |= {str(n): dataset["point_acceleration"].values[:, [k]] for k, n in enumerate(dataset["point"].values)}
-    columns = np.column_stack([part.reshape(rows, part.shape[1] * len(AXES)) for part in parts.values()])
-    found = {"velocity": np.full((natural.size, columns.shape[1]), np.nan)}
-    found["acceleration"] = found["velocity"].copy()
-    if rows - begin >= LEAST_ROWS:
-        spectrum: ResponseSpectrum = response_spectrum(columns, rate, natural[known], settings.damping, begin)
-        found["velocity"][known], found["acceleration"][known] = spectrum.velocity, spectrum.acceleration
-    ends = np.cumsum([part.shape[1] * len(AXES) for part in parts.values()])[:-1]
-    peaks: dict[str, Peaks] = {
-        quantity: {
-            place: _by_axis(part.reshape(natural.size, -1, len(AXES)).max(axis=1))
-            for place, part in zip(parts, np.split(table, ends, axis=1), strict=True)
-        }
-        for quantity, table in found.items()
-    }
-    return ResponseSpectra(damping=settings.damping, frequency_hz=[float(f) for f in natural], **peaks)
-
-
-def _by_axis(peaks: Array) -> dict[str, list[float | None]]:
-    return {axis: [float(v) if np.isfinite(v) else None for v in peaks[:, k]] for k, axis in enumerate(AXES)}
+    begin = int(np.ceil(settled(duration_of(dataset)) * rate - 1e-6))
+    motions = motions_of(dataset, "acceleration")
+    del motions["feet"]
+    found: dict[str, Peaks] = {"velocity": {}, "acceleration": {}}
+    for place, motion in motions.items():
+        base = motion if motion.ndim > 2 else motion[:, None]
+        if np.array_equal(base, np.broadcast_to(base[:, :1], base.shape)):
+            base = base[:, :1]  # a floor that moves as one
+        peaks = np.full((len(found), natural.size, len(AXES)), np.nan)
+        if len(base) - begin >= LEAST_ROWS:
+            spectra = response_spectrum(base.reshape(len(base), -1), rate, natural[known], settings.damping, begin)
+            peaks[:, known] = [each.reshape(-1, *base.shape[1:]).max(axis=1) for each in spectra]
+        for of_place, table in zip(found.values(), peaks, strict=True):
+            of_place[place] = {axis: list(map(finite, table[:, k])) for k, axis in enumerate(AXES)}
+    return ResponseSpectra(damping=settings.damping, frequency_hz=natural.tolist(), **found)

@@ -51,11 +51,12 @@ class Criterion(Finding):
 def by_norm(norm: Norm, levels: Levels) -> ByNorm:
     """Title of the norm, what it says of each place, and the verdict in words."""
     places = {}
-    for place in ("floor", "feet", "machine", *levels.points):
-        verdicts = {}
-        for k, axis in enumerate(AXES):
-            of_place = {kind: table[place][:, k] for kind, table in levels.places.items()}
-            verdicts[axis] = norm.judge(axis, of_place, levels.bands)
+    for place in levels.places:
+        found = levels.at(place)
+        verdicts = {
+            axis: norm.judge(axis, {kind: table[:, k] for kind, table in found.items()}, levels.bands)
+            for k, axis in enumerate(AXES)
+        }
         worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
         places[place] = AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
     words = InWords(
@@ -102,35 +103,23 @@ def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: fl
         usable_to: frequency above which the ground is not known [Hz]; such bands are the ground's to explain.
     """
     needed = {name: {band for axis in AXES for band in norm.needed(axis)} for name, norm in norms.items()}
-    known = sorted({band for own in needed.values() for band in own if band.edges[1] <= usable_to}, key=_centre)
-    short = [band for band in known if _width(band) * seconds < LEAST_BINS]
-    fast = [band for band in known if band.edges[1] > 0.5 * rate]
+    everything = sorted(set().union(*needed.values()), key=lambda band: band.index)
+    known = [(band, *band.edges) for band in everything if band.edges[1] <= usable_to]
+    short = [(band, high - low) for band, low, high in known if (high - low) * seconds < LEAST_BINS]
+    fast = [band for band, _, high in known if high > 0.5 * rate]
     found = []
     if short:
-        wanted = LEAST_BINS / _width(short[0])
+        wanted = LEAST_BINS / short[0][1]
         enough = next(whole for whole in range(1, 10**6) if whole - settled(whole) > wanted)
-        found.append(
-            f"the run is too short to decide {_span(short)} ({_who(short, needed)}); duration = {enough} s would"
-        )
+        which = _which([band for band, _ in short], needed)
+        found.append(f"the run is too short to decide {which}; duration = {enough} s would")
     if fast:
-        found.append(f"record_rate = {rate:g} Hz is too low to decide {_span(fast)} ({_who(fast, needed)})")
+        found.append(f"record_rate = {rate:g} Hz is too low to decide {_which(fast, needed)}")
     return found
 
 
-def _centre(band: Band) -> float:
-    return band.centre
-
-
-def _width(band: Band) -> float:
-    low, high = band.edges
-    return high - low
-
-
-def _span(several: list[Band]) -> str:
-    if len(several) == 1:
-        return f"the band at {several[0].name} Hz"
-    return f"the bands from {several[0].name} to {several[-1].name} Hz"
-
-
-def _who(several: list[Band], needed: dict[str, set[Band]]) -> str:
-    return ", ".join(name for name, own in needed.items() if own & set(several))
+def _which(several: list[Band], needed: Mapping[str, set[Band]]) -> str:
+    """Bands in words, and the norms that need them."""
+    first, last = several[0].name, several[-1].name
+    span = f"the band at {first} Hz" if first == last else f"the bands from {first} to {last} Hz"
+    return f"{span} ({', '.join(name for name, own in needed.items() if own & set(several))})"

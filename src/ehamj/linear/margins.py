@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
+from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import STABLE, spectral_radius
@@ -44,10 +45,9 @@ class Margins:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data; null where a margin is infinite."""
-        gain, phase = (value if np.isfinite(value) else None for value in (self.gain, self.phase))
         return {
-            "gain_db": gain, "phase_deg": phase, "disk": self.disk, "peak_sensitivity": self.peak,
-            "peak_hz": self.peak_hertz, "crossings_hz": list(self.crossings),
+            "gain_db": finite(self.gain), "phase_deg": finite(self.phase), "disk": self.disk,
+            "peak_sensitivity": self.peak, "peak_hz": self.peak_hertz, "crossings_hz": list(self.crossings),
         }  # fmt: skip
 
 
@@ -74,10 +74,9 @@ class LoopReport:
     def to_dict(self, places: Sequence[str] = ("valves", "motions", "readings")) -> dict[str, Any]:
         """As plain data, with the margins at some kinds of ``places``."""
         gain, phase, disk = self.worst
-        finite = [value if np.isfinite(value) else None for value in (gain, phase)]
         chosen = {name: {key: m.to_dict() for key, m in getattr(self, name).items()} for name in places}
         return {
-            "stable": self.stable, "gain_db": finite[0], "phase_deg": finite[1], "disk": disk,
+            "stable": self.stable, "gain_db": finite(gain), "phase_deg": finite(phase), "disk": disk,
             "disk_all_valves": self.disk, **chosen,
         }  # fmt: skip
 

@@ -42,17 +42,15 @@ def amplitude_response(study: AmplitudeStudy) -> xr.Dataset:
         ``spool_gain`` [mA/V], ``spool_phase`` [deg], ``stroke_gain`` [m/V], ``stroke_phase`` [deg] over ``share`` [-]
         and ``frequency`` [Hz].
     """
-    runs = simulate_many(_driven(study, share, hertz) for share in study.shares for hertz in study.frequencies)
     limit = study.scenario.plant.actuators[0].voltage_limit
-    shape = (len(study.shares), len(study.frequencies))
     cases = [(share * limit, hertz) for share in study.shares for hertz in study.frequencies]
-    data: dict[str, tuple[tuple[str, str], np.ndarray, dict[str, str]]] = {}
+    runs = simulate_many(_driven(study.scenario, study.settling, *case) for case in cases)
+    data, over = {}, ("share", "frequency")
     for name, unit, text in (("spool", "mA/V", "spool"), ("stroke", "m/V", "plate over the ground")):
-        pairs = zip(runs, cases, strict=True)
-        answer = np.array([_fundamental(run, name, *case) for run, case in pairs]).reshape(shape)
-        over = ("share", "frequency")
-        data[f"{name}_gain"] = (over, np.abs(answer), {"units": unit, "long_name": f"gain, command to {text}"})
+        answers = [_fundamental(run, name, *case) for run, case in zip(runs, cases, strict=True)]
+        answer = np.reshape(answers, (len(study.shares), len(study.frequencies)))
         phase = np.degrees(np.unwrap(np.angle(answer), axis=1))
+        data[f"{name}_gain"] = (over, np.abs(answer), {"units": unit, "long_name": f"gain, command to {text}"})
         data[f"{name}_phase"] = (over, phase, {"units": "deg", "long_name": f"phase, command to {text}"})
     coordinates = {
         "share": ("share", list(study.shares), {"units": "1", "long_name": "command over its full range"}),
@@ -61,16 +59,15 @@ def amplitude_response(study: AmplitudeStudy) -> xr.Dataset:
     return xr.Dataset(data, coordinates, {"title": f"amplitude dependence of {study.scenario.name}"})
 
 
-def _driven(study: AmplitudeStudy, share: float, hertz: float) -> Scenario:
-    amplitude = share * study.scenario.plant.actuators[0].voltage_limit
+def _driven(scenario: Scenario, settling: float, amplitude: float, hertz: float) -> Scenario:
     signal = {"kind": "sine", "amplitude": amplitude, "frequency": hertz}
     samples = int(np.ceil(8000.0 / hertz))  # per period: periods are whole numbers of rows, and steps fine enough
-    table = study.scenario.model_dump() | {
+    table = scenario.model_dump() | {
         "ground": {"kind": "rest"},
         "control": {"kind": "open-loop", "signals": (signal,)},
         "compare": (),
         "plates": "tied",
-        "duration": np.ceil(study.settling * hertz) / hertz + PERIODS / hertz,
+        "duration": np.ceil(settling * hertz) / hertz + PERIODS / hertz,
         "record_rate": samples * hertz,
     }
     return parse_scenario(table)
@@ -78,10 +75,8 @@ def _driven(study: AmplitudeStudy, share: float, hertz: float) -> Scenario:
 
 def _fundamental(run: Result, name: str, amplitude: float, hertz: float) -> complex:
     """Complex gain at the driving frequency over the last whole periods."""
-    rate = run.scenario.record_rate
-    count = round(PERIODS * rate / hertz)
-    time = run.dataset["time"].values[-count:]
-    values = run.dataset[name].values[-count:, 0]
+    last = slice(-round(PERIODS * run.scenario.record_rate / hertz), None)
+    time, values = run.dataset["time"].values[last], run.dataset[name].values[last, 0]
     line = 2.0 * np.mean((values - values.mean()) * np.exp(-2j * np.pi * hertz * time))
     return complex(line / (-1j * amplitude))
 

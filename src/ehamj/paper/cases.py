@@ -103,11 +103,8 @@ class PaperCase:
     def numbers(self) -> dict[str, float]:
         """The paper's four numbers [Hz, -, dB, Hz], of the exact form and (``_eq8``) of eq. 8 corrected; ω_h and δ_h
         are definitions of the paper's, and the same in both."""
-        merits = vars(self.merits)
-        names = ("omega_h_hz", "delta_h", "gain_margin_db", "phase_crossover_hz")
-        return {
-            f"{name}{suffix}": merits.get(f"{name}{suffix}", merits[name]) for suffix in ("", "_eq8") for name in names
-        }
+        merits, names = vars(self.merits), ("omega_h_hz", "delta_h", "gain_margin_db", "phase_crossover_hz")
+        return {name + form: merits.get(name + form, merits[name]) for form in ("", "_eq8") for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """The case as plain data."""

@@ -1,6 +1,7 @@
 """The paper's figures 3 to 7: magnitude and phase of G_EHA (eq. 9) of several designs."""
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -52,17 +53,14 @@ def figure(reproduction: Reproduction, name: str) -> Figure:
         raise InputError(f"figure = {name!r}: must be one of {', '.join(FIGURES)}")
     _, cases = FIGURES[name]
     mass, every = reproduction.study.mass, reproduction.cases | reproduction.variants
-    designs: dict[str, tuple[Actuator, Form]]
+    designs: dict[str, tuple[Actuator, Form]] = {every[one].label: (every[one].actuator, "exact") for one in cases}
     if name == "figure-3":
         designs = {label: (every["initial"].actuator, form) for form, label in FORMS.items()}
-    else:
-        designs = {every[case].label: (every[case].actuator, "exact") for case in cases}
-    panels: dict[str, list[Line]] = {MAGNITUDE: [], PHASE: []}
+    pairs: list[tuple[Line, Line]] = []
     for k, (label, (actuator, form)) in enumerate(designs.items()):
-        for panel, drawn in zip(panels.values(), _lines(label, actuator, mass, form, k), strict=True):
-            panel += drawn
-    for panel in panels.values():
-        panel.sort(key=lambda line: line.marker)  # marks below the lines, in the legend
+        pairs += _lines(label, actuator, mass, form, k)
+    pairs.sort(key=lambda pair: pair[0].marker)  # marks below the lines, in the legend
+    panels = dict(zip((MAGNITUDE, PHASE), zip(*pairs, strict=True), strict=True))
     valves = sorted({actuator.valve_frequency / (2.0 * math.pi) for actuator, _ in designs.values()})
     return lines_chart(
         f"{name.replace('-', ' ').capitalize()} of the paper", FREQUENCY, panels, "x",
@@ -71,8 +69,8 @@ def figure(reproduction: Reproduction, name: str) -> Figure:
     )  # fmt: skip
 
 
-def _lines(label: str, actuator: Actuator, mass: float, form: Form, k: int) -> tuple[list[Line], list[Line]]:
-    """Magnitude and phase of one design, each with its marks."""
+def _lines(label: str, actuator: Actuator, mass: float, form: Form, k: int) -> list[tuple[Line, Line]]:
+    """Magnitude and phase of one design: its line and its marks."""
     resonance = omega_h(actuator, mass) / (2.0 * math.pi)
     around = resonance * (1.0 + np.linspace(-0.02, 0.02, 401))
     places = {"": np.unique(np.concatenate([np.geomspace(*SPAN, 1200), around]))}
@@ -81,9 +79,9 @@ def _lines(label: str, actuator: Actuator, mass: float, form: Form, k: int) -> t
         places["D"] = np.array([PositionLoop.of_actuator(actuator, mass, form).phase_crossover]) / (2.0 * math.pi)
     names = {"": f"{label}: f_h = {resonance:.0f} Hz, δ_h = {delta_h(actuator, mass):.3f}"}
     names |= {"s": "f_h", "D": "phase crossover at −180°"} if k == 0 else {"s": "", "D": ""}
-    drawn: tuple[list[Line], list[Line]] = [], []
+    pairs = []
     for marker, hertz in places.items():
         magnitude, phase = bode(actuator, mass, hertz, form)
-        for lines, values in zip(drawn, (20.0 * np.log10(magnitude), phase), strict=True):
-            lines.append(Line(names[marker], hertz, values, k, k, marker))
-    return drawn
+        line = Line(names[marker], hertz, 20.0 * np.log10(magnitude), k, k, marker)
+        pairs.append((line, replace(line, y=phase)))
+    return pairs

@@ -123,9 +123,8 @@ class PositionLoop:
         if first is not None and phase_margin_deg > 0.0:  # no crossing may lie from `first` to `last`
             last = self.phase_crossing(-180.0 - phase_margin_deg) or math.inf
             turns = [math.sqrt(x) for x in _positive_roots(np.polyder(_squared(self.denominator)))]
-            inner = [w for w in turns if first < w < last]
-            ends = [first] if math.isinf(last) else [first, last]
-            limits.append(1.0 / max(abs(self.response(w)) for w in ends + inner))
+            within = [w for w in (first, *turns, last) if first <= w <= last and math.isfinite(w)]
+            limits.append(1.0 / max(abs(self.response(w)) for w in within))
         highest = float(min(limits))
         if math.isinf(highest):
             raise InputError("gain_margin_db: this loop never turns unstable; give a proportional gain instead")

@@ -89,9 +89,9 @@ def figures_of_merit(
     chosen = exact.highest_gain(gain_margin_db, phase_margin_deg) if gain is None else gain
     bandwidth = exact.bandwidth(chosen)
     phase_margin, crossover = exact.phase_margin(chosen) or (None, None)
-    resonance = _load_resonance(actuator, mass)
+    load = max(np.roots(act_denominator(actuator, mass, "exact")), key=lambda pole: float(pole.imag))
+    resonance = complex(load) if load.imag > 0.0 else None
     w_h, d_h = omega_h(actuator, mass), delta_h(actuator, mass)
-    valve_hz = actuator.valve_frequency / (2.0 * math.pi)
     ratio = actuator.valve_frequency / w_h
     return FiguresOfMerit(
         hydraulic_stiffness=actuator.hydraulic_stiffness,
@@ -113,7 +113,7 @@ def figures_of_merit(
         gain_crossover_hz=None if crossover is None else crossover / (2.0 * math.pi),
         phase_margin_deg=phase_margin,
         bandwidth_hz=bandwidth / (2.0 * math.pi),
-        valve_hz=valve_hz,
+        valve_hz=actuator.valve_frequency / (2.0 * math.pi),
         valve_ratio=ratio,
         rule_of_three=ratio >= RULE_OF_THREE,
     )
@@ -136,9 +136,3 @@ class DesignStudy:
         """Figures of merit of an actuator under a mass [kg], with the study's margins; errors as `figures_of_merit`."""
         margins = {"gain_margin_db": self.gain_margin_db, "phase_margin_deg": self.phase_margin_deg}
         return figures_of_merit(actuator, mass, **margins)
-
-
-def _load_resonance(actuator: Actuator, mass: float) -> complex | None:
-    """The exact form's pole above the real axis [rad/s]; None if all its poles are real."""
-    upper = [pole for pole in np.roots(act_denominator(actuator, mass, "exact")) if pole.imag > 0]
-    return complex(upper[0]) if upper else None

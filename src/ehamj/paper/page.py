@@ -7,8 +7,7 @@ from typing import Final
 
 from ehamj.pages import Page, Picture, Section, Table, badge, write_page
 from ehamj.paper.figures import FIGURES, figure
-from ehamj.paper.reproduction import Reproduction
-from ehamj.paper.table import FAILS, GIVEN
+from ehamj.paper.reproduction import FAILS, GIVEN, Reproduction
 from ehamj.result import written_whole
 
 _KINDS: Final = {FAILS: "fails", GIVEN: "given"}
@@ -42,8 +41,10 @@ def paper_page(found: Reproduction) -> Page:
         )
         for row in found.table
     ]  # fmt: skip
-    head = ("Number", "Section", "Paper", "Computed", "Deviation", "Table I allows", "Verdict", "Comment")
     words = [(claim.statement, claim.section, claim.finding) for claim in found.claims]
+    head = ("Number", "Section", "Paper", "Computed", "Deviation", "Table I allows", "Verdict", "Comment")
+    table = Table("", head, numbers, kind="words", numeric=(2, 3, 4, 5))
+    said = Table("", ("Statement", "Section", "What the numbers say"), words, kind="words")
     drawn = [Picture(name, figure(found, name), caption) for name, (caption, _) in FIGURES.items()]
     return Page(
         "The paper, reproduced",
@@ -52,14 +53,8 @@ def paper_page(found: Reproduction) -> Page:
         "states, beside what its equations give with its Table I. “Table I allows” is what the rounding of its values "
         "leaves open.",
         (
-            Section(
-                "numbers", "Number by number", tables=[Table("", head, numbers, kind="words", numeric=(2, 3, 4, 5))]
-            ),
-            Section(
-                "claims",
-                "What the paper says in words",
-                tables=[Table("", ("Statement", "Section", "What the numbers say"), words, kind="words")],
-            ),
+            Section("numbers", "Number by number", tables=[table]),
+            Section("claims", "What the paper says in words", tables=[said]),
             Section("figures", "The figures", figures=drawn),
         ),
     )

@@ -5,7 +5,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -100,21 +100,15 @@ def rule_map(damping: tuple[float, ...], study: RuleStudy | None = None) -> xr.D
     last = study.points - 1
     steps = (hertz[1] / hertz[0]) ** np.arange(-last, last + 1)  # every ratio of two grid points
     rows, columns = np.indices((study.points, study.points))
-    maps = []
-    for value in damping:
-        reached = np.array([study.reach(ratio, value) for ratio in steps])
-        maps.append(reached[rows - columns + last] * hertz[columns][..., None])
-    return _reached(np.array(maps), "Hz", {"damping": list(damping), "load_hz": hertz, "valve_hz": hertz})
+    reached = np.array([[study.reach(ratio, value) for ratio in steps] for value in damping])
+    maps = reached[:, rows - columns + last] * hertz[columns][..., None]
+    return _reached(maps, "Hz", {"damping": list(damping), "load_hz": hertz, "valve_hz": hertz})
 
 
 def _reached(values: Array, unit: str, coordinates: Mapping[str, Any]) -> xr.Dataset:
-    return xr.Dataset(
-        {
-            name: (tuple(coordinates), values[..., k], {"units": unit, "long_name": text})
-            for k, (name, text) in enumerate(_REACH.items())
-        },
-        coordinates,
-    )
+    over, parts = tuple(coordinates), enumerate(_REACH.items())
+    data = {name: (over, values[..., k], {"units": unit, "long_name": text}) for k, (name, text) in parts}
+    return xr.Dataset(data, coordinates)
 
 
 # --- figures -------------------------------------------------------------------------------------------------------
@@ -123,12 +117,12 @@ LEVELS: Final = (10.0, 20.0, 50.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0, 800
 """Contours of the map [Hz]."""
 
 MARKS: Final = {
-    "initial": ("first prototype, valve at ±5 %", 1, "o"),
-    "initial_large_signal": ("first prototype, valve at ±90 %", 4, "s"),
-    "recommended": ("recommended design", 0, "D"),
-    "recommended_fast_valve": ("recommended design, 400 Hz valve", 2, "^"),
+    "initial": Line("first prototype, valve at ±5 %", [], [], 1, marker="o"),
+    "initial_large_signal": Line("first prototype, valve at ±90 %", [], [], 4, marker="s"),
+    "recommended": Line("recommended design", [], [], 0, marker="D"),
+    "recommended_fast_valve": Line("recommended design, 400 Hz valve", [], [], 2, marker="^"),
 }
-"""The paper's designs in the figures: label, colour and marker."""
+"""Looks of the paper's designs in the figures."""
 
 
 def paper_marks(study: PaperStudy | None = None) -> dict[str, FiguresOfMerit]:
@@ -147,7 +141,10 @@ def rule_maps(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit
     marks = paper_marks() if marks is None else marks
     dampings = tuple(dict.fromkeys(round(one.delta_h, 9) for one in marks.values()))
     return [
-        _map(bandwidth, [_at_frequencies(name, one) for name, one in marks.items() if round(one.delta_h, 9) == damping])
+        _map(
+            bandwidth,
+            [_at_frequencies(name, one) for name, one in marks.items() if round(one.delta_h, 9) == damping],
+        )
         for damping, bandwidth in zip(dampings, rule_map(dampings, study)["bandwidth"], strict=True)
     ]
 
@@ -167,9 +164,8 @@ def _map(bandwidth: xr.DataArray, points: list[Line]) -> Figure:
 
 
 def _at_frequencies(name: str, reached: FiguresOfMerit) -> Line:
-    label, color, marker = MARKS[name]
-    text = f"{label}: {reached.bandwidth_hz:.0f} Hz"
-    return Line(text, [reached.valve_hz], [reached.omega_h_hz], color, marker=marker)
+    label = f"{MARKS[name].label}: {reached.bandwidth_hz:.0f} Hz"
+    return replace(MARKS[name], label=label, x=[reached.valve_hz], y=[reached.omega_h_hz])
 
 
 def rule_chart(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMerit] | None = None) -> Figure:
@@ -185,8 +181,7 @@ def rule_chart(study: RuleStudy | None = None, marks: Mapping[str, FiguresOfMeri
         for mark, reached in marks.items():
             height = getattr(reached, f"{name}_hz")
             if height is not None:
-                label, color, marker = MARKS[mark]
                 height /= min(reached.valve_hz, reached.omega_h_hz)
-                panels[quantity].append(Line(label, [1.0 / reached.valve_ratio], [height], color, marker=marker))
+                panels[quantity].append(replace(MARKS[mark], x=[1.0 / reached.valve_ratio], y=[height]))
     places = {"equal": 1.0, f"valve {RULE_OF_THREE:g} × faster": 1.0 / RULE_OF_THREE}
     return lines_chart("The rule over the ratio of frequencies", "f_h/f_v [-]", panels, "x", places)

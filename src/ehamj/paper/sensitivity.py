@@ -78,9 +78,10 @@ def one_at_a_time(study: SensitivityStudy | None = None) -> xr.Dataset:
     """
     study = study or SensitivityStudy()
     table = [[study.values(parameter, factor) for factor in study.factors] for parameter in PARAMETERS]
+    over = ("parameter", "factor")
     variables = {
-        name: (("parameter", "factor"), [[cell[name] for cell in row] for row in table], _attributes(name))
-        for name in MERITS
+        name: (over, [[cell[name] for cell in row] for row in table], {"units": unit, "long_name": text})
+        for name, (unit, text, _) in MERITS.items()
     }
     return xr.Dataset(variables, _coordinates() | {"factor": list(study.factors)})
 
@@ -111,11 +112,6 @@ def elasticities(study: SensitivityStudy | None = None) -> xr.DataArray:
     coordinates = {"figure": list(MERITS), "name": names} | _coordinates()
     attributes = {"units": "1", "long_name": "d ln figure / d ln parameter"}
     return xr.DataArray(np.array(columns).T, coordinates, ("figure", "parameter"), "elasticity", attributes)
-
-
-def _attributes(name: str) -> dict[str, str]:
-    unit, long_name, _ = MERITS[name]
-    return {"units": unit, "long_name": long_name}
 
 
 def _coordinates() -> dict[str, Any]:

@@ -23,26 +23,18 @@ def _turn(axis: int, angle: Array) -> tuple[Array, Array, Array]:
     return excess, first, second
 
 
-def point_motion(
-    displacement: Array, velocity: Array, acceleration: Array, point: ArrayLike
-) -> tuple[Array, Array, Array]:
-    """Displacement, velocity and acceleration of a point fixed to the machine, shape (n, 3) each.
+def points_motion(
+    displacement: Array, velocity: Array, acceleration: Array, points: Sequence[ArrayLike]
+) -> list[tuple[Array, Array, Array]]:
+    """Displacement, velocity and acceleration of points fixed to the machine, shape (n, 3) each.
 
     Args:
         displacement: of the mount plane's centre, (n, 6): x, y, z [m], rx, ry, rz [rad]; rotations are applied in the
             order yaw, then rx, then ry (each about the already turned axis).
         velocity: its rate, (n, 6).
         acceleration: its second derivative, (n, 6).
-        point: position on the machine at rest, from the mount plane's centre (3,) [m].
+        points: positions on the machine at rest, from the mount plane's centre (3,) [m].
     """
-    (motion,) = points_motion(displacement, velocity, acceleration, (point,))
-    return motion
-
-
-def points_motion(
-    displacement: Array, velocity: Array, acceleration: Array, points: Sequence[ArrayLike]
-) -> list[tuple[Array, Array, Array]]:
-    """`point_motion` of several points, whose rotation is computed once."""
     one = np.eye(3)
     turns = [_turn(axis, displacement[:, 3 + axis]) for axis in range(3)]
     order = (2, 0, 1)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -35,24 +35,19 @@ class Levels:
         return cls(label, np.array([float(band) for band in table]), np.array(values), color)
 
 
+@style.styled()
 def attenuation(title: str, curves: Sequence[Levels]) -> Figure:
     """Attenuation [dB] over third-octave bands; up is quieter than the floor."""
-    from matplotlib.lines import Line2D
-
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = figure.add_subplot()
-        _band_axis(axes, curves)
-        decibel_axis(axes, np.concatenate([curve.values for curve in curves] or [np.zeros(0)]), (-10.0, 10.0))
-        axes.axhspan(axes.get_ylim()[0], 0.0, color="#FBEDEA", zorder=0)
-        axes.axhline(0.0, color=style.GREY, linewidth=1.2)
-        axes.set_ylabel("attenuation [dB], up = quieter")
-        entries = _band_lines(axes, curves)
-        entries["as the floor (0 dB)"] = Line2D([], [], color=style.GREY, linewidth=1.2)
-        style.arrange(figure, [(axes, 150.0)], entries)
+    figure, axes = _over_bands(title, curves)
+    decibel_axis(axes, np.concatenate([curve.values for curve in curves] or [np.zeros(0)]), (-10.0, 10.0))
+    axes.axhspan(axes.get_ylim()[0], 0.0, color="#FBEDEA", zorder=0)
+    zero = axes.axhline(0.0, color=style.GREY, linewidth=1.2)
+    axes.set_ylabel("attenuation [dB], up = quieter")
+    style.arrange(figure, [(axes, 150.0)], _band_lines(axes, curves) | {"as the floor (0 dB)": zero})
     return figure
 
 
+@style.styled()
 def criterion(
     title: str,
     curves: Sequence[Levels],
@@ -70,36 +65,32 @@ def criterion(
         known_to: frequency above which the ground is not known [Hz].
         quantity: what the vertical axis shows.
     """
-    from matplotlib.patches import Patch
-
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = figure.add_subplot()
-        _band_axis(axes, curves)
-        values = np.concatenate([_seen(curve.values) for curve in curves] or [np.zeros(0)])
-        strictest = list(classes.values())[-1][1] if classes else np.ones(1)
-        bottom = min(0.3, float(strictest.min()) / 1.5, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
-        top = max(100.0, 1.5 * float(values.max(initial=1.0)), 1.5 * float(strictest.max()))
-        _level_axis(axes, bottom, top, quantity)
-        height, named_at = 190.0, math.inf
-        for name, (frequency, limit) in classes.items():
-            level = float(limit[-1])
-            if not bottom * 1.1 < level < top:
-                continue
-            axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
-            axes.plot([frequency[-1], axes.get_xlim()[1]], [level] * 2, color=style.FAINT, linewidth=0.8, linestyle=":")
-            if math.log(named_at / level) * height / math.log(top / bottom) < LABEL_HEIGHT:
-                continue  # its name would lie on that of the class above
-            place, named_at = (axes.get_xlim()[1], level), level
-            axes.annotate(name, place, (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
-        entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
-        if known_to is not None and known_to < axes.get_xlim()[1]:
-            axes.axvspan(known_to, axes.get_xlim()[1], color="#EEF0F3", zorder=0)
-            entries[f"floor not known above {known_to:.3g} Hz"] = Patch(color="#E3E6EA")
-        style.arrange(figure, [(axes, height)], entries, right=76.0)
+    figure, axes = _over_bands(title, curves)
+    drawn, values = _positive(curves)
+    strictest = list(classes.values())[-1][1] if classes else np.ones(1)
+    bottom = min(0.3, float(strictest.min()) / 1.5, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
+    top = max(100.0, 1.5 * float(values.max(initial=1.0)), 1.5 * float(strictest.max()))
+    _level_axis(axes, bottom, top, quantity)
+    height, named_at, end = 190.0, math.inf, axes.get_xlim()[1]
+    for name, (frequency, limit) in classes.items():
+        level = float(limit[-1])
+        if not bottom * 1.1 < level < top:
+            continue
+        axes.plot(frequency, limit, color="#4B5563", linewidth=0.9, gid=f"class-{name}".replace(" ", "-"))
+        axes.plot([frequency[-1], end], [level] * 2, color=style.FAINT, linewidth=0.8, linestyle=":")
+        if math.log(named_at / level) * height / math.log(top / bottom) < LABEL_HEIGHT:
+            continue  # its name would lie on that of the class above
+        named_at = level
+        axes.annotate(name, (end, level), (4, 0), textcoords="offset points", va="center", fontsize=8, color="#374151")
+    entries = _band_lines(axes, drawn)
+    if known_to is not None and known_to < end:
+        axes.axvspan(known_to, end, color="#EEF0F3", zorder=0)
+        entries[f"floor not known above {known_to:.3g} Hz"] = style.patch_key(color="#E3E6EA")
+    style.arrange(figure, [(axes, height)], entries, right=76.0)
     return figure
 
 
+@style.styled()
 def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "third-octave band [Hz]") -> Figure:
     """Levels over frequency, both logarithmic.
 
@@ -109,16 +100,20 @@ def levels(title: str, curves: Sequence[Levels], quantity: str, across: str = "t
         quantity: what the vertical axis shows, with its unit.
         across: what the horizontal axis shows.
     """
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = figure.add_subplot()
-        _band_axis(axes, curves, across)
-        values = np.concatenate([_seen(curve.values) for curve in curves])
-        top = 1.5 * float(values.max())
-        _level_axis(axes, max(float(values.min()) / 1.5, 1e-6 * top), top, quantity)
-        entries = _band_lines(axes, [replace(curve, values=_positive(curve.values)) for curve in curves])
-        style.arrange(figure, [(axes, 170.0)], entries)
+    figure, axes = _over_bands(title, curves, across)
+    drawn, values = _positive(curves)
+    top = 1.5 * float(values.max())
+    _level_axis(axes, max(float(values.min()) / 1.5, 1e-6 * top), top, quantity)
+    style.arrange(figure, [(axes, 170.0)], _band_lines(axes, drawn))
     return figure
+
+
+def _over_bands(title: str, curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> tuple[Figure, Axes]:
+    """A figure over a logarithmic axis of frequency that spans all bands, known or not."""
+    figure, (axes,) = style.new_figure(title)
+    frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
+    frequency_axis(axes, float(frequency.min()) / 1.12, float(frequency.max()) * 1.12, across)
+    return figure, axes
 
 
 def _level_axis(axes: Axes, bottom: float, top: float, quantity: str) -> None:
@@ -127,47 +122,26 @@ def _level_axis(axes: Axes, bottom: float, top: float, quantity: str) -> None:
     axes.set_ylabel(quantity)
 
 
-def _seen(values: Array) -> Array:
-    """The values that a logarithmic axis can show, without the others."""
-    return values[np.isfinite(values) & (values > 0)]
-
-
-def _positive(values: Array) -> Array:
-    """Values that a logarithmic axis can show."""
-    return np.where(values > 0, values, np.nan)
-
-
-def _band_axis(axes: Axes, curves: Sequence[Levels], across: str = "third-octave band [Hz]") -> None:
-    """A logarithmic axis of frequency that spans all bands, known or not."""
-    frequency = np.concatenate([curve.frequency for curve in curves] or [np.array([1.0, 100.0])])
-    frequency_axis(axes, float(frequency.min()) / 1.12, float(frequency.max()) * 1.12, across)
+def _positive(curves: Sequence[Levels]) -> tuple[list[Levels], Array]:
+    """What a logarithmic axis can show: the curves, with gaps elsewhere, and all their values."""
+    drawn = [replace(curve, values=np.where(curve.values > 0, curve.values, np.nan)) for curve in curves]
+    values = np.concatenate([curve.values for curve in drawn] or [np.zeros(0)])
+    return drawn, values[np.isfinite(values)]
 
 
 def _band_lines(axes: Axes, curves: Sequence[Levels]) -> dict[str, Artist]:
-    """Draw the curves, earlier ones thinner and on top, so that those which coincide all show; dashed ones without
-    markers, above all. Returns the legend."""
+    """Draw the curves: floors broad and below; machines with markers, earlier ones thinner and on top, so that those
+    which coincide all show; dashed ones above all. Returns the legend."""
     entries: dict[str, Artist] = {}
-    for curve in curves:
+    place = 0
+    for curve in sorted(curves, key=lambda curve: (curve.dash != "-", curve.color != style.FLOOR_COLOR)):
         if curve.dash != "-":
-            (entries[style.shown(curve.label)],) = axes.plot(
-                curve.frequency, curve.values, color=curve.color, linewidth=1.1, linestyle=curve.dash, zorder=3.5
-            )
-    plain = [curve for curve in curves if curve.dash == "-" and curve.color != style.FLOOR_COLOR]
-    machines: dict[str, Artist] = {}
-    for place, curve in enumerate(plain):
-        (machines[style.shown(curve.label)],) = axes.plot(
-            curve.frequency,
-            curve.values,
-            color=curve.color,
-            linewidth=1.4 + 0.9 * place,
-            marker=style.MARKERS.get(curve.color, "o"),
-            markersize=3.4 + 1.6 * place,
-            zorder=3.0 - 0.1 * place,
-        )
-    floors: dict[str, Artist] = {}
-    for curve in curves:
-        if curve.color == style.FLOOR_COLOR:
-            (floors[style.shown(curve.label)],) = axes.plot(
-                curve.frequency, curve.values, color=curve.color, linewidth=4.5, zorder=2.2, solid_capstyle="round"
-            )
-    return floors | machines | entries
+            look: dict[str, Any] = {"linewidth": 1.1, "linestyle": curve.dash, "zorder": 3.5}
+        elif curve.color == style.FLOOR_COLOR:
+            look = {"linewidth": 4.5, "zorder": 2.2, "solid_capstyle": "round"}
+        else:
+            look = {"linewidth": 1.4 + 0.9 * place, "marker": style.MARKERS.get(curve.color, "o")}
+            look |= {"markersize": 3.4 + 1.6 * place, "zorder": 3.0 - 0.1 * place}
+            place += 1
+        (entries[style.shown(curve.label)],) = axes.plot(curve.frequency, curve.values, color=curve.color, **look)
+    return entries

@@ -1,14 +1,14 @@
 """Charts of studies: lines in panels, maps of two parameters, root loci, directions."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ehamj.plots import style
-from ehamj.plots.axes import log_axis
+from ehamj.plots.axes import log_axis, plain
 from ehamj.plots.style import Artist, Axes, Figure
 
 COLORS: Final = (
@@ -24,6 +24,7 @@ COLORS: Final = (
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 LONGEST: Final = 50
 """Letters of a name in the legend."""
+UNSTABLE: Final = "#F3D9D5"
 HEIGHT: Final = 190.0
 """Height of a single panel [pt]."""
 
@@ -57,9 +58,9 @@ def _draw(axes: Axes, lines: Sequence[Line]) -> None:
         axes.plot(np.asarray(line.x, float), np.asarray(line.y, float), **look)
 
 
-def _entries(axes: Sequence[Axes], extra: Sequence[Artist] = ()) -> dict[str, Artist]:
+def _entries(axes: Sequence[Axes]) -> dict[str, Artist]:
     """What has a name, once."""
-    entries = {str(artist.get_label()): artist for artist in extra}
+    entries: dict[str, Artist] = {}
     for one in axes:
         handles, names = one.get_legend_handles_labels()
         entries |= {style.shown(name, LONGEST): handle for handle, name in zip(handles, names, strict=True)}
@@ -73,6 +74,7 @@ def _scales(axes: Axes, wanted: str) -> None:
             log_axis(axis)
 
 
+@style.styled()
 def lines_chart(
     title: str,
     x: str,
@@ -91,35 +93,27 @@ def lines_chart(
         marks: name → place on the axis, drawn as a vertical line through all panels.
         limits: quantity → lowest and highest value shown.
     """
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = list(figure.subplots(len(panels), 1, squeeze=False, sharex=True)[:, 0])
-        for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
-            _draw(one, lines)
-            one.set_ylabel(quantity)
-            one.set_xlabel(x)
-            if "x" in logarithmic:
-                one.set_xscale("log")
-            if "y" in logarithmic:
-                one.set_yscale("log")
-            if limits and quantity in limits:
-                one.set_ylim(*limits[quantity])
-            for place in (marks or {}).values():
-                one.axvline(place, color=style.GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
-        last = axes[-1]
-        last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
-        for one in axes:
-            _scales(one, logarithmic)
-        for name, place in (marks or {}).items():
-            side = "left" if _share(last, place) < 0.6 else "right"
-            axes[0].annotate(
-                name, (place, 1.0), (3 if side == "left" else -3, -2), xycoords=("data", "axes fraction"), ha=side,
-                va="top", textcoords="offset points", fontsize=8.8, color=style.GREY,
-            )  # fmt: skip
-        style.share(axes)
-        style.arrange(
-            figure, [(one, HEIGHT if len(axes) == 1 else 0.65 * HEIGHT) for one in axes], _entries(axes), gap=12.0
-        )
+    figure, axes = style.new_figure(title, len(panels), sharex=True)
+    for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
+        _draw(one, lines)
+        one.set(xlabel=x, ylabel=quantity, **{f"{name}scale": "log" for name in logarithmic})
+        if limits and quantity in limits:
+            one.set_ylim(*limits[quantity])
+        for place in (marks or {}).values():
+            one.axvline(place, color=style.GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), zorder=1.5)
+    last = axes[-1]
+    last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
+    for one in axes:
+        _scales(one, logarithmic)
+    for name, place in (marks or {}).items():
+        side, offset = ("left", 3) if _share(last, place) < 0.6 else ("right", -3)
+        axes[0].annotate(
+            name, (place, 1.0), (offset, -2), xycoords=("data", "axes fraction"), textcoords="offset points",
+            ha=side, va="top", fontsize=8.8, color=style.GREY,
+        )  # fmt: skip
+    style.share(axes)
+    height = HEIGHT if len(axes) == 1 else 0.65 * HEIGHT
+    style.arrange(figure, [(one, height) for one in axes], _entries(axes), gap=12.0)
     return figure
 
 
@@ -130,6 +124,7 @@ def _share(axes: Axes, place: float) -> float:
     return (place - low) / (high - low)
 
 
+@style.styled()
 def map_chart(
     title: str,
     x: tuple[str, ArrayLike],
@@ -153,43 +148,34 @@ def map_chart(
         logarithmic: "x", "y" or "xy".
     """
     from matplotlib import colormaps
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
     from matplotlib.ticker import MaxNLocator
 
     across, up = np.asarray(x[1], float), np.asarray(y[1], float)
     field = np.ma.masked_invalid(np.asarray(values[1], float))
-    if boundary is not None:
-        field = np.ma.masked_where(np.asarray(boundary[1], float) > 0.0, field)
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = figure.add_subplot()
-        axes.grid(False)
-        if levels is None:
-            levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(float(field.min()), float(field.max()))
-        steps = np.asarray(levels, float)
-        colors = colormaps["viridis"](np.linspace(0.12, 0.98, len(steps) - 1))
-        axes.contourf(across, up, field, levels=steps, colors=colors, extend="neither", zorder=0.5)
-        drawn = axes.contour(across, up, field, levels=steps, colors="white", linewidths=0.6, zorder=0.6)
-        axes.clabel(drawn, fontsize=8, fmt=lambda value: f"{value:g}".replace("-", "−"), colors=style.INK)
-        handles: list[Any] = []
-        if boundary is not None:
-            reach = np.asarray(boundary[1], float)
-            if reach.max() > 0.0:
-                axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=["#F3D9D5"], zorder=0.7)
-                axes.contour(across, up, reach, levels=[0.0], colors=[style.LIMIT_COLOR], linewidths=2.0, zorder=0.8)
-                handles.append(Patch(facecolor="#F3D9D5", edgecolor=style.LIMIT_COLOR, label=boundary[0]))
-        _draw(axes, points)
-        axes.set_xlabel(x[0])
-        axes.set_ylabel(y[0])
-        axes.set_xlim(across.min(), across.max())
-        axes.set_ylim(up.min(), up.max())
-        _scales(axes, logarithmic)
-        handles.insert(0, Line2D([], [], color=colors[len(colors) // 2], linewidth=6.0, label=values[0]))
-        style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes], handles))
+    reach = np.full(field.shape, -1.0) if boundary is None else np.asarray(boundary[1], float)
+    field = np.ma.masked_where(reach > 0.0, field)
+    figure, (axes,) = style.new_figure(title)
+    if levels is None:
+        levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(float(field.min()), float(field.max()))
+    steps = np.asarray(levels, float)
+    colors = colormaps["viridis"](np.linspace(0.12, 0.98, len(steps) - 1))
+    axes.contourf(across, up, field, levels=steps, colors=colors, extend="neither", zorder=0.5)
+    drawn = axes.contour(across, up, field, levels=steps, colors="white", linewidths=0.6, zorder=0.6)
+    axes.clabel(drawn, fontsize=8, fmt=plain, colors=style.INK)
+    entries = {values[0]: style.line_key(color=colors[len(colors) // 2], linewidth=6.0)}
+    if boundary is not None and reach.max() > 0.0:
+        axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=[UNSTABLE], zorder=0.7)
+        axes.contour(across, up, reach, levels=[0.0], colors=[style.LIMIT_COLOR], linewidths=2.0, zorder=0.8)
+        entries[boundary[0]] = style.patch_key(facecolor=UNSTABLE, edgecolor=style.LIMIT_COLOR)
+    _draw(axes, points)
+    axes.grid(False)
+    axes.set(xlabel=x[0], ylabel=y[0], xlim=(across.min(), across.max()), ylim=(up.min(), up.max()))
+    _scales(axes, logarithmic)
+    style.arrange(figure, [(axes, 1.15 * HEIGHT)], entries | _entries([axes]))
     return figure
 
 
+@style.styled()
 def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> Figure:
     """Root locus: poles [1/s] over a factor on the loop's gain, from cold to warm colours; the right half is unstable.
 
@@ -200,32 +186,29 @@ def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -
         span: largest imaginary part shown, over 2π [Hz].
     """
     factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
-    with style.styled():
-        figure = style.new_figure(title)
-        axes = figure.add_subplot()
-        inside = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
-        place = np.broadcast_to(factor[:, None], roots.shape)[inside]
-        drawn = axes.scatter(roots.real[inside], roots.imag[inside], c=place, s=5.0, cmap="viridis", linewidths=0.0)
-        ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
-        for row, marker, label in ends:
-            at = roots[row][inside[row]]
-            color = style.INK if marker == "x" else style.VERMILLION
-            axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
-        left, right = axes.get_xlim()
-        right = max(right, 0.08 * (right - left))
-        axes.axvspan(0.0, right, color="#F3D9D5", zorder=0)
-        axes.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4)
-        axes.set_xlim(left, right)
-        axes.set_ylim(0.0, 1.02 * span)
-        axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
-        axes.set_ylabel("imaginary part/2π [Hz]")
-        style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
-        box = axes.get_position()
-        beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
-        figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
+    figure, (axes,) = style.new_figure(title)
+    inside = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
+    place = np.broadcast_to(factor[:, None], roots.shape)[inside]
+    drawn = axes.scatter(roots.real[inside], roots.imag[inside], c=place, s=5.0, cmap="viridis", linewidths=0.0)
+    ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
+    for row, marker, label in ends:
+        at = roots[row][inside[row]]
+        color = style.INK if marker == "x" else style.VERMILLION
+        axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
+    left, right = axes.get_xlim()
+    right = max(right, 0.08 * (right - left))
+    axes.axvspan(0.0, right, color=UNSTABLE, zorder=0)
+    axes.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4)
+    axes.set(xlim=(left, right), ylim=(0.0, 1.02 * span), ylabel="imaginary part/2π [Hz]")
+    axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
+    style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
+    box = axes.get_position()
+    beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
+    figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
     return figure
 
 
+@style.styled()
 def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence[Line]) -> Figure:
     """Quantities over the direction of travel, seen from above: +x (front) is up, +y (left) is left.
 
@@ -236,18 +219,15 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
         lines: their ``x`` is not used.
     """
     angle = np.radians(np.asarray(degrees, float))
-    with style.styled():
-        figure = style.new_figure(title)
-        axes: Any = figure.add_subplot(projection="polar")
-        axes.set_theta_zero_location("N")
-        axes.set_theta_direction(1)
-        axes.set_thetagrids(range(0, 360, 45), ["front", "45°", "left", "135°", "rear", "225°", "right", "315°"])
-        for line in lines:
-            closed = np.append(np.asarray(line.y, float), np.asarray(line.y, float)[:1])
-            axes.plot(np.append(angle, angle[0] + 2 * np.pi), closed, color=line.hue, label=line.label,
-                      linestyle=DASHES[line.dash % len(DASHES)], linewidth=line.width)  # fmt: skip
-        axes.set_rlabel_position(22.5)
-        axes.tick_params(labelsize=8.5)
-        axes.set_xlabel(radius)
-        style.arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
+    axes: Any
+    figure, (axes,) = style.new_figure(title, subplot_kw={"projection": "polar"})
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(1)
+    axes.set_thetagrids(range(0, 360, 45), ["front", "45°", "left", "135°", "rear", "225°", "right", "315°"])
+    around = np.append(angle, angle[0] + 2 * np.pi)
+    _draw(axes, [replace(line, x=around, y=np.append(line.y, np.ravel(line.y)[:1])) for line in lines])
+    axes.set_rlabel_position(22.5)
+    axes.tick_params(labelsize=8.5)
+    axes.set_xlabel(radius)
+    style.arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
     return figure

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from ehamj.plots import style
 from ehamj.plots.axes import linear_axis
-from ehamj.plots.style import LIMIT_COLOR, Array, Artist, Axes, Figure, arrange, new_figure, shown, styled
+from ehamj.plots.style import Array, Artist, Axes, Figure
 
 STRETCHES: Final = 500
 """Stretches of time that a long record is drawn in."""
@@ -72,6 +73,7 @@ def thinned(time: Array, values: Array, most: int = 3 * STRETCHES) -> tuple[Arra
     return np.column_stack([middle - half, middle + half]).ravel(), np.column_stack([low, high]).ravel()
 
 
+@style.styled()
 def history(
     title: str,
     quantity: str,
@@ -91,30 +93,24 @@ def history(
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
     """
-    with styled():
-        figure = new_figure(title)
-        above, *below = figure.subplots(2 if window else 1, 1, squeeze=False)[:, 0]
-        entries: dict[str, Artist] = {}
-        if window:
-            for trace in whole:
-                entries.setdefault(shown(trace.label), _band_over_time(above, trace))
-            above.axvspan(*window, color="#FFF3C4", zorder=0)
-        for axes in below or (above,):
-            for trace in detail:
-                entries.setdefault(shown(trace.label), _line_over_time(axes, trace, window))
-            if window:
-                axes.set_xlim(*window)
-        entries |= _limits(above, [*whole, *([] if window else detail)], limits)
-        for axes in (above, *below):
-            axes.set_ylabel(quantity)
-            linear_axis(axes.yaxis)
-        if window:
-            above.set_xlabel("time [s], whole run")
-            below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
-            above.margins(x=0)
-        else:
-            above.set_xlabel("time [s]")
-        arrange(figure, [(axes, 92.0 if window else 140.0) for axes in (above, *below)], entries)
+    figure, (above, *below) = style.new_figure(title, 2 if window else 1)
+    entries: dict[str, Artist] = {}
+    if window:
+        for trace in whole:
+            entries.setdefault(style.shown(trace.label), _band_over_time(above, trace))
+        above.axvspan(*window, color="#FFF3C4", zorder=0)
+        above.margins(x=0)
+        below[0].set_xlim(*window)
+        below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
+    above.set_xlabel("time [s], whole run" if window else "time [s]")
+    in_full = below[0] if window else above
+    for trace in detail:
+        entries.setdefault(style.shown(trace.label), _line_over_time(in_full, trace, window))
+    entries |= _limits(above, [*whole, *([] if window else detail)], limits)
+    for axes in (above, *below):
+        axes.set_ylabel(quantity)
+        linear_axis(axes.yaxis)
+    style.arrange(figure, [(axes, 92.0 if window else 140.0) for axes in (above, *below)], entries)
     return figure
 
 
@@ -140,17 +136,14 @@ def _line_over_time(axes: Axes, trace: Trace, window: tuple[float, float] | None
 
 def _limits(axes: Axes, traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, Artist]:
     """Draw limits that are near enough to matter, and name all."""
-    from matplotlib.lines import Line2D
-
     values = [finite(trace.values) for trace in traces]
     peak = max((float(np.nanmax(np.abs(part), initial=0.0)) for part in values if part.size), default=0.0)
+    look: dict[str, Any] = {"color": style.LIMIT_COLOR, "linewidth": 1.1, "linestyle": (0, (5, 2))}
     entries: dict[str, Artist] = {}
     for limit in limits:
-        near = [value for value in limit.values if abs(value) <= FAR_LIMIT * peak]
-        for value in near:
-            axes.axhline(value, color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (5, 2)))
+        near = [axes.axhline(value, **look) for value in limit.values if abs(value) <= FAR_LIMIT * peak]
         if near:
-            entries[limit.label] = Line2D([], [], color=LIMIT_COLOR, linewidth=1.1, linestyle=(0, (4, 2)))
+            entries[limit.label] = near[0]
         else:
-            entries[f"{limit.label}: far outside"] = Line2D([], [], linestyle="none")
+            entries[f"{limit.label}: far outside"] = style.line_key(linestyle="none")
     return entries

@@ -4,6 +4,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from ehamj.plots import style
 from ehamj.plots.style import Artist, Axes, Figure
 
 Vector = tuple[float, float, float]
+
+ACROSS: Final = style.WIDTH - style.LEFT - 14.0
+"""Width of the drawing itself [pt]."""
+BODY: Final = "#F3F4F6"
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,7 @@ class Mark:
     place: Vector
 
 
+@style.styled()
 def machine_plan(
     size: Vector,
     cg: Vector,
@@ -43,81 +49,78 @@ def machine_plan(
     Args:
         size: outline: length in x, width in y, height [m].
         cg: centre of gravity [m].
-        feet: the four mounts.
+        feet: the mounts, at least two.
         waves: label and direction of travel, from +x towards +y [deg], of each wave in the floor.
         points: points of the machine that are reported.
     """
-    from matplotlib.patches import Rectangle
-
     length, width, _ = size
-    with style.styled():
-        figure = style.new_figure("The machine from above")
-        axes, scale, room, foot_size = _view(figure, size)
-        high = width + 2.0 * room
-        axes.set_ylim(-0.5 * high, 0.5 * high)
-        axes.add_patch(Rectangle((-length / 2, -width / 2), length, width, facecolor="#F3F4F6", edgecolor=style.INK))
-        colors = _foot_colors(feet)
-        for foot in feet:
-            _square(axes, foot.x, foot.y - foot_size / 2, foot_size, colors[foot.kind])
-            inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
-            place = (foot.x + outer * foot_size / 2, foot.y + inward * 0.7 * foot_size)
-            axes.text(*place, foot.name, ha="right" if outer > 0 else "left", va="top" if inward < 0 else "bottom")
-        right = sorted(sorted(feet, key=lambda foot: foot.y)[:2], key=lambda foot: foot.x)
-        front = sorted(sorted(feet, key=lambda foot: foot.x)[2:], key=lambda foot: foot.y)
-        _dimension(axes, (right[0].x, right[1].x), -width / 2 - foot_size, "x")
-        _dimension(axes, (front[0].y, front[1].y), length / 2 + foot_size, "y")
-        _dimension(axes, (-length / 2, length / 2), width / 2 + foot_size, "x")
-        _waves(axes, waves[:3], room)
-        _tripod(axes, "y", 2.2 * foot_size)
-        entries: dict[str, Artist] = dict([_cg(axes, cg, 1, 0.4 * foot_size)])
-        entries |= _points(axes, points, 1)
-        axes.set_ylabel("y [m]")
-        style.arrange(figure, [(axes, scale * high)], {**_foot_entries(feet), **entries})
-    return figure
+    room, side = _measures(size)
+    figure, axes = _view("The machine from above", size, (-0.5 * width - room, 0.5 * width + room))
+    _box(axes, (-length / 2, -width / 2), length, width, facecolor=BODY, edgecolor=style.INK)
+    colors = _foot_colors(feet)
+    for foot in feet:
+        _box(axes, (foot.x - side / 2, foot.y - side / 2), side, side, color=colors[foot.kind])
+        inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
+        place = (foot.x + outer * side / 2, foot.y + inward * 0.7 * side)
+        axes.text(*place, foot.name, ha="right" if outer > 0 else "left", va="top" if inward < 0 else "bottom")
+    right, front = sorted(feet, key=lambda foot: foot.y)[:2], sorted(feet, key=lambda foot: foot.x)[-2:]
+    _dimension(axes, [foot.x for foot in right], -width / 2 - side, "x")
+    _dimension(axes, [foot.y for foot in front], length / 2 + side, "y")
+    _dimension(axes, (-length / 2, length / 2), width / 2 + side, "x")
+    _waves(axes, waves[:3], room)
+    return _finished(figure, axes, "y", size, cg, feet, points)
 
 
+@style.styled()
 def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequence[Mark] = ()) -> Figure:
     """The machine from its right side, at the scale of `machine_plan` [m]; mounts are drawn of some height."""
-    from matplotlib.patches import Rectangle
-
     length, _, height = size
-    with style.styled():
-        figure = style.new_figure("The machine from the right")
-        axes, scale, room, foot_size = _view(figure, size)
-        low, high = -2.2 * foot_size, height + 0.5 * room
-        axes.set_ylim(low, high)
-        axes.add_patch(Rectangle((-length / 2, 0.0), length, height, facecolor="#F3F4F6", edgecolor=style.INK))
-        colors = _foot_colors(feet)
-        for foot in sorted(feet, key=lambda foot: -foot.y):
-            _square(axes, foot.x, -foot_size, foot_size, colors[foot.kind])
-        ends = axes.get_xlim()
-        ground = Rectangle((ends[0], -1.6 * foot_size), ends[1] - ends[0], 0.6 * foot_size, linewidth=0.0, hatch="////")
-        ground.set(facecolor="white", edgecolor=style.GREY)
-        axes.add_patch(ground)
-        axes.plot(ends, [-foot_size] * 2, color=style.GREY, linewidth=1.4)
-        _dimension(axes, (0.0, height), length / 2 + foot_size, "y")
-        if cg[2] > 1.5 * foot_size:
-            _dimension(axes, (0.0, cg[2]), -length / 2 - foot_size, "y")
-        _tripod(axes, "z", 2.2 * foot_size)
-        entries: dict[str, Artist] = dict([_cg(axes, cg, 2, 0.4 * foot_size)])
-        entries |= _points(axes, points, 2)
-        axes.set_ylabel("z [m]")
-        style.arrange(figure, [(axes, scale * (high - low))], {**_foot_entries(feet), **entries})
-    return figure
+    room, side = _measures(size)
+    figure, axes = _view("The machine from the right", size, (-2.2 * side, height + 0.5 * room))
+    _box(axes, (-length / 2, 0.0), length, height, facecolor=BODY, edgecolor=style.INK)
+    colors = _foot_colors(feet)
+    for foot in sorted(feet, key=lambda foot: -foot.y):
+        _box(axes, (foot.x - side / 2, -side), side, side, color=colors[foot.kind])
+    left, right = axes.get_xlim()
+    hatched = {"linewidth": 0.0, "hatch": "////", "facecolor": "white", "edgecolor": style.GREY}
+    _box(axes, (left, -1.6 * side), right - left, 0.6 * side, **hatched)
+    axes.plot((left, right), [-side] * 2, color=style.GREY, linewidth=1.4)
+    _dimension(axes, (0.0, height), length / 2 + side, "y")
+    if cg[2] > 1.5 * side:
+        _dimension(axes, (0.0, cg[2]), -length / 2 - side, "y")
+    return _finished(figure, axes, "z", size, cg, feet, points)
 
 
-def _view(figure: Figure, size: Vector) -> tuple[Axes, float, float, float]:
-    """Axes of a drawing, its scale [pt/m], the room beside the machine [m], the side of a mount's square [m]."""
+def _measures(size: Vector) -> tuple[float, float]:
+    """The room beside the machine, and the side of a mount's square [m]."""
+    larger = max(size[:2])
+    return 0.2 * larger, 0.08 * larger
+
+
+def _view(title: str, size: Vector, ends: tuple[float, float]) -> tuple[Figure, Axes]:
+    """An empty drawing of a machine; ``ends`` of its vertical axis [m]."""
     length, width, height = size
-    larger = max(length, width)
-    room = 0.2 * larger
-    across = style.WIDTH - style.LEFT - 14.0
-    scale = min(across / (length + 2.0 * room), 300.0 / (max(width, height) + 2.0 * room))
-    axes = figure.add_subplot()
-    axes.set_xlim(-0.5 * across / scale, 0.5 * across / scale)
-    axes.set_xlabel("x [m], front to the right")
+    room, _ = _measures(size)
+    scale = min(ACROSS / (length + 2.0 * room), 300.0 / (max(width, height) + 2.0 * room))
+    figure, (axes,) = style.new_figure(title)
+    axes.set(xlim=(-0.5 * ACROSS / scale, 0.5 * ACROSS / scale), ylim=ends, xlabel="x [m], front to the right")
     axes.grid(False)
-    return axes, scale, room, 0.08 * larger
+    return figure, axes
+
+
+def _finished(
+    figure: Figure, axes: Axes, up: str, size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequence[Mark]
+) -> Figure:
+    """The drawing with tripod, centre of gravity, points and legend; ``up`` is the axis that points up."""
+    side = _measures(size)[1]
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    _tripod(axes, up, 2.2 * side)
+    entries = {f"mount: {style.shown(kind)}": style.patch_key(color=hue) for kind, hue in _foot_colors(feet).items()}
+    entries[f"centre of gravity {_in_metres(cg)}"] = _cg(axes, (cg[0], cg["xyz".index(up)]), 0.4 * side)
+    entries |= _points(axes, points, "xyz".index(up))
+    axes.set_ylabel(f"{up} [m]")
+    style.arrange(figure, [(axes, ACROSS / (right - left) * (top - bottom))], entries)
+    return figure
 
 
 def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:
@@ -125,49 +128,41 @@ def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:
     return dict(zip(kinds, itertools.cycle((style.BLUE, style.GREEN, style.PURPLE, style.ORANGE)), strict=False))
 
 
-def _foot_entries(feet: Sequence[Foot]) -> dict[str, Artist]:
-    from matplotlib.patches import Patch
-
-    return {f"mount: {style.shown(kind)}": Patch(color=color) for kind, color in _foot_colors(feet).items()}
-
-
-def _square(axes: Axes, x: float, bottom: float, side: float, color: str) -> None:
+def _box(axes: Axes, corner: tuple[float, float], across: float, up: float, **look: Any) -> None:
     from matplotlib.patches import Rectangle
 
-    axes.add_patch(Rectangle((x - side / 2, bottom), side, side, color=color))
+    axes.add_patch(Rectangle(corner, across, up, **look))
 
 
-def _cg(axes: Axes, cg: Vector, up: int, radius: float) -> tuple[str, Artist]:
-    """The draughtsman's mark of a centre of gravity; ``up`` is the axis that points up. Returns its legend entry."""
-    from matplotlib.lines import Line2D
+def _in_metres(place: Vector) -> str:
+    return f"({', '.join(f'{part:.3g}' for part in place)}) m".replace("-", "−")
+
+
+def _cg(axes: Axes, place: tuple[float, float], radius: float) -> Artist:
+    """The draughtsman's mark of a centre of gravity. Returns what stands for it in the legend."""
     from matplotlib.patches import Circle, Wedge
 
-    place = (cg[0], cg[up])
     axes.add_patch(Circle(place, radius, facecolor="white", edgecolor=style.INK, zorder=4))
     for first in (0.0, 180.0):
         axes.add_patch(Wedge(place, radius, first, first + 90.0, facecolor=style.INK, zorder=4))
-    mark = Line2D([], [], linestyle="none", marker="o", markersize=8, fillstyle="left", color=style.INK)
-    mark.set_markerfacecoloralt("white")
-    place_text = ", ".join(f"{part:.3g}" for part in cg).replace("-", "−")
-    return f"centre of gravity ({place_text}) m", mark
+    look = {"marker": "o", "markersize": 8, "fillstyle": "left", "markerfacecoloralt": "white"}
+    return style.line_key(linestyle="none", color=style.INK, **look)
 
 
 def _points(axes: Axes, points: Sequence[Mark], up: int) -> dict[str, Artist]:
     """A numbered cross at each point; ``up`` is the axis that points up. Returns the legend."""
-    from matplotlib.lines import Line2D
-
     entries: dict[str, Artist] = {}
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    look: dict[str, Any] = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 1.8}
+    look["color"] = style.PURPLE
     for number, point in enumerate(points, start=1):
         at = (point.place[0], point.place[up])
         if not (left < at[0] < right and bottom < at[1] < top):
             continue  # an arm or a workpiece outside of the drawing
-        axes.plot(*at, marker="x", markersize=7, markeredgewidth=1.8, color=style.PURPLE, zorder=5)
         sign = str(number) if len(points) > 1 else ""
+        (cross,) = axes.plot(*at, zorder=5, **look)
         axes.annotate(sign, at, (5, 5), textcoords="offset points", color=style.PURPLE, fontsize=8.8, zorder=5)
-        text = ", ".join(f"{part:.3g}" for part in point.place).replace("-", "−")
-        mark = Line2D([], [], linestyle="none", marker="x", markersize=7, markeredgewidth=1.8, color=style.PURPLE)
-        entries[style.shown(f"{sign} {point.name} ({text}) m".strip())] = mark
+        entries[style.shown(f"{sign} {point.name} {_in_metres(point.place)}".strip())] = cross
     return entries
 
 
@@ -179,15 +174,13 @@ def _tripod(axes: Axes, up: str, length: float) -> None:
         axes.annotate(name, tip, beyond, textcoords="offset points", color=style.LIMIT_COLOR, ha="center", va="center")
 
 
-def _dimension(axes: Axes, ends: tuple[float, float], at: float, along: str) -> None:
+def _dimension(axes: Axes, ends: Sequence[float], at: float, along: str) -> None:
     """A dimension line from end to end, at a distance, with its length [m]."""
     look = {"arrowstyle": "<|-|>", "color": "#4B5563", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-    first, last = ((end, at) if along == "x" else (at, end) for end in ends)
-    axes.annotate("", last, first, arrowprops=look)
-    middle = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]))
     box = {"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"}
-    turned = 90.0 if along == "y" else 0.0
-    text = f"{abs(ends[1] - ends[0]):.4g}"
+    first, middle, last = ((x, at) if along == "x" else (at, x) for x in (ends[0], 0.5 * (ends[0] + ends[1]), ends[1]))
+    axes.annotate("", last, first, arrowprops=look)
+    turned, text = 90.0 if along == "y" else 0.0, f"{abs(ends[1] - ends[0]):.4g}"
     axes.text(*middle, text, ha="center", va="center", rotation=turned, fontsize=8.8, color="#374151", bbox=box)
 
 

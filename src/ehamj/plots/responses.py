@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -45,6 +46,7 @@ class Response:
         return np.where(self.radius < np.abs(self.response), self.response, np.nan)
 
 
+@style.styled()
 def response(title: str, curves: Sequence[Response], unit: str, confidence: float = 0.95) -> Figure:
     """Magnitude [dB], phase [deg] and, of what was measured, coherence.
 
@@ -54,42 +56,44 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
         unit: of the response: the magnitude is over 1 ``unit``.
         confidence: probability of the band, for the legend.
     """
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    with style.styled():
-        figure = style.new_figure(title)
-        coherent = any(curve.measured for curve in curves)
-        above, middle, *below = figure.subplots(3 if coherent else 2, 1, squeeze=False)[:, 0]
-        entries: dict[str, Artist] = {}
-        for place, curve in enumerate(curves):
-            entries[style.shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
-            _line(middle, curve, np.degrees(np.angle(curve.known)), 3.0 - 0.1 * place)
-        _decibels(above, curves)
-        above.axhline(0.0, color=style.GREY, linewidth=1.0, zorder=1)
-        above.set_ylabel(f"magnitude [dB re 1 {unit}]")
-        middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
-        if below:
-            several = False
-            for curve in curves:
-                if curve.multiple is not None and curve.ordinary is not None:
-                    below[0].plot(curve.frequency, curve.multiple, color=curve.color, linewidth=1.5)
-                    if not np.allclose(curve.multiple, curve.ordinary, equal_nan=True):
-                        several = True
-                        below[0].plot(curve.frequency, curve.ordinary, color=curve.color, linewidth=0.9, linestyle=":")
-            below[0].set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
-            if several:
-                entries["multiple coherence"] = Line2D([], [], color=style.GREY, linewidth=1.5)
-                entries["ordinary coherence"] = Line2D([], [], color=style.GREY, linewidth=0.9, linestyle=":")
-            entries[f"{100 * confidence:g} % confidence"] = Patch(color=style.GREY, alpha=0.35)
-        panels = [(above, 120.0), (middle, 70.0), *((axes, 56.0) for axes in below)]
-        for axes, _ in panels:
-            _frequency_axis(axes, curves)
-        style.share(axes for axes, _ in panels)
-        style.arrange(figure, panels, entries, gap=10.0)
+    coherent = any(curve.measured for curve in curves)
+    figure, (above, middle, *below) = style.new_figure(title, 3 if coherent else 2)
+    entries: dict[str, Artist] = {}
+    for place, curve in enumerate(curves):
+        entries[style.shown(curve.label)] = _magnitude(above, curve, 3.0 - 0.1 * place)
+        _line(middle, curve, np.degrees(np.angle(curve.known)), 3.0 - 0.1 * place)
+    _decibels(above, curves)
+    above.axhline(0.0, color=style.GREY, linewidth=1.0, zorder=1)
+    above.set_ylabel(f"magnitude [dB re 1 {unit}]")
+    middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
+    if below:
+        entries |= _coherence(below[0], curves)
+        entries[f"{100 * confidence:g} % confidence"] = style.patch_key(color=style.GREY, alpha=0.35)
+    panels = list(zip((above, middle, *below), (120.0, 70.0, 56.0), strict=False))
+    for axes, _ in panels:
+        _frequency_axis(axes, curves)
+    style.share(axes for axes, _ in panels)
+    style.arrange(figure, panels, entries, gap=10.0)
     return figure
 
 
+def _coherence(axes: Axes, curves: Sequence[Response]) -> dict[str, Artist]:
+    """Multiple coherences, and ordinary ones where they differ. Returns what the legend says of both, if any does."""
+    multiple: dict[str, Any] = {"linewidth": 1.5}
+    ordinary: dict[str, Any] = {"linewidth": 0.9, "linestyle": ":"}
+    several = False
+    for curve in curves:
+        if curve.multiple is not None and curve.ordinary is not None:
+            axes.plot(curve.frequency, curve.multiple, color=curve.color, **multiple)
+            if not np.allclose(curve.multiple, curve.ordinary, equal_nan=True):
+                several = True
+                axes.plot(curve.frequency, curve.ordinary, color=curve.color, **ordinary)
+    axes.set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
+    looks = {"multiple coherence": multiple, "ordinary coherence": ordinary} if several else {}
+    return {name: style.line_key(color=style.GREY, **look) for name, look in looks.items()}
+
+
+@style.styled()
 def response_matrix(
     title: str, rows: Sequence[str], columns: Sequence[str], curves: Mapping[tuple[str, str], Sequence[Response]],
     unit: str,
@@ -104,41 +108,36 @@ def response_matrix(
         unit: of the magnitudes, for the axes' label.
     """
     everything = [curve for part in curves.values() for curve in part]
-    with style.styled():
-        figure = style.new_figure(title)
-        grid = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
-        entries: dict[str, Artist] = {}
-        for i, row in enumerate(rows):
-            for j, column in enumerate(columns):
-                axes = grid[i, j]
-                for place, curve in enumerate(curves.get((row, column), ())):
-                    entries.setdefault(style.shown(curve.label), _magnitude(axes, curve, 3.0 - 0.1 * place, small=True))
-                if (row, column) not in curves:
-                    axes.text(0.5, 0.5, "0", transform=axes.transAxes, ha="center", va="center", color=style.GREY)
-                if i == 0:
-                    axes.set_title(f"floor {column}", fontsize=8.8)
-                axes.tick_params(labelsize=7.5, length=2)
-        for i, row in enumerate(rows):
-            grid[i, 0].set_ylabel(row, fontsize=8.8)
-        first = grid[0, 0]
-        _frequency_axis(first, everything, few=True)
-        first.set_xlabel("")
-        _decibels(first, everything)
-        figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
-        figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
-        size = 78.0
-        width = max(style.WIDTH, style.LEFT + 12.0 + size * len(columns))
-        beside = style.legend_columns(list(entries), width - style.LEFT)
-        head = 50.0 + 12.0 * -(-len(entries) // beside)
-        height = head + style.BELOW + size * len(rows)
-        figure.set_size_inches(width / style.INCH, height / style.INCH)
-        figure.suptitle(title, x=6.0 / width, y=1.0 - 6.0 / height, ha="left", va="top")
-        left, bottom = style.LEFT / width, style.BELOW / height
-        figure.subplots_adjust(left, bottom, 1 - 12.0 / width, 1 - head / height, wspace=0.08, hspace=0.08)
-        figure.legend(
-            list(entries.values()), list(entries), loc="upper left", ncols=beside, borderaxespad=0.0,
-            bbox_to_anchor=(left, 1.0 - 24.0 / height),
-        )  # fmt: skip
+    figure, _ = style.new_figure(title, 0)
+    grid = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
+    entries: dict[str, Artist] = {}
+    for (i, row), (j, column) in product(enumerate(rows), enumerate(columns)):
+        axes = grid[i, j]
+        for place, curve in enumerate(curves.get((row, column), ())):
+            entries.setdefault(style.shown(curve.label), _magnitude(axes, curve, 3.0 - 0.1 * place, small=True))
+        if (row, column) not in curves:
+            axes.text(0.5, 0.5, "0", transform=axes.transAxes, ha="center", va="center", color=style.GREY)
+        if i == 0:
+            axes.set_title(f"floor {column}", fontsize=8.8)
+        if j == 0:
+            axes.set_ylabel(row, fontsize=8.8)
+        axes.tick_params(labelsize=7.5, length=2)
+    first = grid[0, 0]
+    _frequency_axis(first, everything, few=True)
+    first.set_xlabel("")
+    _decibels(first, everything)
+    figure.supxlabel("frequency [Hz]", fontsize=9.5, y=0.005)
+    figure.supylabel(f"machine: magnitude [dB re 1 {unit}]", fontsize=9.5, x=0.005)
+    size = 78.0
+    width = max(style.WIDTH, style.LEFT + 12.0 + size * len(columns))
+    beside = style.legend_columns(list(entries), width - style.LEFT)
+    head = 50.0 + 12.0 * -(-len(entries) // beside)
+    height = head + style.BELOW + size * len(rows)
+    figure.set_size_inches(width / style.INCH, height / style.INCH)
+    figure.suptitle(title, x=6.0 / width, y=1.0 - 6.0 / height, ha="left", va="top")
+    left, bottom = style.LEFT / width, style.BELOW / height
+    figure.subplots_adjust(left, bottom, 1 - 12.0 / width, 1 - head / height, wspace=0.08, hspace=0.08)
+    style.legend(figure, entries, (left, 1.0 - 24.0 / height), beside)
     return figure
 
 
@@ -161,8 +160,7 @@ def _line(axes: Axes, curve: Response, values: Array, order: float, small: bool 
         marker = style.MARKERS.get(curve.color, "o")
         look |= {"linestyle": "none", "marker": marker, "markersize": 2.0 if small else 4.0, "fillstyle": "none"}
     (line,) = axes.plot(curve.frequency, values, **look)
-    artist: Artist = line
-    return artist
+    return line
 
 
 def _in_decibels(size: Array) -> Array:

@@ -72,6 +72,7 @@ FONTS: Final = "'Segoe UI', Roboto, Helvetica, Arial, 'Liberation Sans', sans-se
 
 @contextmanager
 def styled() -> Iterator[None]:
+    """The style of all figures; decorates what draws one."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE), warnings.catch_warnings():
@@ -79,12 +80,27 @@ def styled() -> Iterator[None]:
         yield
 
 
-def new_figure(title: str) -> Figure:
+def new_figure(title: str, panels: int = 1, **look: Any) -> tuple[Figure, list[Axes]]:
+    """A figure with so many axes below each other, which `arrange` will place."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(WIDTH / INCH, WIDTH / INCH))
     figure.suptitle(title)
-    return figure
+    return figure, list(figure.subplots(panels, 1, squeeze=False, **look)[:, 0]) if panels else []
+
+
+def line_key(**look: Any) -> Artist:
+    """A line that stands in a legend alone."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], **look)
+
+
+def patch_key(**look: Any) -> Artist:
+    """A patch that stands in a legend alone."""
+    from matplotlib.patches import Patch
+
+    return Patch(**look)
 
 
 def share(axes: Iterable[Axes]) -> None:
@@ -123,19 +139,23 @@ def arrange(
     left = max(_room(axes) for axes, _ in panels)
     columns = legend_columns(list(entries), WIDTH - left)
     rows = -(-len(entries) // columns)
-    title, legend = 24.0, 12.0 * rows + 8.0 + head
-    height = title + legend + sum(panel for _, panel in panels) + gap * (len(panels) - 1) + BELOW
+    name, keys = 24.0, 12.0 * rows + 8.0 + head
+    height = name + keys + sum(panel for _, panel in panels) + gap * (len(panels) - 1) + BELOW
     figure.set_size_inches(WIDTH / INCH, height / INCH)
     figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
     if entries:
-        place = (left / WIDTH, 1.0 - title / height)
-        handles, names = list(entries.values()), list(entries)
-        figure.legend(handles, names, loc="upper left", bbox_to_anchor=place, ncols=columns, borderaxespad=0.0)
-    top, width = height - title - legend, WIDTH - left - right
+        legend(figure, entries, (left / WIDTH, 1.0 - name / height), columns)
+    top, width = height - name - keys, WIDTH - left - right
     for axes, panel in panels:
         axes.set_position((left / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
         axes.yaxis.set_label_coords((14.0 - left) / width, 0.5)
         top -= panel + gap
+
+
+def legend(figure: Figure, entries: Mapping[str, Artist], place: tuple[float, float], columns: int) -> None:
+    """The figure's legend, its upper left corner at a place [shares of the figure]."""
+    handles, names = list(entries.values()), list(entries)
+    figure.legend(handles, names, loc="upper left", bbox_to_anchor=place, ncols=columns, borderaxespad=0.0)
 
 
 def mount_styles(mounts: int) -> list[tuple[str, float]]:

@@ -111,9 +111,7 @@ def _speed(velocity: float) -> str:
 
 def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
-    said = _labels_of(
-        results, lambda result: [text for text in (result.summary.failure, *result.summary.warnings) if text]
-    )
+    said = _labels_of(results, lambda result: filter(None, (result.summary.failure, *result.summary.warnings)))
     whose = {text: "" if len(labels) == len(results) else f"{', '.join(labels)}: " for text, labels in said.items()}
     lines = [f"- {labels}{text}" for text, labels in whose.items()]
     return ["## Warnings", "\n".join(lines)] if said else []
@@ -140,13 +138,15 @@ def _reading(factor: float, arrows: float, speed: float, rows: int) -> str:
 
 
 def _parameters(results: Mapping[str, Result]) -> list[str]:
-    """Parameters with unit and source; once where results share them."""
+    """Parameters with unit and source, ground and control in a line each; once where results share them."""
     found = _labels_of(results, lambda result: [_tables(result.scenario)])
     parts = []
     for text, labels in found.items():
         whose = f" of {', '.join(labels)}" if len(found) > 1 else ""
         parts += [f"## Parameters{whose}", text]
-    return [*parts, "## Ground and control", *_settings(results)]
+    said = _labels_of(results, lambda r: [_line("ground", r.scenario.ground), _line("control", r.scenario.control)])
+    lines = [f"- {', '.join(labels)}: {line}" for line, labels in said.items()]
+    return [*parts, "## Ground and control", "\n".join(lines)]
 
 
 def _tables(scenario: Scenario) -> str:
@@ -164,13 +164,8 @@ def _quantities(values: Parameters) -> str:
     return table(["quantity", "symbol", "value", "source"], rows)
 
 
-def _settings(results: Mapping[str, Result]) -> list[str]:
-    """Ground and control in one line each, once where results share them, without long tables of numbers."""
-    said = _labels_of(results, lambda r: [_line("ground", r.scenario.ground), _line("control", r.scenario.control)])
-    return ["\n".join(f"- {', '.join(labels)}: {line}" for line, labels in said.items())]
-
-
 def _line(what: str, settings: Settings) -> str:
+    """A table of settings in one line, without long tables of numbers."""
     values = settings.model_dump()
     kind = values.pop("kind", "")
     plain = [f"{key} {value}" for key, value in values.items() if isinstance(value, str | int | float)]

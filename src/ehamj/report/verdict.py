@@ -1,5 +1,7 @@
-"""What the page says first in words: verdict, and what failed."""
+"""What the page says in words: verdict, class met, and what failed."""
 
+from ehamj.criteria.curves import Norm, Verdict, where
+from ehamj.pages.words import decibel
 from ehamj.report.shown import Results
 from ehamj.result import Result
 
@@ -11,9 +13,22 @@ def verdict(result: Result) -> list[tuple[str, str]]:
     for name, axes in (("vertical", ("z",)), ("horizontal", ("x", "y"))):
         parts = [*criterion.floor.along(axes), *criterion.machine.along(axes)]
         judged = any(verdict.deciding_band is not None for verdict in parts)
-        said = criterion.verdict[name]
+        said = getattr(criterion.verdict, name)
         lines.append((name, said if judged else "not judged: the run is too short for any band of the criterion"))
     return lines
+
+
+def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:
+    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class."""
+    if verdict.deciding_band is None:
+        return "not judged"
+    decided_by = where([verdict.deciding_band])
+    decided_by = f"{axis} {decided_by}" if axis else decided_by.removeprefix("at ")
+    if verdict.met is None:
+        return f"{worse} {norm.classes[0]} ({decided_by})"
+    if verdict.margin_db is None or verdict.margin_db > 100.0:
+        return f"{verdict.met} (at rest)"
+    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
 def failures(results: Results) -> list[tuple[str, str]]:

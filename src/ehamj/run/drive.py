@@ -4,12 +4,19 @@ import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ehamj.errors import InputError
+from ehamj.forces import Load
+from ehamj.ground import Motion
+from ehamj.memory import COMMAND, inputs
 from ehamj.mujoco.advance import DONE, NOT_LOADED, Stopped, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
-from ehamj.run.inputs import sample_inputs, sample_load
 from ehamj.run.prepare import Prepared
+from ehamj.signals import Signal
 
+Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 STRETCH = 2048
@@ -37,35 +44,62 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         InputError: if the rows do not fit in memory.
     """
     compile_loop()
-    recording = _room(prepared)
     loop, load, timestep = prepared.loop, prepared.load, prepared.timestep
-    done, recorded, seconds = 0, 0, 0.0
-    stopped = Stopped(0, DONE, -1)
-    while stopped.status == DONE and done < prepared.steps:
-        steps = min(STRETCH, prepared.steps - done)
-        last = done + steps == prepared.steps
-        inputs = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
-        noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
-        pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
-        began = clock.perf_counter()
-        stopped, count = advance(
-            prepared.model, prepared.data, done, steps, inputs, recording.after(recorded), last, loop, noise, pushed
-        )  # fmt: skip
-        seconds += clock.perf_counter() - began
-        done += stopped.steps
-        recorded += count
-        if progress is not None:
-            progress(done / prepared.steps)
-    return Driven(recording.rows.part(slice(recorded)), recording.tally, stopped._replace(steps=done), seconds)
-
-
-def _room(prepared: Prepared) -> Recording:
-    """Memory for the rows of the whole run."""
     count = prepared.steps // prepared.every + 1
     try:
-        return Recording.of(prepared.model, prepared.loop, prepared.every, count)
+        recording = Recording.of(prepared.model, loop, prepared.every, count)
     except MemoryError:
         s = prepared.scenario
         raise InputError(
             f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
         ) from None
+    done, recorded, seconds = 0, 0, 0.0
+    stopped = Stopped(0, DONE, -1)
+    while stopped.status == DONE and done < prepared.steps:
+        steps = min(STRETCH, prepared.steps - done)
+        last = done + steps == prepared.steps
+        driven = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
+        noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
+        pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
+        began = clock.perf_counter()
+        stopped, rows = advance(
+            prepared.model, prepared.data, done, steps, driven, recording.after(recorded), last, loop, noise, pushed
+        )  # fmt: skip
+        seconds += clock.perf_counter() - began
+        done += stopped.steps
+        recorded += rows
+        if progress is not None:
+            progress(done / prepared.steps)
+    return Driven(recording.rows.part(slice(recorded)), recording.tally, stopped._replace(steps=done), seconds)
+
+
+def sample_inputs(
+    motion: Motion, commands: tuple[Signal, ...], first: int, steps: int, timestep: float
+) -> tuple[Array, Array]:
+    """Inputs of some steps at start and end: value, slope·timestep, second derivative, (steps, mount, input, 3) each.
+
+    The inputs of a mount are the ground's x, y, z [m], then its command [V] (`ehamj.memory.INPUTS`).
+    """
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
+    points = inputs(steps + 1, len(commands))
+    if not motion.at_rest:
+        for order, part in enumerate(motion.sample(times)):
+            points[:, :, :COMMAND, order] = part
+    starts = points[:-1].copy()
+    ends = points[1:]
+    for mount, signal in enumerate(commands):
+        now = signal.sample(times[:-1])
+        then = signal.sample(times[1:], left=True)
+        starts[:, mount, COMMAND, 0], starts[:, mount, COMMAND, 1] = now.value, now.slope
+        ends[:, mount, COMMAND, 0], ends[:, mount, COMMAND, 1] = then.value, then.slope
+    starts[..., 1] *= timestep
+    ends[..., 1] *= timestep
+    return starts, ends
+
+
+def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array]:
+    """Force on the machine in some steps: value and slope·timestep at start and end, (steps, 6, 2) each."""
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
+    scale = np.array([1.0, timestep])
+    starts, ends = load.sample(times[:-1]), load.sample(times[1:], left=True)
+    return np.stack(starts, axis=2) * scale, np.stack(ends, axis=2) * scale

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.errors import SimulationFailed
+from ehamj.judge.levels import duration_of
 from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, Stopped
 from ehamj.result import Result
 from ehamj.run.prepare import Prepared
@@ -23,18 +24,13 @@ class Incomplete(SimulationFailed):
 
 def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | None:
     """What went wrong, in words; None where nothing did."""
+    scenario, timestep = prepared.scenario, prepared.timestep
     if stopped.status != DONE:
-        return _stopped(prepared, stopped, float(dataset.time[-1]) if dataset.time.size else 0.0)
-    scenario = prepared.scenario
-    if scenario.timestep == "auto" or follows(scenario.plant, prepared.timestep):
+        return _stopped(prepared, stopped, duration_of(dataset))
+    if scenario.timestep == "auto" or follows(scenario.plant, timestep):
         return None
-    return _unstable(dataset, prepared.timestep)
-
-
-def _unstable(dataset: xr.Dataset, timestep: float) -> str:
-    """Of a run that ended although its step is too long: where and when the oil first tore, if it did."""
-    torn = np.argwhere(dataset["chamber_void"].max("chamber").values > 0.0)
-    where = ""
+    # It ended although its step is too long: where and when the oil first tore, if it did.
+    torn, where = np.argwhere(dataset["chamber_void"].max("chamber").values > 0.0), ""
     if torn.size:
         row, mount = torn[0]
         where = f" at {float(dataset.time[row]):.6g} s, at {dataset['mount'].values[mount]}"

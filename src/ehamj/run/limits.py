@@ -20,19 +20,14 @@ WORDS = {
 
 def saturation(tally: Tally, states: int, mounts: tuple[str, ...]) -> dict[str, ByMount]:
     """Share of the ``states`` that were counted at each limit, per mount."""
-    shares = {name: tally.limits[name] / states for name in WORDS}
-    return {name: dict(zip(mounts, map(float, each), strict=True)) for name, each in shares.items()}
+    return {name: dict(zip(mounts, (tally.limits[name] / states).tolist(), strict=True)) for name in WORDS}
 
 
 def oil(tally: Tally, states: int, duration: float) -> Oil:
     """What was drawn in ``duration`` [s]."""
-    drawn = {name: float(tally.drawn[name][0]) for name in ("flow", "peak_flow", "power")}
-    return Oil(
-        mean_flow_m3_s=drawn["flow"] / states,
-        peak_flow_m3_s=drawn["peak_flow"],
-        volume_m3=drawn["flow"] / states * duration,
-        mean_power_w=drawn["power"] / states,
-    )
+    flow, peak_flow, power = tally.drawn[0].tolist()
+    mean = flow / states
+    return Oil(mean_flow_m3_s=mean, peak_flow_m3_s=peak_flow, volume_m3=mean * duration, mean_power_w=power / states)
 
 
 def warnings(shares: Mapping[str, ByMount]) -> list[str]:
@@ -66,11 +61,8 @@ def _longest(states: NDArray[np.bool_], rate: float, mounts: tuple[str, ...]) ->
     """First time and longest stretch of states (time, mount), None if they are never true."""
     if not states.any():
         return None
-    longest, where = 0, 0
-    for mount in range(states.shape[1]):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], states[:, mount].astype(int), [0]])))
-        lengths = edges[1::2] - edges[::2]
-        if lengths.size and int(lengths.max()) > longest:
-            longest, where = int(lengths.max()), mount
+    # One row before and one after, all false, so that each stretch of a mount has a beginning and an end.
+    edges = np.diff(np.pad(states.T.astype(int), ((0, 0), (1, 1))), axis=1)
+    longest = [int((np.flatnonzero(of == -1) - np.flatnonzero(of == 1)).max(initial=0)) for of in edges]
     first = int(np.argmax(states.any(axis=1)))
-    return AtLimit(first_s=first / rate, longest_s=longest / rate, mount=mounts[where])
+    return AtLimit(first_s=first / rate, longest_s=max(longest) / rate, mount=mounts[int(np.argmax(longest))])

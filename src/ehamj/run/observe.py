@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.ground import Motion
 from ehamj.isolator.chambers import Chambers
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
@@ -30,16 +29,17 @@ def observe(prepared: Prepared, rows: Rows) -> xr.Dataset:
     scenario, plant = prepared.scenario, prepared.scenario.plant
     times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
-    mounts = len(plant.mounts)
+    mounts, ground = len(plant.mounts), prepared.motion.sample(times)
     places = [*((*position, 0.0) for position in plant.positions), plant.machine.cg, *scenario.points.values()]
-    moved = points_motion(displacement, velocity, acceleration, places)
-    channels = _ground(prepared.motion, times)
-    channels |= {"machine_displacement": displacement, "machine_velocity": velocity}
-    channels |= _together("foot", moved[:mounts])
-    channels |= {f"cg_{motion}": values for motion, values in zip(MOTIONS, moved[mounts], strict=True)}
+    moved = zip(*points_motion(displacement, velocity, acceleration, places), strict=True)
+    channels = {"machine_displacement": displacement, "machine_velocity": velocity}
+    for motion, each in zip(MOTIONS, moved, strict=True):
+        channels |= {f"ground_{motion}": getattr(ground, motion), f"foot_{motion}": np.stack(each[:mounts], axis=1)}
+        channels[f"cg_{motion}"] = each[mounts]
+        if scenario.points:
+            channels[f"point_{motion}"] = np.stack(each[mounts + 1 :], axis=1)
     channels |= _strokes(plant, rows, channels)
     channels |= _oil(prepared, rows, channels["stroke"])
-    channels |= _together("point", moved[mounts + 1 :])
     channels |= _relative(scenario, channels)
     if not prepared.load.absent:
         channels["external_force"] = prepared.load.sample(times)[0]
@@ -48,36 +48,17 @@ def observe(prepared: Prepared, rows: Rows) -> xr.Dataset:
     if prepared.loop.states:
         # Single precision: they are looked at, not calculated with, and may be many.
         channels["controller_state"] = rows.states.astype(np.float32)
-    if plant.bookkeeping:
-        channels |= _ledger(prepared, rows, channels["stroke"])
-    return make_dataset(times, channels, {"title": scenario.name}, _labels(prepared))
-
-
-def _labels(prepared: Prepared) -> dict[str, list[Any]]:
-    """What lies along the dimensions that differ from scenario to scenario."""
-    scenario, law = prepared.scenario, prepared.controller
-    labels: dict[str, list[Any]] = {
-        "mount": list(scenario.plant.mounts),
+    law = prepared.controller
+    labels: dict[str, Sequence[Any]] = {
+        "mount": plant.mounts,
         "point": list(scenario.points),
         "relative": [relative.name for relative in scenario.relative],
-        "sensor": list(law.inputs) if law is not None else [],
-        "law_state": list(range(law.states)) if law is not None else [],
+        "sensor": law.inputs if law is not None else (),
+        "law_state": range(law.states) if law is not None else (),
     }
-    return {name: along for name, along in labels.items() if along}
-
-
-def _ground(motion: Motion, times: Array) -> Channels:
-    sample = motion.sample(times)
-    return {f"ground_{name}": getattr(sample, name) for name in MOTIONS}
-
-
-def _together(what: str, moved: Sequence[tuple[Array, Array, Array]]) -> Channels:
-    """Motions of several places, stacked (time, place, axis); nothing of none."""
-    if not moved:
-        return {}
-    return {
-        f"{what}_{name}": np.stack(each, axis=1) for name, each in zip(MOTIONS, zip(*moved, strict=True), strict=True)
-    }
+    return make_dataset(
+        times, channels, {"title": scenario.name}, {name: along for name, along in labels.items() if len(along)}
+    )
 
 
 def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
@@ -85,8 +66,8 @@ def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
     if plant.plates == "sliding":
         plate, velocity = (part[:, len(DOF_OF_JOINT) :] for part in (rows.qpos, rows.qvel))
     else:
-        heights = np.array([lever((*position, 0.0))[2] for position in plant.positions])
-        plate, velocity = (channels[f"machine_{name}"] @ heights.T for name in MOTIONS[:2])
+        heights = np.array([lever(position)[2] for position in plant.positions])
+        plate, velocity = (channels[f"machine_{motion}"] @ heights.T for motion in MOTIONS[:2])
     return {
         "stroke": plate - channels["ground_displacement"][:, :, 2],
         "stroke_velocity": velocity - channels["ground_velocity"][:, :, 2],
@@ -94,28 +75,28 @@ def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
 
 
 def _oil(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
-    """Valves, chambers and supply."""
+    """Valves, chambers and supply; with bookkeeping what crossed the chambers' borders, and what they hold."""
     plant = prepared.scenario.plant
     chambers, parts = Chambers.of(plant.actuators), activations(prepared.model, rows.act)
-    states = _pressure_states(parts.isolators)
-    pressure = chambers.pressure(states)
+    states = np.stack([parts.isolators["pressure_1"], parts.isolators["pressure_2"]], axis=-1)
+    pressure, held = chambers.pressure(states), chambers.contents(states, stroke)
     supply = np.full(stroke.shape[0], plant.supply.pressure)
     if plant.supply.dynamic:
         supply = parts.supply["supply_pressure"][:, 0]
-    return {
+    channels = {
         "spool": parts.isolators["spool"],
         "valve_command": rows.command,
         "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
         "chamber_pressure": pressure,
-        "chamber_void": chambers.contents(states, stroke).void,
+        "chamber_void": held.void,
         "chamber_flow": rows.flow,
         "supply_pressure": supply,
     }
-
-
-def _pressure_states(states: Any) -> Array:
-    """Pressure states of the chambers, (time, mount, chamber)."""
-    return np.stack([states["pressure_1"], states["pressure_2"]], axis=-1)
+    if plant.bookkeeping:
+        channels |= {name: parts.ledger[name][:, 0] for name in LEDGER.names or ()}
+        channels["oil_in"] = np.stack([parts.oil["oil_in_1"], parts.oil["oil_in_2"]], axis=-1)
+        channels |= {"oil_held": held.mass, "oil_energy": held.energy.sum(axis=(1, 2))}
+    return channels
 
 
 def _relative(scenario: Scenario, channels: Channels) -> Channels:
@@ -129,23 +110,8 @@ def _relative(scenario: Scenario, channels: Channels) -> Channels:
         values = channels[f"{what}_{motion}"]
         return values[:, mounts.index(mount)] if mount else values
 
-    if not scenario.relative:
-        return {}
-    return {
-        f"relative_{motion}": np.stack(
-            [motion_at(r.origin, motion) - motion_at(r.to, motion) for r in scenario.relative], axis=1
-        )
-        for motion in MOTIONS[:2]
-    }
-
-
-def _ledger(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
-    """What crossed the chambers' borders since the start, and what they hold."""
-    parts = activations(prepared.model, rows.act)
-    held = Chambers.of(prepared.scenario.plant.actuators).contents(_pressure_states(parts.isolators), stroke)
-    return {
-        "oil_in": np.stack([parts.oil["oil_in_1"], parts.oil["oil_in_2"]], axis=-1),
-        **{name: parts.ledger[name][:, 0] for name in LEDGER.names or ()},
-        "oil_held": held.mass,
-        "oil_energy": held.energy.sum(axis=(1, 2)),
-    }
+    found = {}
+    for motion in MOTIONS[:2] if scenario.relative else ():
+        between = [motion_at(r.origin, motion) - motion_at(r.to, motion) for r in scenario.relative]
+        found[f"relative_{motion}"] = np.stack(between, axis=1)
+    return found

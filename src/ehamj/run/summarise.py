@@ -9,6 +9,7 @@ import xarray as xr
 from ehamj.control import LinearController
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
+from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import LoopMargins, Summary, Timing
@@ -44,12 +45,17 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []
     peak, rms = peak_and_rms(dataset)
-    simulated = float(dataset.time[-1]) if dataset.time.size else 0.0
+    simulated = duration_of(dataset)
+    asked: dict[str, Any] = {} if failure is None else {"failure": failure}
+    if scenario.relative:
+        asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
+    if (spectrum := scenario.criteria.response_spectrum) is not None:
+        asked["response_spectrum"] = response_spectra(dataset, rate, usable_to, spectrum)
     return Summary(
         name=scenario.name,
         complete=failure is None,
-        **isolated.attributes(),
-        **_asked_for(dataset, scenario, usable_to),
+        **isolated,
+        **asked,
         warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares)],
         peak=peak,
         rms=rms,
@@ -67,7 +73,6 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         ),
         versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         seed=scenario.seed,
-        **({} if failure is None else {"failure": failure}),
     )
 
 
@@ -77,13 +82,3 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> LoopMargin
         return None
     found = report(linear_model(scenario.plant), Loop.of(scenario, law))
     return LoopMargins.model_validate(found.to_dict(places=("motions",)))
-
-
-def _asked_for(dataset: xr.Dataset, scenario: Scenario, usable_to: float) -> dict[str, Any]:
-    """What the scenario asks for beside: relative motions and response spectra."""
-    found: dict[str, Any] = {}
-    if scenario.relative:
-        found["relative"] = relative_motions(dataset, scenario.relative, scenario.record_rate, usable_to)
-    if (spectrum := scenario.criteria.response_spectrum) is not None:
-        found["response_spectrum"] = response_spectra(dataset, scenario.record_rate, usable_to, spectrum)
-    return found

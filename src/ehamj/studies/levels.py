@@ -15,6 +15,7 @@ from pydantic import Field
 from ehamj.control.kinds import CombinedSettings
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
+from ehamj.findings import finite
 from ehamj.labels import table
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots import Figure, Line, lines_chart
@@ -140,7 +141,7 @@ def warp_share(run: Result, part: xr.Dataset) -> float:
 def _numbers(one: xr.Dataset) -> dict[str, Any]:
     bands = zip(BANDS, one["attenuation"].values.tolist(), strict=True)
     return {
-        "attenuation_db": {band: level if np.isfinite(level) else None for band, level in bands},
+        "attenuation_db": {band: finite(level) for band, level in bands},
         "clipped_share": float(one["clipped"]),
         "command_rms_v": float(one["command"]),
         "warp_share": float(one["warp"]),

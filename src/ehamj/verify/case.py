@@ -13,16 +13,17 @@ from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
 
 
-def _linearise(scenario: Scenario) -> LinearModel:
-    return linear_model(scenario.plant)
-
-
 @dataclass(frozen=True)
 class Subject:
     """What is verified: how a scenario is run, and how it is linearised. A test puts a wrong one here."""
 
     simulate: Callable[[Scenario], Result] = simulate
-    linearise: Callable[[Scenario], LinearModel] = _linearise
+    linearise: Callable[[Scenario], LinearModel] = lambda scenario: linear_model(scenario.plant)
+
+    def channels(self, scenario: Scenario, *names: str) -> list[Any]:
+        """Values of some channels of a scenario's run, or ``time``."""
+        dataset = self.simulate(scenario).dataset
+        return [dataset[name].values for name in names]
 
 
 class Finding(NamedTuple):

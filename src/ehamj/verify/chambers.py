@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.verify.case import Finding, Subject, case
-from ehamj.verify.setup import Array, chamber_pressures, open_loop, scenario_of
+from ehamj.verify.setup import Array, open_loop, scenario_of
 
 NEEDLE = 1e-9
 """Piston area so small that the chambers neither feel nor move the machine [m²]."""
@@ -24,8 +24,8 @@ def _compressed(subject: Subject, isolator: dict[str, Any]) -> tuple[Actuator, A
         duration=0.1,
         timestep=1e-4,
     )
-    result = subject.simulate(scenario)
-    return scenario.plant.actuators[0], result.dataset["stroke"].values, chamber_pressures(result)
+    stroke, pressure = subject.channels(scenario, "stroke", "chamber_pressure")
+    return scenario.plant.actuators[0], stroke, pressure
 
 
 @case(
@@ -39,13 +39,10 @@ def _compressed(subject: Subject, isolator: dict[str, Any]) -> tuple[Actuator, A
 def chamber_compression(subject: Subject) -> Finding:
     """p = p₀ − β ln(V/V₀) in both chambers."""
     a, stroke, pressure = _compressed(subject, {})
-    half = a.chamber_volume / 2
-    error = 0.0
-    for chamber, sign in ((0, 1.0), (1, -1.0)):
-        volume = half + sign * a.piston_area * stroke
-        exact = pressure[0, :, chamber] - a.bulk_modulus * np.log(volume / volume[0])
-        error = max(error, float(np.abs(pressure[:, :, chamber] - exact).max() / np.ptp(exact)))
-    return Finding(error, f"{np.ptp(pressure[:, 0, 0]) / 1e5:.1f} bar of swing")
+    volume = a.chamber_volume / 2 + a.piston_area * stroke[:, :, None] * [1.0, -1.0]
+    exact = pressure[0] - a.bulk_modulus * np.log(volume / volume[0])
+    errors = np.abs(pressure - exact).max(axis=(0, 1)) / np.ptp(exact, axis=(0, 1))
+    return Finding(float(errors.max()), f"{np.ptp(pressure[:, 0, 0]) / 1e5:.1f} bar of swing")
 
 
 @case(
@@ -65,12 +62,9 @@ def aerated_compression(subject: Subject) -> Finding:
         gas = a.air_fraction * (ATMOSPHERE / p) ** (1 / a.polytropic_exponent)
         return float(volume * (1 + (p - ATMOSPHERE) / a.wall_modulus) / (liquid + gas))
 
-    half, start = a.chamber_volume / 2, pressure[0, 0, 0]
-    exact = [
-        brentq(lambda p, x=x: mass(half + a.piston_area * x, p) - mass(half + a.piston_area * stroke[0, 0], start),
-               1e5, 2e7, xtol=1e-6)
-        for x in stroke[:, 0]
-    ]  # fmt: skip
+    volumes = a.chamber_volume / 2 + a.piston_area * stroke[:, 0]
+    held = mass(volumes[0], pressure[0, 0, 0])
+    exact = [brentq(lambda p, volume=volume: mass(volume, p) - held, 1e5, 2e7, xtol=1e-6) for volume in volumes]
     error = np.abs(pressure[:, 0, 0] - exact).max() / np.ptp(exact)
     return Finding(float(error), f"{np.ptp(exact) / 1e5:.1f} bar of swing")
 
@@ -92,8 +86,8 @@ def orifice_discharge(subject: Subject) -> Finding:
         duration=0.5,
     )
     a = scenario.plant.actuators[0]
-    result = subject.simulate(scenario)
-    time, rated = result.dataset["time"].values, scenario.supply.rating_pressure
+    time, found = subject.channels(scenario, "time", "chamber_pressure")
+    rated = scenario.supply.rating_pressure
     zeta, omega = a.valve_damping, a.valve_frequency
     damped = omega * np.sqrt(1 - zeta**2)
     decay = np.exp(-zeta * omega * time)
@@ -101,7 +95,6 @@ def orifice_discharge(subject: Subject) -> Finding:
     opened = a.valve_gain * 1.0 * (time - 2 * zeta / omega + decay * wave)
     slope = a.bulk_modulus * a.flow_gain / (a.chamber_volume / 2) / (2 * np.sqrt(rated))
     drop = np.maximum(np.sqrt(rated) - slope * opened, 0.0) ** 2
-    found = chamber_pressures(result)
     errors = [np.abs(scenario.supply.pressure - found[:, :, 0] - drop[:, None]), np.abs(found[:, :, 1] - drop[:, None])]
     full = float(time[np.argmax(drop == 0.0)])
     return Finding(float(np.max(errors)) / rated, f"full and empty after {1e3 * full:.0f} ms")
@@ -123,8 +116,7 @@ def leak_down(subject: Subject) -> Finding:
         duration=0.5,
     )
     a = scenario.plant.actuators[0]
-    result = subject.simulate(scenario)
-    time, pressure = result.dataset["time"].values, chamber_pressures(result)
+    time, pressure = subject.channels(scenario, "time", "chamber_pressure")
     load = pressure[:, :, 0] - pressure[:, :, 1]
     after = int(np.searchsorted(time, 0.03))  # the spool is back to 1e-13 of its way
     rate = 4 * a.bulk_modulus * a.flow_pressure / a.chamber_volume

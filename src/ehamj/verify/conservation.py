@@ -23,20 +23,14 @@ def _balanced(amplitude: float, step: float | str, **table: object) -> Scenario:
 @cache
 def rough(subject: Subject, step: float | str = "auto", duration: float = 10.0) -> tuple[float, float, str]:
     """Saturated valves on 20 bar, and blows from below that tear the oil apart: errors of oil and energy."""
-    blows = [
-        {"kind": "shock", "velocity": 0.3, "pulse_time": 0.015, "begin": begin}
-        for begin in (0.5, 4.0, 7.5)
-        if begin < duration
-    ]
+    blow = {"kind": "shock", "velocity": 0.3, "pulse_time": 0.015}
+    blows = [{**blow, "begin": begin} for begin in (0.5, 4.0, 7.5) if begin < duration]
     table = {"supply": {"pressure": 20e5}, "ground": {"kind": "sum", "parts": blows}, "duration": duration}
     result = subject.simulate(_balanced(10.0, step, **table))
-    saturation = result.summary.saturation
-    share = {name: max(saturation[name].values()) for name in ("spool", "cavitation")}
+    spool, cavitation = (100 * max(result.summary.saturation[name].values()) for name in ("spool", "cavitation"))
     void = 1e9 * float(result.dataset["chamber_void"].max())
-    detail = (
-        f"{100 * share['spool']:.1f} % saturated, {100 * share['cavitation']:.2f} % cavitating, void {void:.0f} mm³"
-    )
-    if min(share.values()) == 0.0:
+    detail = f"{spool:.1f} % saturated, {cavitation:.2f} % cavitating, void {void:.0f} mm³"
+    if min(spool, cavitation) == 0.0:
         return float("nan"), float("nan"), f"{detail}: not what this case is about"
     return *imbalance(result), detail
 
@@ -58,32 +52,22 @@ def imbalance(result: Result) -> tuple[float, float]:
     return float(oil.max()), float(energy / result.dataset["supplied_energy"].values[-1])
 
 
-@case(
-    "oil is conserved",
-    _ROUGH,
-    "conservation: change of mass in each chamber = ∫ρQ dt",
-    "of the oil that moved",
-    1e-6,
-    "what a long run may lose before a user would see it",
-)
-def oil(subject: Subject) -> Finding:
-    """Oil over a long rough run."""
-    error, _, detail = rough(subject)
-    return Finding(error, detail)
+def _conserved(name: str, source: str, unit: str, tolerance: float, which: int) -> None:
+    """Register the case of one balance over a long rough run."""
+
+    @case(name, _ROUGH, source, unit, tolerance, "what a long run may lose before a user would see it")
+    def measure(subject: Subject) -> Finding:
+        oil, energy, detail = rough(subject)
+        return Finding((oil, energy)[which], detail)
 
 
-@case(
-    "energy is conserved",
-    _ROUGH,
-    "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
-    "of the energy supplied",
-    1e-4,
-    "what a long run may lose before a user would see it",
+_conserved(
+    "oil is conserved", "conservation: change of mass in each chamber = ∫ρQ dt", "of the oil that moved", 1e-6, which=0
 )
-def energy(subject: Subject) -> Finding:
-    """Energy over a long rough run."""
-    _, error, detail = rough(subject)
-    return Finding(error, detail)
+_conserved(
+    "energy is conserved", "conservation: change of energy in the oil = ∫(enthalpy in − p dV) dt",
+    "of the energy supplied", 1e-4, which=1,
+)  # fmt: skip
 
 
 @case(
@@ -98,8 +82,8 @@ def smooth_order(subject: Subject) -> Finding:
     """Order with which both balances close on a smooth run."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0])
     errors = np.array([smooth(subject, float(step))[:2] for step in steps])
-    orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
-    return Finding(max(0.0, 4.0 - min(orders)), f"oil {orders[0]:.2f}, energy {orders[1]:.2f}")
+    oil, energy = fitted_order(steps, errors)
+    return Finding(max(0.0, 4.0 - min(oil, energy)), f"oil {oil:.2f}, energy {energy:.2f}")
 
 
 @case(
@@ -114,6 +98,5 @@ def rough_descent(subject: Subject) -> Finding:
     """Through kinks: the largest factor from one step to a shorter one."""
     steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0, 12000.0])
     errors = np.array([rough(subject, float(step), 1.0)[:2] for step in steps])
-    orders = [fitted_order(steps, errors[:, k]) for k in range(2)]
-    worst = float((errors[1:] / errors[:-1]).max())
-    return Finding(worst, f"fitted order: oil {orders[0]:.2f}, energy {orders[1]:.2f}")
+    oil, energy = fitted_order(steps, errors)
+    return Finding(float((errors[1:] / errors[:-1]).max()), f"fitted order: oil {oil:.2f}, energy {energy:.2f}")

@@ -108,10 +108,8 @@ def benchmark(subject: Subject) -> Finding:
 )
 def benchmark_order(subject: Subject) -> Finding:
     """Order with which the benchmark converges."""
-    rates = np.array([3000, 4000, 6000, 8000])
-    errors = [
-        motion_error(subject.simulate(load_scenario("benchmark", [f"timestep={1 / rate!r}"])), benchmark_reference())
-        for rate in rates.tolist()
-    ]
-    order = fitted_order(1.0 / rates, np.array(errors))
+    steps = 1.0 / np.array([3000.0, 4000.0, 6000.0, 8000.0])
+    runs = (subject.simulate(load_scenario("benchmark", [f"timestep={step!r}"])) for step in steps.tolist())
+    errors = [motion_error(run, benchmark_reference()) for run in runs]
+    order = float(fitted_order(steps, np.array(errors)))
     return Finding(4.0 - order, f"order {order:.2f}, {errors[-1]:.1e} at 1/8000 s")

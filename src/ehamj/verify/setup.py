@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.plant.mounts import MOUNTS
-from ehamj.result import Result
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -51,11 +50,6 @@ def sines(amplitude: float, hertz: Sequence[float] | Array) -> list[dict[str, An
     ]
 
 
-def chamber_pressures(result: Result) -> Array:
-    """Pressures (time, mount, chamber) [Pa]."""
-    return result.dataset["chamber_pressure"].values
-
-
-def fitted_order(steps: Array, errors: Array) -> float:
-    """Slope of the error over the step, both logarithmic."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+def fitted_order(steps: Array, errors: Array) -> Array:
+    """Slope of each error (steps, …) over the step, both logarithmic."""
+    return np.polyfit(np.log(steps), np.log(errors), 1)[0]

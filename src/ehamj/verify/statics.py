@@ -13,10 +13,7 @@ MODES = (
     (70.03, 0.005, 0.042),
     (70.66, 0.005, 0.031),
     (76.99, 0.005, 0.024),
-    (250.0, 0.05, 0.65),
-    (250.0, 0.05, 0.65),
-    (250.0, 0.05, 0.65),
-    (250.0, 0.05, 0.65),
+    *[(250.0, 0.05, 0.65)] * 4,
     (455.2, 0.05, 0.114),
     (528.0, 0.05, 0.098),
     (552.1, 0.05, 0.094),
@@ -57,8 +54,8 @@ def default_statics(subject: Subject) -> Finding:
     scenario = parse_scenario({"duration": 0.001})
     plant = scenario.plant
     exact = -plant.total_mass * plant.gravity / sum(actuator.membrane_stiffness for actuator in plant.actuators)
-    found = float(subject.simulate(scenario).dataset["machine_displacement"].values[0, 2])
-    return Finding(abs(found / exact - 1.0), f"{1e6 * found:.4f} µm")
+    (moved,) = subject.channels(scenario, "machine_displacement")
+    return Finding(abs(moved[0, 2] / exact - 1.0), f"{1e6 * moved[0, 2]:.4f} µm")
 
 
 @case(
@@ -77,12 +74,10 @@ def held_statics(subject: Subject) -> Finding:
         ALL_OPTIONS, gravity=9.80665, supply=SHARED_SUPPLY, control=open_loop(*signals), duration=0.001
     )
     reference = simulate_reference(scenario)
-    d = subject.simulate(scenario).dataset
+    moved, p, supply = subject.channels(scenario, "machine_displacement", "chamber_pressure", "supply_pressure")
     pairs = (
-        (d["machine_displacement"].values[0, 2:5], reference.q[0, 2:5]),
-        (d["chamber_pressure"].values[0], reference.pressure[0]),
-        (d["supply_pressure"].values[:1], reference.supply[:1]),
-    )
+        (moved[0, 2:5], reference.q[0, 2:5]), (p[0], reference.pressure[0]), (supply[:1], reference.supply[:1])
+    )  # fmt: skip
     error = max(float(np.abs(found - exact).max() / np.abs(exact).max()) for found, exact in pairs)
     return Finding(error, f"z {1e6 * reference.q[0, 2]:.2f} µm, supply {reference.supply[0] / 1e5:.2f} bar")
 
@@ -99,13 +94,10 @@ def held_statics(subject: Subject) -> Finding:
 def tipping(subject: Subject) -> Finding:
     """The membrane stiffness at which an eigenvalue of the tall machine passes zero."""
 
+    leaky = {"membrane_damping": 1e4, "flow_pressure": 6.6e-9, "moving_volume": False}
+
     def growth(stiffness: float) -> float:
-        isolator = {
-            "membrane_stiffness": stiffness,
-            "membrane_damping": 1e4,
-            "flow_pressure": 6.6e-9,
-            "moving_volume": False,
-        }
+        isolator = {"membrane_stiffness": stiffness, **leaky}
         model = subject.linearise(scenario_of(isolator, gravity=9.80665, machine={"cg": [0.0, 0.0, 1.8]}))
         return float(np.linalg.eigvals(model.A).real.max())
 

@@ -31,8 +31,7 @@ def piston_step(subject: Subject) -> Finding:
         timestep=1e-4,
     )
     a = scenario.plant.actuators[0]
-    result = subject.simulate(scenario)
-    time, found = result.dataset["time"].values, result.dataset["stroke"].values
+    time, found = subject.channels(scenario, "time", "stroke")
     area, mass = a.piston_area, 4056.0
     soft = a.chamber_volume / (4 * a.bulk_modulus * area**2)
     plate = np.array([mass, a.membrane_damping, a.membrane_stiffness])
@@ -48,9 +47,8 @@ def piston_step(subject: Subject) -> Finding:
 
 def spool_response(subject: Subject, share: float, hertz: Array) -> NDArray[np.complex128]:
     """First harmonic of the spool over its target at frequencies, one per mount, at ±share of full stroke."""
-    control = open_loop(*sines(10.0 * share, hertz))
-    result = subject.simulate(scenario_of({}, control=control, duration=0.3, record_rate=2e4))
-    time, spool = result.dataset["time"].values, result.dataset["spool"].values
+    scenario = scenario_of(control=open_loop(*sines(10.0 * share, hertz)), duration=0.3, record_rate=2e4)
+    time, spool = subject.channels(scenario, "time", "spool")
     found = np.empty(len(hertz), complex)
     for k, f in enumerate(hertz):
         late = time > 0.1  # transients are gone: exp(−ζω·0.1 s) is far below 1e-9
@@ -61,6 +59,7 @@ def spool_response(subject: Subject, share: float, hertz: Array) -> NDArray[np.c
     return found
 
 
+_LAG = "frequency at which the spool lags its command by 90°"
 _PAPER = "the paper: 250 Hz at ±5 %, 100 Hz at ±90 %"
 _IDENTIFIED = "physics.md section 2: the clamped drive integrated on its own, to 0.1 Hz"
 
@@ -68,14 +67,7 @@ _IDENTIFIED = "physics.md section 2: the clamped drive integrated on its own, to
 def _lags_a_quarter(share: float, expected: float, tolerance: float, source: str, why: str) -> None:
     """Register the case of one amplitude: from four runs about the expected frequency [Hz]."""
 
-    @case(
-        f"valve at ±{100 * share:g} %",
-        "frequency at which the spool lags its command by 90°",
-        source,
-        "Hz",
-        tolerance,
-        why,
-    )
+    @case(f"valve at ±{100 * share:g} %", _LAG, source, "Hz", tolerance, why)
     def measure(subject: Subject) -> Finding:
         hertz = expected * np.linspace(0.96, 1.035, len(MOUNTS))
         lag = -np.degrees(np.unwrap(np.angle(spool_response(subject, share, hertz))))
@@ -101,9 +93,8 @@ def spool_alone(actuator: Actuator, share: float, hertz: float) -> complex:
         return [y[1], limited - 2 * a.valve_damping * a.valve_frequency * y[1]]
 
     times = (10.0 + np.arange(2000) / 400) / hertz  # five periods, transients gone
-    spool = solve_ivp(
-        motion, (0.0, 15.0 / hertz), [0.0, 0.0], t_eval=times, rtol=1e-8, atol=1e-8, max_step=1e-4
-    ).y[0]  # fmt: skip
+    close = {"rtol": 1e-8, "atol": 1e-8, "max_step": 1e-4}
+    spool = solve_ivp(motion, (0.0, 15.0 / hertz), [0.0, 0.0], t_eval=times, **close).y[0]
     return complex(2j * np.mean(spool * np.exp(-1j * omega * times)) / target)
 
 

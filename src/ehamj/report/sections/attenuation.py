@@ -18,11 +18,9 @@ def attenuation(shown: Shown) -> Section:
 
 def _figures(shown: Shown) -> Iterator[Picture]:
     for axis, words in AXIS_NAMES.items():
-        tables = {label: result.summary.attenuation_db.get(axis) for label, result in shown.results.items()}
+        tables = {label: result.summary.attenuation_db[axis] for label, result in shown.results.items()}
         curves = [
-            Levels.of_bands(label, table, shown.colors[label])
-            for label, table in tables.items()
-            if table and known([table])
+            Levels.of_bands(label, table, shown.colors[label]) for label, table in tables.items() if known([table])
         ]
         if curves:
             yield Picture(f"attenuation-{axis}", plots.attenuation(f"Attenuation, {words}", curves))
@@ -34,7 +32,7 @@ def at_places(shown: Shown) -> Table:
     for label, result in shown.results.items():
         tables = {"machine": result.summary.attenuation_db, **result.summary.attenuation_at_db}
         own = [
-            [place_in_words(place), *(decibel(table.get("z", {}).get(band)) for band in HEADLINE_BANDS)]
+            [place_in_words(place), *(decibel(table["z"].get(band)) for band in HEADLINE_BANDS)]
             for place, table in tables.items()
         ]
         if any(cell != DASH for row in own for cell in row[1:]):
@@ -53,7 +51,7 @@ def _notes(shown: Shown) -> list[str]:
         "roll and pitch: of the plane fitted to the floor, over those of the machine. Gaps are undecided bands."
     ]
     tables = [result.summary.attenuation_db for result in shown.results.values()]
-    silent = [name for axis, name in AXIS_NAMES.items() if not known(table.get(axis, {}) for table in tables)]
+    silent = [name for axis, name in AXIS_NAMES.items() if not known(table[axis] for table in tables)]
     if silent:
         why = "since the floor moves too little or the run is short"
         found.append(f"Undecided in every band, {why}: {'; '.join(silent)}.")

@@ -10,9 +10,10 @@ from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, where
 from ehamj.judge.verdicts import AtPlace
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
 from ehamj.plots import Levels
 from ehamj.report.shown import Shown, known
+from ehamj.report.verdict import class_met
 from ehamj.result import Result
 
 EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
@@ -54,11 +55,11 @@ def _notes(shown: Shown) -> list[str]:
     """How to read the figures, and why some are missing."""
     found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
     velocities = [result.summary.third_octave_velocity for result in shown.results.values()]
-    quiet = []
-    for axis in CRITERION_AXES:
-        levels = known(table.get(who, {}).get(axis, {}) for table in velocities for who in ("floor", "machine"))
-        if not any(level * MICRO > plots.QUIETEST for level in levels):
-            quiet.append(AXIS_NAMES[axis])
+    loudest = {
+        axis: max(known(table[who][axis] for table in velocities for who in ("floor", "machine")), default=0.0)
+        for axis in CRITERION_AXES
+    }
+    quiet = [AXIS_NAMES[axis] for axis, level in loudest.items() if level * MICRO <= plots.QUIETEST]
     if quiet:
         found.append(f"Nothing above {plots.QUIETEST:g} µm/s, or not known: {'; '.join(quiet)}.")
     return found
@@ -68,12 +69,9 @@ def _limits(norm: Norm, axis: str) -> dict[str, tuple[Any, Any]]:
     """Bands and limits of each class, as velocity [µm/s]."""
     found = {}
     for name in norm.classes:
-        limits = [(band, limit) for band in CANDIDATES if (limit := norm.limit(name, axis, band)) is not None]
-        frequency = np.array([band.nominal for band, _ in limits])
-        found[norm.marks.get(name, name)] = (
-            frequency,
-            MICRO * np.array([limit.as_velocity(band) for band, limit in limits]),
-        )
+        limits = {band: limit for band in CANDIDATES if (limit := norm.limit(name, axis, band)) is not None}
+        velocities = MICRO * np.array([limit.as_velocity(band) for band, limit in limits.items()])
+        found[norm.marks.get(name, name)] = np.array([band.nominal for band in limits]), velocities
     return found
 
 
@@ -82,18 +80,17 @@ def _seen(norm: Norm, view: str, result: Result) -> dict[str, dict[str, float | 
 
     Velocity where it limits nothing; of several axes the largest; None where nothing is known.
     """
-    summary, of_band = result.summary, {band.name: band for band in CANDIDATES}
-    found: dict[str, dict[str, float | None]] = {}
-    for place in ("floor", "machine"):
-        found[place] = {}
-        for name in summary.third_octave_velocity.get(place, {}).get(view[0], {}):
+    of_band = {band.name: band for band in CANDIDATES}
+    found: dict[str, dict[str, float | None]] = {"floor": {}, "machine": {}}
+    for place, levels in found.items():
+        for name in result.summary.third_octave_velocity[place][view[0]]:
             band = of_band.get(name)
             limit = None if band is None else norm.limit(norm.classes[-1], view[0], band)
             quantity = "velocity" if limit is None else limit.quantity
-            tables = summary.get(f"third_octave_{quantity}", {}).get(place, {})
+            tables = (getattr(result.summary, f"third_octave_{quantity}") or {}).get(place, {})
             level = max(known([{axis: tables.get(axis, {}).get(name) for axis in view}]), default=None)
             share = 1.0 if limit is None or band is None else limit.as_velocity(band) / limit.value
-            found[place][name] = None if level is None else MICRO * level * share
+            levels[name] = scaled(level, MICRO * share)
     return found
 
 
@@ -125,13 +122,8 @@ def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:
     if not judged:
         return "not judged"
     axis = min(judged, key=lambda axis: norm.rank(judged[axis]))
-    verdict, decided_by = judged[axis], where([judged[axis].deciding_band])
-    decided_by = f"{axis} {decided_by}" if len(axes) > 1 else decided_by.removeprefix("at ")
-    if verdict.met is None:
-        return f"{decibel(verdict.excess_db)} dB over {norm.classes[0]} ({decided_by})"
-    if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{verdict.met} (at rest)"
-    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+    worse = f"{decibel(judged[axis].excess_db)} dB over"
+    return class_met(judged[axis], norm, worse, axis if len(axes) > 1 else "")
 
 
 def _note(shown: Shown, norms: Mapping[str, Norm]) -> str:

@@ -3,10 +3,10 @@
 import re
 from typing import Final
 
-from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
 from ehamj.report.shown import Shown, floor_moves, known
+from ehamj.report.verdict import class_met
 
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
@@ -19,7 +19,7 @@ PROCESSING: Final = re.compile(
 
 def headline(shown: Shown) -> Section:
     """Vertical attenuation at a few bands."""
-    tables = {label: result.summary.attenuation_db.get("z", {}) for label, result in shown.results.items()}
+    tables = {label: result.summary.attenuation_db["z"] for label, result in shown.results.items()}
     rows = [[label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)] for label, table in tables.items()]
     note = f"{DASH}: undecided." if any(DASH in row for row in rows) else ""
     if not known(tables.values()):
@@ -35,21 +35,12 @@ def classes(shown: Shown) -> Section:
     """Vibration class per axis of the floor and of each machine, with margin and band."""
     columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.criterion)}
     norm = next(iter(shown.scenario.criteria.chosen().values()))
-    rows = [[AXIS_NAMES[axis], *(_class(place[axis], norm) for place in columns.values())]
-            for axis in CRITERION_AXES]  # fmt: skip
+    rows = [
+        [AXIS_NAMES[axis], *(class_met(place[axis], norm, "worse than") for place in columns.values())]
+        for axis in CRITERION_AXES
+    ]
     note = "Margin: below the limit of the class met, in the band that decides, where it is least."
     return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
-
-
-def _class(verdict: Verdict, norm: Norm) -> str:
-    if verdict.deciding_band is None:
-        return "not judged"
-    decided_by = where([verdict.deciding_band]).removeprefix("at ")
-    if verdict.met is None:
-        return f"worse than {norm.classes[0]} ({decided_by})"
-    if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{verdict.met} (at rest)"
-    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
 def warnings(shown: Shown) -> Section | None:

@@ -1,11 +1,12 @@
 """Tables of how near a run came to its limits: peaks, when a limit was reached, and what the loop's margins are."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from ehamj.judge.summary import LoopMargins, PlaceMargins
 from ehamj.pages import Section, Table
 from ehamj.pages.words import BAR, DASH, LITRE_PER_MINUTE, measured, number, scaled
 from ehamj.report.shown import Array, Shown
@@ -86,8 +87,7 @@ def _when_limited(shown: Shown) -> Table:
         if reached and not shown.alone:
             rows.append([label])
         for name, part in reached.items():
-            words = [number(part["first_s"], 4), number(part["longest_s"], 3), part["mount"]]
-            rows.append([name.replace("_", " "), *words])
+            rows.append([name.replace("_", " "), number(part.first_s, 4), number(part.longest_s), part.mount])
     return Table("Limits that were reached", ["", "first at [s]", "longest [s]", "at"], rows, kind="words")
 
 
@@ -98,8 +98,7 @@ def _saturation(shown: Shown) -> Table:
     for label, result in shown.results.items():
         rows += [] if shown.alone else [[label]]
         for name, shares in result.summary.saturation.items():
-            percent = [measured(scaled(shares.get(mount), 100.0)) for mount in mounts]
-            rows.append([name.replace("_", " "), *percent])
+            rows.append([name.replace("_", " "), *(measured(scaled(shares.get(mount), 100.0)) for mount in mounts)])
     return Table("Share of the time at a limit [%]", ["", *mounts], rows)
 
 
@@ -115,23 +114,24 @@ def _oil(shown: Shown) -> Table:
 
 def of_each(title: str, key: str, quantities: Iterable[tuple[str, str, float]], shown: Shown, note: str = "") -> Table:
     """A table of the summary, one column per result; ``quantities``: words, entry and factor."""
-    tables = [result.summary.get(key, {}) for result in shown.results.values()]
-    rows = [[text, *(number(scaled(table.get(name), factor)) for table in tables)] for text, name, factor in quantities]
+    tables = [getattr(result.summary, key) for result in shown.results.values()]
+    rows = [
+        [text, *(number(scaled(getattr(table, name), factor)) for table in tables)] for text, name, factor in quantities
+    ]
     return Table(title, ["", *shown.results], rows, note)
 
 
 def _margins(shown: Shown) -> Table:
     """What each law's loop has in hand before it becomes unstable, as the summary says it."""
-    tables = {label: result.summary.margins for label, result in shown.results.items()}
-    known = {label: table for label, table in tables.items() if table}
+    known = {label: found for label, result in shown.results.items() if (found := result.summary.margins)}
     rows: list[list[str]] = []
     for label, table in known.items():
         if len(known) > 1:
             rows.append([label])
-        if not table["stable"]:
+        if not table.stable:
             rows.append(["the closed loop is unstable", *[DASH] * (len(LOOP_HEAD) - 1)])
         rows.append(["least, anywhere", *_loop(table)])
-        rows += [[name, *_loop(one)] for name, one in table.get("motions", {}).items()]
+        rows += [[name, *_loop(one)] for name, one in table.motions.items()]
     note = (
         "Each motion opened by itself, the rest closed; the least also over single valves, single readings and all "
         "valves at once. Peak: of the sensitivity. Practice asks for 6 dB, 45°, a disk margin of 0.5 and a peak below "
@@ -140,8 +140,8 @@ def _margins(shown: Shown) -> Table:
     return Table("Margins of the control loop", LOOP_HEAD, rows, note)
 
 
-def _loop(one: Mapping[str, Any]) -> list[str]:
+def _loop(one: LoopMargins | PlaceMargins) -> list[str]:
     """Cells of a loop's row."""
-    crossings = ", ".join(number(hertz) for hertz in one.get("crossings_hz", ()))
-    peak = [number(one.get(name)) for name in ("peak_sensitivity", "peak_hz")]
-    return [number(one["gain_db"]), number(one["phase_deg"]), number(one["disk"]), *peak, crossings or DASH]
+    names = ("gain_db", "phase_deg", "disk", "peak_sensitivity", "peak_hz")
+    crossings = ", ".join(map(number, getattr(one, "crossings_hz", ())))
+    return [*(number(getattr(one, name, None)) for name in names), crossings or DASH]

@@ -33,17 +33,15 @@ def numbers(shown: Shown) -> Section:
 
 def _bands(shown: Shown) -> Table:
     """Vertical levels and attenuation per band."""
-    first = shown.first.summary
     head = ["band [Hz]", "floor [µm/s]"]
     for label in shown.results:
         head += [f"{label} [µm/s]", f"{label} [dB]"]
     rows = []
-    for band, level in first.get("third_octave_velocity", {}).get("floor", {}).get("z", {}).items():
+    for band, level in shown.first.summary.third_octave_velocity["floor"]["z"].items():
         row = [band, measured(scaled(level, MICRO))]
         for result in shown.results.values():
-            machine = result.summary.third_octave_velocity.get("machine", {}).get("z", {})
-            attenuation = result.summary.attenuation_db.get("z", {})
-            row += [measured(scaled(machine.get(band), MICRO)), decibel(attenuation.get(band))]
+            machine = result.summary.third_octave_velocity["machine"]["z"].get(band)
+            row += [measured(scaled(machine, MICRO)), decibel(result.summary.attenuation_db["z"].get(band))]
         if set(row[1:]) != {DASH}:
             rows.append(row)
     note = (
@@ -64,7 +62,7 @@ def _levels(shown: Shown) -> Table:
         for part in _parts(data[name]):
             factor, unit = _unit(str(data[name].attrs.get("units", "")), part)
             values = [
-                scaled(_worst(result.summary.get(kind, {}).get(name), part.split()), factor)
+                scaled(_worst(getattr(result.summary, kind).get(name), part.split()), factor)
                 for result in shown.results.values()
                 for kind in ("peak", "rms")
             ]

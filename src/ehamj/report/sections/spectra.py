@@ -1,6 +1,7 @@
 """Response spectra of floor, machines and points."""
 
 from collections.abc import Iterator, Mapping
+from itertools import cycle
 from typing import Any, Final
 
 import numpy as np
@@ -25,8 +26,8 @@ def spectra(shown: Shown) -> Section | None:
     figures = list(_figures(shown))
     if not figures:
         return None
-    found = (result.summary.get("response_spectrum") for result in shown.results.values())
-    damping = next(spectrum["damping"] for spectrum in found if spectrum)
+    found = (result.summary.response_spectrum for result in shown.results.values())
+    damping = next(spectrum.damping for spectrum in found if spectrum)
     note = (
         f"What an oscillator of one degree of freedom (damping ratio {damping:g}) would do on the floor at its "
         "worst mount, on the machine at its centre of gravity, and at its points (dashed): 2πf times its peak "
@@ -49,14 +50,16 @@ def _curves(shown: Shown, kind: str, axis: str, factor: float) -> Iterator[Level
     """Floors and machines, then the first result's points (dashed); only what moves."""
 
     def spectrum(result: Result) -> Mapping[str, Any]:
-        found = result.summary.get("response_spectrum") or {kind: {}}
-        return {place: (found["frequency_hz"], axes[axis]) for place, axes in found[kind].items()}
+        if (found := result.summary.response_spectrum) is None:
+            return {}
+        return {place: (found.frequency_hz, axes[axis]) for place, axes in getattr(found, kind).items()}
 
-    found = list(shown.with_floors(spectrum))
-    points = [place for place in spectrum(shown.first) if place not in ("floor", "machine")]
-    for k, place in enumerate(points):
-        found.append((f"{shown.label}, {place}", DASHES[k % len(DASHES)], spectrum(shown.first)[place]))
-    for label, look, content in found:
+    points = {place: own for place, own in spectrum(shown.first).items() if place not in ("floor", "machine")}
+    curves = [
+        *((*one, "-") for one in shown.with_floors(spectrum)),
+        *((f"{shown.label}, {place}", plots.INK, own, dash)
+          for (place, own), dash in zip(points.items(), cycle(DASHES), strict=False)),
+    ]  # fmt: skip
+    for label, color, content, dash in curves:
         if content and np.nanmax(values := factor * np.array(content[1], float), initial=0.0) > 0.0:
-            color, dash = (plots.INK, look) if look in DASHES else (look, "-")
             yield Levels(label, np.array(content[0]), values, color, dash)

@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.plant.plant import Plant
-from ehamj.verify.reference.inputs import GRID
-
-Array = NDArray[np.float64]
+from ehamj.verify.reference.inputs import GRID, Array
 
 ATMOSPHERE: Final = 101325.0
 """Pressure at which the air fraction and the walls' stretch are stated [Pa]."""
@@ -98,9 +96,7 @@ def _flow_curves(plant: Plant) -> Array:
 
 # --- the right-hand side: ``a`` is the record of an isolator ---------------------------------------------------------
 
-
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    return numba.njit(error_model="numpy", cache=True)(function)
+_compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = numba.njit(error_model="numpy", cache=True)
 
 
 @_compiled
