@@ -12,7 +12,7 @@ first row, and every table has one record per mount.
   then a `MOUNT` per mount.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, Final, NamedTuple
 
 import mujoco
@@ -23,7 +23,7 @@ from ehamj.compiled import kernel
 from ehamj.isolator.actuator import COMPONENTS, STATEFUL
 from ehamj.isolator.component import STAGES, Option
 from ehamj.isolator.equations import Isolator, State
-from ehamj.isolator.supply import Feed, SupplyState, SupplyValues
+from ehamj.isolator.supply import Feed, Supply, SupplyState
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.plant import Plant
 
@@ -57,7 +57,7 @@ ISOLATOR: Final = record(
 """An isolator as the compiled code knows it: values of its components, of its place, and of what it is fed with."""
 
 ISOLATOR_STATE: Final = record(*State._fields)
-SUPPLY: Final = record(*SupplyValues._fields)
+SUPPLY: Final = record(*Supply.Values._fields)
 SUPPLY_STATE: Final = record(*SupplyState._fields)
 
 OIL: Final = record("oil_in_1", "oil_in_2")
@@ -71,8 +71,17 @@ LEDGER: Final = record(
 )
 """What crossed the chambers' borders since the start."""
 
-CUBIC: Final = record("value", "slope", "end_value", "end_slope")
-"""An input over a step: value and slope·step at its start and at its end."""
+
+class Cubic(NamedTuple):
+    """An input over a step: value and slope·step at its start and at its end."""
+
+    value: float
+    slope: float
+    end_value: float
+    end_slope: float
+
+
+CUBIC: Final = record(*Cubic._fields)
 
 STEP: Final = record(
     "start",  # time at which the step's cubics begin [s]
@@ -247,7 +256,7 @@ def rows(plant: Plant) -> list[Row]:
         at += own * len(mine)
     if plant.supply.dynamic:
         table["supply_row"], table["supply_at"] = n + len(others), at
-        others.append(Row("supply", size(SUPPLY_STATE), list(SupplyValues.of(plant.supply))))
+        others.append(Row("supply", size(SUPPLY_STATE), list(Supply.values_of(plant.supply))))
         at += size(SUPPLY_STATE)
     if plant.bookkeeping:
         table["ledger_at"] = at
@@ -265,47 +274,47 @@ def rows(plant: Plant) -> list[Row]:
 # How compiled code takes a record apart.
 
 
-def _written(name: str, arguments: str, body: Sequence[str], **scope: Any) -> Any:
+def _written(arguments: str, *body: str, **scope: Any) -> Any:
     """A kernel from source, for what Numba has no loop over: the fields of a record."""
-    exec(f"def {name}({arguments}):\n    " + "\n    ".join(body), scope)
-    return kernel(scope[name])
+    exec(f"def written({arguments}):\n    " + "\n    ".join(body), scope)
+    return kernel(scope["written"])
+
+
+def _made(name: str, values: Any) -> str:
+    """Source that makes a named tuple of a record with fields of its names."""
+    return f"{name}({', '.join(f'row.{field}' for field in values._fields)})"
 
 
 def unpacker(values: Any) -> Any:
-    """The kernel that makes a named tuple of a record with fields of its names."""
-    return _written("unpack", "row", [f"return values({_fields(values)})"], values=values)
-
-
-def _fields(values: Any) -> str:
-    return ", ".join(f"row.{name}" for name in values._fields)
+    """The kernel that does so."""
+    return _written("row", f"return {_made('values', values)}", values=values)
 
 
 def _unpack_isolator() -> Any:
-    scope = {f"values_{k}": component.Values for k, component in enumerate(COMPONENTS)}
-    parts = [f"values_{k}({_fields(component.Values)})" for k, component in enumerate(COMPONENTS)]
+    values = {component.__name__: component.Values for component in COMPONENTS}
+    parts = ", ".join(_made(*each) for each in values.items())
     places = "".join(f"row.{field}, " for field in PLACES.values())
-    return _written("unpack", "row", [f"return whole({', '.join(parts)}, ({places}))"], whole=Isolator, **scope)
+    return _written("row", f"return Isolator({parts}, ({places}))", Isolator=Isolator, **values)
 
 
 def _unpack_options() -> Any:
-    scope = {f"state_{k}": option.State for k, option in enumerate(PLACES)}
+    states = {option.__name__: option.State for option in PLACES}
     parts = ""
-    for k, (option, field) in enumerate(PLACES.items()):
+    for option, field in PLACES.items():
         own = ", ".join(f"act[int(row.{field}) + {j}]" for j in range(len(option.State._fields)))
-        parts += f"state_{k}({own}), "
-    return _written("unpack", "act, row", [f"return ({parts})"], **scope)
+        parts += f"{option.__name__}({own}), "
+    return _written("act, row", f"return ({parts})", **states)
 
 
 def _pack_options() -> Any:
     """Rates come in the order of the stages at which their options take part."""
     stages = list(STAGES)
-    body, number = ["pass"], 0
+    body = ["pass"]
     for option in sorted(PLACES, key=lambda option: min(stages.index(stage) for stage in option.path)):
+        place = f"row.{PLACES[option]}"
         for j in range(len(option.State._fields)):
-            place = f"row.{PLACES[option]}"
-            body.append(f"if {place} > 0.0: act_dot[int({place}) + {j}] = rates[{number}]")
-            number += 1
-    return _written("pack", "rates, act_dot, row", body)
+            body.append(f"if {place} > 0.0: act_dot[int({place}) + {j}] = rates[{len(body) - 1}]")
+    return _written("rates, act_dot, row", *body)
 
 
 isolator_of = _unpack_isolator()
@@ -314,24 +323,14 @@ options_of = _unpack_options()
 """States of the options of an isolator from the activations and its record: a tuple of each option's own."""
 put_options = _pack_options()
 """Write the rates of those states."""
-state_of, feed_of = unpacker(State), unpacker(Feed)
-supply_of, supply_state_of = unpacker(SupplyValues), unpacker(SupplyState)
+state_of, feed_of, cubic_of = unpacker(State), unpacker(Feed), unpacker(Cubic)
+supply_of, supply_state_of = unpacker(Supply.Values), unpacker(SupplyState)
 
 
-class Cubic(NamedTuple):
-    """See `CUBIC`."""
-
-    value: float
-    slope: float
-    end_value: float
-    end_slope: float
-
-
-cubic_of = unpacker(Cubic)
-put_cubic = _written(
-    "put", "cubic, start, end",
-    ["cubic.value = start[0]", "cubic.slope = start[1]", "cubic.end_value = end[0]", "cubic.end_slope = end[1]"],
-)  # fmt: skip
+@kernel
+def put_cubic(cubic, start, end):  # type: ignore[no-untyped-def]
+    """Write a cubic from value and slope·step at its start and at its end."""
+    cubic.value, cubic.slope, cubic.end_value, cubic.end_slope = start[0], start[1], end[0], end[1]
 
 
 @kernel

@@ -1,9 +1,7 @@
 """The timings run, and what is timed is the same motion."""
 
-from ehamj.bench.additions import additions
 from ehamj.bench.case import benchmark_case
-from ehamj.bench.steps import step_times
-from ehamj.bench.threads import thread_scaling
+from ehamj.bench.steps import additions, step_times, thread_scaling
 from ehamj.scenario.load import load_scenario
 
 

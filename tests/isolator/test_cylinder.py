@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.isolator.edges import EdgeValues, chamber_flows
+from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import actual_pressure, pressure_rate
 from ehamj.isolator.supply import Feed
 
@@ -27,7 +27,7 @@ pressures = st.floats(0.0, 90e5)
 def flows(spool: float, pressure_1: float, pressure_2: float, cross: float = CROSS) -> np.ndarray:
     """Flow into chamber 1, into chamber 2 and from the supply, of a valve that opens no further than its stroke."""
     opening = min(max(spool, -STROKE), STROKE)
-    return np.array(chamber_flows(opening, pressure_1, pressure_2, FEED, EdgeValues(GAIN, EDGE, cross, EPS)))
+    return np.array(chamber_flows(opening, pressure_1, pressure_2, FEED, Edges.Values(GAIN, EDGE, cross, EPS)))
 
 
 def load_flow(spool: float, load: float) -> float:

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ehamj.isolator.edges import EdgeValues, port_flow, turbulence
-from ehamj.isolator.spool import SpoolValues, spool_acceleration, spool_target
+from ehamj.isolator.edges import Edges, port_flow, turbulence
+from ehamj.isolator.spool import Spool, spool_acceleration, spool_target
 from ehamj.isolator.supply import Feed
 
 settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
@@ -18,8 +18,8 @@ GAIN, LEAK, EPS = 1.94e-6, 3.3e-12, 1e-3
 SUPPLY, TANK = 70e5, 2e5
 MIDDLE = 0.5 * (SUPPLY + TANK)
 FEED = Feed(SUPPLY, TANK, (SUPPLY - TANK) / 2)
-EDGES = EdgeValues(GAIN, LEAK, 0.0, EPS)
-SPOOL = SpoolValues(2.0, 1571.0, 0.65, 5.42e6, 20.0, 10.0)
+EDGES = Edges.Values(GAIN, LEAK, 0.0, EPS)
+SPOOL = Spool.Values(2.0, 1571.0, 0.65, 5.42e6, 20.0, 10.0)
 
 pressures = st.floats(-20e5, 90e5)
 openings = st.floats(-20.0, 20.0)

@@ -2,10 +2,8 @@
 
 from typing import Any
 
-from ehamj.bench.additions import additions
 from ehamj.bench.case import benchmark_case
-from ehamj.bench.steps import step_times
-from ehamj.bench.threads import thread_scaling
+from ehamj.bench.steps import additions, step_times, thread_scaling
 from ehamj.mujoco import hydraulics
 from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario

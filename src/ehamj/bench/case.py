@@ -1,44 +1,24 @@
 """The benchmark case by the engine with its callbacks, against the same equations without any multibody engine."""
 
+from collections.abc import Callable
 from typing import Any
 
-import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from ehamj.bench.ceiling import ceiling
-from ehamj.bench.clock import interleaved
-from ehamj.control.loop import no_loop
-from ehamj.mujoco import hydraulics
-from ehamj.mujoco.advance import advance
-from ehamj.mujoco.equilibrium import Inputs, equilibrium
-from ehamj.mujoco.model import build_model
-from ehamj.mujoco.rows import Recording
-from ehamj.run.drive import sample_inputs
+from ehamj.bench.ceiling import Array, ceiling
+from ehamj.bench.runs import Run, interleaved
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 
 def benchmark_case(scenario: Scenario, step: float, repetitions: int) -> dict[str, float]:
     """The benchmark case recorded at 1 kHz, against the same equations in bare compiled RK4 at the same step."""
     steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
-    model = build_model(scenario.plant, step)
-    inputs = sample_inputs(scenario.motion(), scenario.commands(), 0, steps + 1, step)
-    loop = no_loop(len(scenario.plant.mounts))
-    recording = Recording.of(model, loop, every, steps // every + 1)
-    with hydraulics():
-        start = mujoco.MjData(model)
-        equilibrium(model, start, Inputs.rest(model))
-
-        def engine() -> None:
-            data = mujoco.MjData(model)
-            data.qpos[:], data.act[:] = start.qpos, start.act
-            advance(model, data, 0, steps, inputs, recording, last=True, loop=loop)
-
-        times = interleaved({"engine": engine, "ceiling": lambda: ceiling(scenario, step)}, repetitions)
-    engine_time, ceiling_time = (float(np.median(each)) for each in times.values())
+    works: dict[str, Callable[[], object]] = {
+        "engine": Run(scenario, step, steps, every),
+        "ceiling": lambda: ceiling(scenario, step),
+    }
+    engine_time, ceiling_time = (float(np.median(each)) for each in interleaved(works, repetitions).values())
     reference = ceiling(scenario, step / 24)
     return {
         "step_s": step,

@@ -72,9 +72,7 @@ class Actuator(
         return 4.0 * self.bulk_modulus * self.piston_area**2 / self.chamber_volume
 
 
-COMPONENTS: Final = tuple(
-    base for base in reversed(Actuator.__mro__) if issubclass(base, Component) and vars(base).get("Values") is not None
-)
+COMPONENTS: Final[tuple[type[Component], ...]] = Actuator.__bases__[::-1]
 """Components that take part in the equations, in order."""
 
 OPTIONS: Final = tuple(component for component in COMPONENTS if issubclass(component, Option))

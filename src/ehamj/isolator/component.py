@@ -5,6 +5,7 @@ from that list: the keys of the user's table, the fields in memory (`ehamj.memor
 (`ehamj.isolator.equations`).
 """
 
+from collections import namedtuple
 from collections.abc import Iterable
 from typing import Any, ClassVar, NamedTuple
 
@@ -18,22 +19,26 @@ HUGE = 1e300
 class Component(Parameters):
     """Settings of one component, and what its kernels take of them.
 
-    ``Values`` is a named tuple of floats. Each of its fields is a field of the isolator's record in memory, under that
-    name, and is filled from the setting of the same name, or from ``derived``.
+    ``takes`` names settings and properties; if it is empty, the kernels take all settings that are the component's own.
+    ``Values`` is the named tuple of these, of floats. Each of its fields is a field of the isolator's record in memory,
+    under that name. Kernels are annotated with the component itself, which has the same names.
     """
 
+    takes: ClassVar[Any] = ()
     Values: ClassVar[Any] = None
 
-    def derived(self) -> dict[str, float]:
-        """Values that are no settings themselves."""
-        return {}
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        known = {name for base in cls.__bases__ for name in getattr(base, "model_fields", ())}
+        own = [name for name in cls.model_fields if name not in known]
+        if own:
+            cls.Values = namedtuple("Values", cls.takes or own, module=cls.__module__)  # type: ignore[misc]
+            cls.Values.__qualname__ = f"{cls.__name__}.Values"  # the cache of compiled code finds it by name
 
     @classmethod
     def values_of(cls, isolator: Any) -> Any:
         """``Values`` of an isolator that has this component."""
-        derived = cls.derived(isolator)
-        values = (derived[name] if name in derived else getattr(isolator, name) for name in cls.Values._fields)
-        return cls.Values(*(min(float(value), HUGE) for value in values))
+        return cls.Values(*(min(float(getattr(isolator, name)), HUGE) for name in cls.Values._fields))
 
 
 class At(NamedTuple):

@@ -10,15 +10,6 @@ from ehamj.isolator.supply import Feed, Supply
 from ehamj.settings import quantity
 
 
-class EdgeValues(NamedTuple):
-    """K_Q [m³/s/mA], g₀ and c [m³/s/Pa], ε."""
-
-    flow_gain: float
-    edge_leakage: float
-    cross_leakage: float
-    laminar_ratio: float
-
-
 class Flows(NamedTuple):
     """Flow into chamber 1, into chamber 2, and drawn from the supply [m³/s]."""
 
@@ -56,11 +47,7 @@ class Edges(Component):
         35e5, "Pa", "Δp_N", "pressure drop over one edge at which rated_flow holds", "assumed", gt=0
     )
 
-    Values: ClassVar[Any] = EdgeValues
-
-    def derived(self) -> dict[str, float]:
-        """Leakages."""
-        return {"edge_leakage": self.edge_leakage, "cross_leakage": self.cross_leakage}
+    takes: ClassVar[Any] = ("flow_gain", "edge_leakage", "cross_leakage", "laminar_ratio")
 
     @property
     def edge_leakage(self) -> float:
@@ -85,7 +72,7 @@ def turbulence(ratio: float, laminar_ratio: float) -> float:
 
 
 @kernel
-def port_flow(opening: float, pressure: float, feed: Feed, own: EdgeValues) -> tuple[float, float]:
+def port_flow(opening: float, pressure: float, feed: Feed, own: "Edges") -> tuple[float, float]:
     """Flow into a port, and the part of it that the supply gives [m³/s].
 
     ``opening`` [mA] connects the port to the supply where positive and to the tank where negative; K_Q holds at the
@@ -101,9 +88,7 @@ def port_flow(opening: float, pressure: float, feed: Feed, own: EdgeValues) -> t
 
 
 @kernel
-def lapped_port_flow(
-    feeding: float, draining: float, pressure: float, feed: Feed, own: EdgeValues
-) -> tuple[float, float]:
+def lapped_port_flow(feeding: float, draining: float, pressure: float, feed: Feed, own: "Edges") -> tuple[float, float]:
     """As `port_flow`, for edges that open on their own: ``feeding`` from the supply, ``draining`` to the tank [mA]."""
     above, below = feed.supply_pressure - pressure, pressure - feed.tank_pressure
     in_turbulent = own.flow_gain * feeding * turbulence(above / feed.rated_pressure, own.laminar_ratio)
@@ -113,7 +98,7 @@ def lapped_port_flow(
 
 
 @kernel
-def chamber_flows(opening: float, pressure_1: float, pressure_2: float, feed: Feed, own: EdgeValues) -> Flows:
+def chamber_flows(opening: float, pressure_1: float, pressure_2: float, feed: Feed, own: "Edges") -> Flows:
     """Flows of a valve without overlap.
 
     A positive ``opening`` [mA] feeds chamber 1 and drains chamber 2. Linearised at null with equal chambers it is the
@@ -126,7 +111,7 @@ def chamber_flows(opening: float, pressure_1: float, pressure_2: float, feed: Fe
 
 
 @kernel
-def lapped_chamber_flows(edges: Openings, pressure_1: float, pressure_2: float, feed: Feed, own: EdgeValues) -> Flows:
+def lapped_chamber_flows(edges: Openings, pressure_1: float, pressure_2: float, feed: Feed, own: "Edges") -> Flows:
     """As `chamber_flows`, for edges with overlap."""
     flow_1, drawn_1 = lapped_port_flow(edges.feeds_1, edges.drains_1, pressure_1, feed, own)
     flow_2, drawn_2 = lapped_port_flow(edges.feeds_2, edges.drains_2, pressure_2, feed, own)

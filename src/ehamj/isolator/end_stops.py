@@ -1,7 +1,7 @@
 """End stops of the spool."""
 
 import math
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from pydantic import Field
 
@@ -9,14 +9,8 @@ from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
 
 
-class EndStopValues(NamedTuple):
-    """1: the spool stops at its full stroke."""
-
-    end_stops: float
-
-
 @kernel
-def held_by_stop(motion: tuple[float, float], at: At, own: EndStopValues) -> tuple[float, float]:
+def held_by_stop(motion: tuple[float, float], at: At, own: "EndStops") -> tuple[float, float]:
     """Rate and acceleration of a spool with stops at ±x_max: a stop takes no push and gives no bounce."""
     rate, acceleration = motion
     if own.end_stops != 0.0 and abs(at.position) >= at.stroke and at.position * rate >= 0.0:
@@ -27,7 +21,7 @@ def held_by_stop(motion: tuple[float, float], at: At, own: EndStopValues) -> tup
 
 
 @kernel
-def at_stop(spool: tuple[float, float], at: At, own: EndStopValues) -> tuple[float, float]:
+def at_stop(spool: tuple[float, float], at: At, own: "EndStops") -> tuple[float, float]:
     """Position and rate of the spool after a step, which may have carried it past its stop."""
     position, rate = spool
     if own.end_stops != 0.0 and abs(position) >= at.stroke:
@@ -42,5 +36,4 @@ class EndStops(Option):
 
     end_stops: bool = Field(False, description="the spool stops at ±spool_stroke")
 
-    Values: ClassVar[Any] = EndStopValues
     path: ClassVar[Any] = {"motion": held_by_stop, "settled": at_stop}

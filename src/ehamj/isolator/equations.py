@@ -40,24 +40,6 @@ class Plate(NamedTuple):
     ground_rate: float
 
 
-class Sums(NamedTuple):
-    """What crosses the borders of an isolator's chambers, and what its valve takes."""
-
-    oil_1: float
-    """Into chamber 1, mass over density at atmospheric pressure [m³/s]."""
-    oil_2: float
-    energy_1: float
-    """Enthalpy into chamber 1 [W]."""
-    energy_2: float
-    work_1: float
-    """Work of chamber 1 [W]."""
-    work_2: float
-    supplied: float
-    """Power drawn from the supply [W]."""
-    throttled: float
-    """Power lost over edges and leaks [W]."""
-
-
 _target, _error, _motion, _metering, _opening, _flow, _settled = (in_turn(stage, COMPONENTS) for stage in STAGES)
 
 
@@ -132,7 +114,7 @@ def settled(state, held, states, own):  # type: ignore[no-untyped-def]
 
 @kernel
 def balance(state, rates, flows, plate, feed, own):  # type: ignore[no-untyped-def]
-    """What crosses the borders of the chambers at these states, rates and flows."""
+    """What crosses the border of each chamber, and the powers [W] from the supply and lost over edges."""
     volume_1, volume_2 = chamber_volumes(plate.stroke, own.cylinder)
     swept_1, swept_2 = swept_flows(plate.speed, own.cylinder)
     one = crossing(state.pressure_1, rates.pressure_1, flows.into_1, swept_1, volume_1, own.fluid)
@@ -140,4 +122,4 @@ def balance(state, rates, flows, plate, feed, own):  # type: ignore[no-untyped-d
     supplied = feed.supply_pressure * flows.drawn
     drained = feed.tank_pressure * (flows.drawn - (flows.into_1 + flows.into_2))
     throttled = supplied - drained - (one.power + two.power)
-    return Sums(one.oil, two.oil, one.energy, two.energy, one.work, two.work, supplied, throttled)
+    return one, two, supplied, throttled

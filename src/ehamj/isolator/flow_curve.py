@@ -1,7 +1,6 @@
 """Flow curve of the valve: a maker's flow over spool position, in place of a proportional one."""
 
 import math
-from collections import namedtuple
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
@@ -14,11 +13,6 @@ from ehamj.settings import quantity
 
 POINTS = 11
 """Points of the curve in memory, at equal shares of the stroke from 0 to 1."""
-
-SHARES = tuple(f"flow_curve_{k}" for k in range(POINTS))
-
-FlowCurveValues: Any = namedtuple("FlowCurveValues", (*SHARES, "curved"))  # type: ignore[misc]
-"""Share of the full flow at each point; 1 if the valve has a curve."""
 
 
 @kernel
@@ -43,16 +37,17 @@ class FlowCurve(Option):
         "assumed",
     )
 
-    Values: ClassVar[Any] = FlowCurveValues
+    takes: ClassVar[Any] = (*(f"flow_curve_{k}" for k in range(POINTS)), "curved")
     path: ClassVar[Any] = {"flow": curved_opening}
 
-    def derived(self) -> dict[str, float]:
-        """The curve at the points in memory."""
-        if not self.flow_curve:
-            return {"curved": 0.0, **{name: k / (POINTS - 1) for k, name in enumerate(SHARES)}}
-        places, flows = zip(*self.flow_curve, strict=True)
-        shares = {name: float(np.interp(k / (POINTS - 1), places, flows)) for k, name in enumerate(SHARES)}
-        return {"curved": 1.0, **shares}
+    @classmethod
+    def values_of(cls, isolator: Any) -> Any:
+        """Share of the full flow at each point, and 1 if the valve has a curve."""
+        shares = [k / (POINTS - 1) for k in range(POINTS)]
+        if not isolator.flow_curve:
+            return cls.Values(*shares, 0.0)
+        places, flows = zip(*isolator.flow_curve, strict=True)
+        return cls.Values(*(float(np.interp(share, places, flows)) for share in shares), 1.0)
 
     @property
     def curve_slope(self) -> float:

@@ -19,16 +19,6 @@ LEAST = 1.0
 """Pressure below which entrained air counts no further [Pa]."""
 
 
-class FluidValues(NamedTuple):
-    """β [Pa], p_v [Pa], α, n, 1/β_w [1/Pa]."""
-
-    bulk_modulus: float
-    vapour_pressure: float
-    air_fraction: float
-    polytropic_exponent: float
-    wall_compliance: float
-
-
 class Fluid(Component):
     """The oil in the chambers, and the walls around it."""
 
@@ -48,11 +38,12 @@ class Fluid(Component):
         gt=0,
     )
 
-    Values: ClassVar[Any] = FluidValues
+    takes: ClassVar[Any] = ("bulk_modulus", "vapour_pressure", "air_fraction", "polytropic_exponent", "wall_compliance")
 
-    def derived(self) -> dict[str, float]:
-        """Compliance of the walls."""
-        return {"wall_compliance": 1.0 / self.wall_modulus}
+    @property
+    def wall_compliance(self) -> float:
+        """Compliance of the walls, 1/β_w [1/Pa]."""
+        return 1.0 / self.wall_modulus
 
 
 @kernel
@@ -71,7 +62,7 @@ def filled_share(state: float, pressure: float, modulus: float) -> float:
 
 
 @kernel
-def relative_volume(pressure: float, oil: FluidValues) -> float:
+def relative_volume(pressure: float, oil: "Fluid") -> float:
     """Volume of a mass of oil over its volume at atmospheric pressure: liquid of constant modulus, polytropic air.
 
     v = (1 − α)·exp(−(p − p₀)/β) + α·(p₀/p)^(1/n), with the air's volume fraction α at p₀.
@@ -83,7 +74,7 @@ def relative_volume(pressure: float, oil: FluidValues) -> float:
 
 
 @kernel
-def oil_modulus(pressure: float, oil: FluidValues) -> float:
+def oil_modulus(pressure: float, oil: "Fluid") -> float:
     """Bulk modulus of oil with entrained air, −v/(dv/dp) of `relative_volume` [Pa]; without air the liquid's own."""
     if oil.air_fraction == 0.0:
         return oil.bulk_modulus
@@ -114,7 +105,7 @@ def pressure_rate(
 
 
 @kernel
-def chamber_rate(state: float, flow: float, swept: float, volume: float, oil: FluidValues) -> float:
+def chamber_rate(state: float, flow: float, swept: float, volume: float, oil: "Fluid") -> float:
     """Rate of a chamber's pressure state [Pa/s] from what flows in, air, void and walls counted."""
     pressure = actual_pressure(state, oil.vapour_pressure)
     modulus = oil_modulus(pressure, oil)
@@ -125,7 +116,7 @@ def chamber_rate(state: float, flow: float, swept: float, volume: float, oil: Fl
 
 
 @kernel
-def specific_energy(pressure: float, oil: FluidValues) -> float:
+def specific_energy(pressure: float, oil: "Fluid") -> float:
     """Energy stored by compression from atmospheric pressure, over the volume there [J/m³]: e = −∫p dv.
 
     In closed form for `relative_volume`: the liquid's part and the air's (isothermal, n = 1, as its limit).
@@ -154,7 +145,7 @@ class Contents(NamedTuple):
 
 
 @kernel
-def contents(state: float, volume: float, oil: FluidValues) -> Contents:
+def contents(state: float, volume: float, oil: "Fluid") -> Contents:
     """What a chamber of an unstretched ``volume`` [m³] holds at its pressure state [Pa]."""
     pressure = actual_pressure(state, oil.vapour_pressure)
     filled = filled_share(state, pressure, oil_modulus(pressure, oil))
@@ -178,7 +169,7 @@ class Crossing(NamedTuple):
 
 
 @kernel
-def crossing(state: float, rate: float, flow: float, swept: float, volume: float, oil: FluidValues) -> Crossing:
+def crossing(state: float, rate: float, flow: float, swept: float, volume: float, oil: "Fluid") -> Crossing:
     """What crosses the border of a chamber whose pressure state [Pa] has this ``rate`` [Pa/s]."""
     pressure = actual_pressure(state, oil.vapour_pressure)
     inflow = 1.0 / relative_volume(pressure, oil) * flow

@@ -1,20 +1,11 @@
 """The membrane that carries the machine: vertical and lateral springs, the pressure plate, and the machine's foot."""
 
 import math
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
 from ehamj.settings import Unlimited, quantity
-
-
-class MembraneValues(NamedTuple):
-    """K_L [N/m], C [N s/m], and the lateral k_h, c_h."""
-
-    membrane_stiffness: float
-    membrane_damping: float
-    lateral_stiffness: float
-    lateral_damping: float
 
 
 class Membrane(Component):
@@ -34,7 +25,7 @@ class Membrane(Component):
         0.0, "N s/m", "c_f", "damping plate to machine, for a foot with stiffness", "assumed", ge=0
     )
 
-    Values: ClassVar[Any] = MembraneValues
+    takes: ClassVar[Any] = ("membrane_stiffness", "membrane_damping", "lateral_stiffness", "lateral_damping")
 
     @property
     def rigid_foot(self) -> bool:
@@ -43,13 +34,13 @@ class Membrane(Component):
 
 
 @kernel
-def lift(ground: float, rate: float, own: MembraneValues) -> tuple[float, float]:
+def lift(ground: float, rate: float, own: "Membrane") -> tuple[float, float]:
     """Forces on the plate [N] by the ground below the membrane at height [m] and rate [m/s]: of spring and damper."""
     return own.membrane_stiffness * ground, own.membrane_damping * rate
 
 
 @kernel
-def pull(ground: float, slope: float, rate: float, own: MembraneValues) -> float:
+def pull(ground: float, slope: float, rate: float, own: "Membrane") -> float:
     """Lateral force on the machine by ground that moved, in one direction [N].
 
     ``slope``·``rate`` is the ground's velocity [m/s]: motion per step [m], and steps per second.

@@ -1,20 +1,14 @@
 """Null offset of the valve."""
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
 from ehamj.settings import quantity
 
 
-class NullOffsetValues(NamedTuple):
-    """x_n [mA]."""
-
-    null_offset: float
-
-
 @kernel
-def off_null(position: float, at: At, own: NullOffsetValues) -> float:
+def off_null(position: float, at: At, own: "NullOffset") -> float:
     """Opening of edges that are open while the spool is centred [mA]."""
     return position + own.null_offset
 
@@ -24,5 +18,4 @@ class NullOffset(Option):
 
     null_offset: float = quantity(0.0, "mA", "x_n", "opening of the valve with its spool centred", "assumed")
 
-    Values: ClassVar[Any] = NullOffsetValues
     path: ClassVar[Any] = {"opening": off_null}

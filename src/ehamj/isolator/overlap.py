@@ -7,16 +7,6 @@ from ehamj.isolator.component import Option
 from ehamj.settings import quantity
 
 
-class OverlapValues(NamedTuple):
-    """x_0 of each edge [mA]; 1 if any has one."""
-
-    overlap_supply_1: float
-    overlap_1_tank: float
-    overlap_supply_2: float
-    overlap_2_tank: float
-    lapped: float
-
-
 class Openings(NamedTuple):
     """How far each edge is open [mA]: it feeds a chamber from the supply, or drains it to the tank."""
 
@@ -27,7 +17,7 @@ class Openings(NamedTuple):
 
 
 @kernel
-def edge_openings(opening: float, stroke: float, own: OverlapValues) -> Openings:
+def edge_openings(opening: float, stroke: float, own: Any) -> Openings:
     """An edge opens beyond its overlap (before null, where negative), and no further than ``stroke`` [mA]."""
     return Openings(
         min(max(opening - own.overlap_supply_1, 0.0), stroke),
@@ -45,8 +35,9 @@ class Overlap(Option):
         "assumed",
     )  # fmt: skip
 
-    Values: ClassVar[Any] = OverlapValues
+    takes: ClassVar[Any] = ("overlap_supply_1", "overlap_1_tank", "overlap_supply_2", "overlap_2_tank", "lapped")
 
-    def derived(self) -> dict[str, float]:
-        """Overlaps edge by edge."""
-        return {**dict(zip(OverlapValues._fields, self.overlap, strict=False)), "lapped": float(any(self.overlap))}
+    @classmethod
+    def values_of(cls, isolator: Any) -> Any:
+        """x_0 of each edge [mA], and 1 if any has one."""
+        return cls.Values(*isolator.overlap, float(any(isolator.overlap)))

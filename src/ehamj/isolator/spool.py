@@ -1,22 +1,10 @@
 """The servo valve's spool: a second-order response whose drive saturates."""
 
 import math
-from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
 from ehamj.settings import Unlimited, quantity
-
-
-class SpoolValues(NamedTuple):
-    """K_v [mA/V], ω_v [rad/s], ζ, a_max [mA/s²], x_max [mA], v_max [V]."""
-
-    valve_gain: float
-    valve_frequency: float
-    valve_damping: float
-    spool_drive_limit: float
-    spool_stroke: float
-    voltage_limit: float
 
 
 class Spool(Component):
@@ -33,17 +21,15 @@ class Spool(Component):
     )
     voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
 
-    Values: ClassVar[Any] = SpoolValues
-
 
 @kernel
-def spool_target(voltage: float, own: SpoolValues) -> float:
+def spool_target(voltage: float, own: "Spool") -> float:
     """Spool position that a command v [V] asks for, c = K_v·sat(v) [mA] (paper eq. 1, static part)."""
     return own.valve_gain * min(max(voltage, -own.voltage_limit), own.voltage_limit)
 
 
 @kernel
-def spool_acceleration(error: float, rate: float, own: SpoolValues) -> float:
+def spool_acceleration(error: float, rate: float, own: "Spool") -> float:
     """Acceleration of the spool [mA/s²]: ẍ = clip(ω_v²(c − x), ±a_max) − 2ζω_v ẋ.
 
     ``error`` c − x [mA], ``rate`` ẋ [mA/s]. The solenoid's force saturates, the damping does not. Unclipped it is the
@@ -61,7 +47,7 @@ def full_stroke(position: float, stroke: float) -> float:
 
 
 @kernel
-def limits_reached(command: float, position: float, own: SpoolValues) -> tuple[bool, bool, bool]:
+def limits_reached(command: float, position: float, own: "Spool") -> tuple[bool, bool, bool]:
     """Whether command [V], spool [mA] and the spool's drive are at their limits."""
     drive = own.valve_frequency**2 * (spool_target(command, own) - position)
     return (

@@ -1,15 +1,16 @@
 """One supply for all actuators: a pump with a flow limit, an accumulator, a line, and the manifold that they share."""
 
 import math
-from typing import NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from ehamj.compiled import kernel
-from ehamj.settings import Parameters, quantity
+from ehamj.isolator.component import Component
+from ehamj.settings import quantity
 
 
-class Supply(Parameters):
+class Supply(Component):
     """Oil supply and tank; pressures are absolute."""
 
     pressure: float = quantity(70e5, "Pa", "P_s", "supply pressure", "assumed", gt=0)
@@ -33,6 +34,11 @@ class Supply(Parameters):
     oil_viscosity: float = quantity(0.04, "Pa s", "µ", "dynamic viscosity of the oil", "assumed", gt=0)
     oil_modulus: float = quantity(1.4e9, "Pa", "β", "bulk modulus of the oil in the manifold", "assumed", gt=0)
 
+    takes: ClassVar[Any] = (
+        "pressure", "pump_conductance", "pump_flow", "accumulator_volume", "accumulator_precharge",
+        "accumulator_exponent", "line_resistance", "line_inertance", "manifold_volume", "oil_modulus",
+    )  # fmt: skip
+
     @model_validator(mode="after")
     def _order(self) -> Self:
         if self.pressure <= self.tank_pressure:
@@ -46,6 +52,11 @@ class Supply(Parameters):
     def rating_pressure(self) -> float:
         """Pressure drop per edge at which the flow gain holds, Δp₀ = (P_s − P_t)/2 [Pa]."""
         return 0.5 * (self.pressure - self.tank_pressure)
+
+    @property
+    def pump_conductance(self) -> float:
+        """Flow of the pump per fall of pressure [m³/s/Pa]."""
+        return self.pump_flow / self.pump_droop
 
     @property
     def line_resistance(self) -> float:
@@ -75,71 +86,25 @@ class SupplyState(NamedTuple):
     supply_pressure: float
 
 
-class SupplyValues(NamedTuple):
-    """Pump, accumulator, line and manifold as the kernels take them."""
-
-    set_pressure: float
-    """[Pa]"""
-    pump_conductance: float
-    """[m³/s/Pa]"""
-    pump_flow: float
-    """Limit [m³/s]."""
-    gas_volume: float
-    """V₀ [m³]"""
-    precharge: float
-    """p₀ [Pa]"""
-    gas_exponent: float
-    """n"""
-    line_resistance: float
-    """R [Pa s/m³]"""
-    line_inertance: float
-    """L [Pa s²/m³]"""
-    manifold_volume: float
-    """[m³]"""
-    manifold_modulus: float
-    """[Pa]"""
-
-    @classmethod
-    def of(cls, supply: Supply) -> "SupplyValues":
-        """Of a user's supply."""
-        return cls(
-            supply.pressure,
-            supply.pump_flow / supply.pump_droop,
-            supply.pump_flow,
-            supply.accumulator_volume,
-            supply.accumulator_precharge,
-            supply.accumulator_exponent,
-            supply.line_resistance,
-            supply.line_inertance,
-            supply.manifold_volume,
-            supply.oil_modulus,
-        )
-
-    @property
-    def middle(self) -> SupplyState:
-        """Where the pump controls, between no flow and all of it."""
-        pressure = self.set_pressure - 0.5 * self.pump_flow / self.pump_conductance
-        return SupplyState(pressure, 0.5 * self.pump_flow, pressure)
+def middle(own: Supply) -> SupplyState:
+    """Where the pump controls, between no flow and all of it."""
+    pressure = own.pressure - 0.5 * own.pump_flow / own.pump_conductance
+    return SupplyState(pressure, 0.5 * own.pump_flow, pressure)
 
 
 @kernel
-def pump_flow(pressure: float, set_pressure: float, conductance: float, limit: float) -> float:
-    """Flow of a pressure-controlled pump [m³/s]: conductance·(p_set − p), between 0 and its ``limit``."""
-    return min(max(conductance * (set_pressure - pressure), 0.0), limit)
-
-
-@kernel
-def supply_rates(state: SupplyState, drawn: float, own: SupplyValues) -> SupplyState:
+def supply_rates(state: SupplyState, drawn: float, own: Supply) -> SupplyState:
     """Rates of the supply's states, from the flow [m³/s] that all isolators draw.
 
-    The gas (volume V₀ at precharge p₀) is polytropic: p V^n = p₀ V₀^n, so that Ṗ = n p/V·(Q_pump − Q_line). The line is
-    a resistance R and an inertance L: L Q̇ = p_station − p_manifold − R Q.
+    The pump is pressure-controlled: conductance·(P_s − p), between 0 and its limit. The gas (volume V₀ at precharge p₀)
+    is polytropic: p V^n = p₀ V₀^n, so that Ṗ = n p/V·(Q_pump − Q_line). The line is a resistance R and an inertance L:
+    L Q̇ = p_station − p_manifold − R Q.
     """
     station = state.station_pressure
-    gas = own.gas_volume * (own.precharge / station) ** (1.0 / own.gas_exponent)
-    into = pump_flow(station, own.set_pressure, own.pump_conductance, own.pump_flow) - state.line_flow
+    pumped = min(max(own.pump_conductance * (own.pressure - station), 0.0), own.pump_flow)
+    gas = own.accumulator_volume * (own.accumulator_precharge / station) ** (1.0 / own.accumulator_exponent)
     return SupplyState(
-        own.gas_exponent * station / gas * into,
+        own.accumulator_exponent * station / gas * (pumped - state.line_flow),
         (station - state.supply_pressure - own.line_resistance * state.line_flow) / own.line_inertance,
-        own.manifold_modulus / own.manifold_volume * (state.line_flow - drawn),
+        own.oil_modulus / own.manifold_volume * (state.line_flow - drawn),
     )

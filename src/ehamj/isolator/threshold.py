@@ -1,20 +1,14 @@
 """Threshold of the valve: small errors of position do not move the spool."""
 
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import At, Option
 from ehamj.settings import quantity
 
 
-class ThresholdValues(NamedTuple):
-    """x_t [mA]."""
-
-    threshold: float
-
-
 @kernel
-def beyond_threshold(error: float, at: At, own: ThresholdValues) -> float:
+def beyond_threshold(error: float, at: At, own: "Threshold") -> float:
     """What drives the spool [mA]: nothing within ±x_t of its target; beyond, the excess."""
     return error - min(max(error, -own.threshold), own.threshold)
 
@@ -24,5 +18,4 @@ class Threshold(Option):
 
     threshold: float = quantity(0.0, "mA", "x_t", "error of position that does not move the spool", "assumed", ge=0)
 
-    Values: ClassVar[Any] = ThresholdValues
     path: ClassVar[Any] = {"error": beyond_threshold}

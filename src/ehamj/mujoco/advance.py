@@ -7,10 +7,10 @@ from typing import Any, Final, NamedTuple
 import mujoco
 import numba
 import numpy as np
-from numba import carray
+from numba import types
 from numpy.typing import NDArray
 
-from ehamj.compiled import compiled_here, kernel
+from ehamj.compiled import c_function, compiled_here, copy, kernel
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
@@ -22,9 +22,8 @@ from ehamj.memory import COMMAND, inputs, isolator_of, mounts_of, options_of, pu
 from ehamj.mujoco.callbacks import feed_from
 from ehamj.mujoco.hold import library
 from ehamj.mujoco.offsets import offsets
-from ehamj.mujoco.pointers import address_at, call_on_state, call_runge_kutta, doubles_at, store_double
 from ehamj.mujoco.rows import Recording, Rows, Tally
-from ehamj.mujoco.views import isolator_states, isolators_at, loads_at, mounts_at, step_at
+from ehamj.mujoco.views import machine_of
 from ehamj.plant.axes import DOFS
 
 Array = NDArray[np.float64]
@@ -38,6 +37,11 @@ LAW_FAILED: Final = 4
 NOT_LOADED: Final = (np.zeros((0, len(DOFS), 2)), np.zeros((0, len(DOFS), 2)))
 """No force on the machine itself."""
 
+on_state = c_function(types.void, types.intp, types.intp)
+"""void f(mjModel*, mjData*)"""
+runge_kutta = c_function(types.void, types.intp, types.intp, types.int32)
+"""void f(mjModel*, mjData*, int order)"""
+
 
 class Stopped(NamedTuple):
     """How a stretch ended: steps done, why (`DONE`, `NOT_FINITE`, …), and at which mount (−1: the machine)."""
@@ -48,7 +52,7 @@ class Stopped(NamedTuple):
 
 
 class Engine(NamedTuple):
-    """Addresses of mj_forward, mj_RungeKutta, the model and its data, and sizes of the state."""
+    """Addresses of mj_forward, mj_RungeKutta, the model and its data, and sizes of position and velocity."""
 
     forward: int
     runge_kutta: int
@@ -56,12 +60,11 @@ class Engine(NamedTuple):
     data: int
     nq: int
     nv: int
-    na: int
 
     @classmethod
     def of(cls, model: mujoco.MjModel, data: mujoco.MjData) -> "Engine":
         """Of a model and its data."""
-        return cls(*_functions(), model._address, data._address, model.nq, model.nv, model.na)
+        return cls(*_functions(), model._address, data._address, model.nq, model.nv)
 
 
 class Stretch(NamedTuple):
@@ -88,47 +91,6 @@ class Driving(NamedTuple):
         for part in parts:
             part.flags.writeable = False
         return cls(*parts)
-
-
-class Machine(NamedTuple):
-    """The records and arrays of a model and its data."""
-
-    isolators: Any
-    mounts: Any
-    step: Any
-    loads: Any
-    states: Any
-    rates: Any
-    qpos: Any
-    qvel: Any
-    qacc: Any
-    act: Any
-    control: Any
-    length: Any
-    velocity: Any
-
-
-@kernel
-def machine_of(engine, at):  # type: ignore[no-untyped-def]
-    """Views of everything that the loop touches."""
-    model, data = engine.model, engine.data
-    isolators = isolators_at(model, at)
-    n = isolators.size
-    return Machine(
-        isolators,
-        mounts_at(data, at, n),
-        step_at(data, at),
-        loads_at(data, at),
-        isolator_states(address_at(data, at.act), n),
-        isolator_states(address_at(data, at.act_dot), n),
-        carray(doubles_at(data, at.qpos), engine.nq),
-        carray(doubles_at(data, at.qvel), engine.nv),
-        carray(doubles_at(data, at.qacc), engine.nv),
-        carray(doubles_at(data, at.act), engine.na),
-        carray(doubles_at(data, at.ctrl), n),
-        carray(doubles_at(data, at.actuator_length), n),
-        carray(doubles_at(data, at.actuator_velocity), n),
-    )
 
 
 @kernel
@@ -181,7 +143,7 @@ def check(machine):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def count_limits(machine, act, tally):  # type: ignore[no-untyped-def]
+def count_limits(machine, tally):  # type: ignore[no-untyped-def]
     """Add the present state to the tally of limits reached, and of oil drawn."""
     drawn, power = 0.0, 0.0
     for k in range(machine.mounts.size):
@@ -194,7 +156,7 @@ def count_limits(machine, act, tally):  # type: ignore[no-untyped-def]
         counted.spool_drive += drive
         counted.cavitation += state.pressure_1 <= vapour or state.pressure_2 <= vapour
         drawn += mount.drawn
-        power += mount.drawn * feed_from(machine.isolators[k], machine.isolators[0], act).supply_pressure
+        power += mount.drawn * feed_from(machine, k).supply_pressure
     total = tally.drawn[0]
     total.flow += drawn
     total.peak_flow = max(total.peak_flow, drawn)
@@ -214,14 +176,16 @@ def settle_valves(machine):  # type: ignore[no-untyped-def]
 @kernel
 def write_row(machine, rows, row, values, readings):  # type: ignore[no-untyped-def]
     """Record the present state."""
-    rows.qpos[row], rows.qvel[row], rows.qacc[row] = machine.qpos, machine.qvel, machine.qacc
-    rows.act[row] = machine.act
+    copy(machine.qpos, rows.qpos[row])
+    copy(machine.qvel, rows.qvel[row])
+    copy(machine.qacc, rows.qacc[row])
+    copy(machine.act, rows.act[row])
     for k in range(machine.mounts.size):
         mount = machine.mounts[k]
         rows.command[row, k] = machine.control[k] + mount.command
         rows.flow[row, k, 0], rows.flow[row, k, 1] = mount.into_1, mount.into_2
-    rows.states[row] = values[: rows.states.shape[1]]
-    rows.readings[row] = readings
+    copy(values, rows.states[row])
+    copy(readings, rows.readings[row])
 
 
 @cache
@@ -237,20 +201,19 @@ def _advance() -> Any:
     at = offsets()
 
     def advance(engine, stretch, driving, recording, laws, memory, sensing, readings, noise, first_noise):  # type: ignore[no-untyped-def]
-        machine, h, every = machine_of(engine, at), stretch.timestep, recording.every
         model, data = engine.model, engine.data
-        act = address_at(data, at.act)
+        machine, h, every = machine_of(model, data, at, engine.nq, engine.nv), stretch.timestep, recording.every
         signals, row = np.zeros(sensing.layout.size), 0
         motion = (machine.qpos, machine.qvel, machine.qacc)
         for k in range(stretch.steps + stretch.last):
             number = stretch.first + k
             time = number * h
-            store_double(data, at.time, time)
+            machine.time[0] = time
             write_inputs(machine, time, 1.0 / h, driving.start[k], driving.end[k])
             if driving.pushed.shape[0] > 0:
                 write_load(machine, driving.pushed[k], driving.released[k])
             release(number, laws, memory, machine.control)
-            call_on_state(engine.forward, model, data)
+            on_state(engine.forward, (model, data))
             status, mount = check(machine)
             if status != DONE:
                 return k, status, mount, row
@@ -266,13 +229,13 @@ def _advance() -> Any:
                     return k, LAW_FAILED, -1, row
                 if answer == AT_ONCE:
                     convert_held(laws, memory, machine.control)
-                    call_on_state(engine.forward, model, data)
-            count_limits(machine, act, recording.tally)
+                    on_state(engine.forward, (model, data))
+            count_limits(machine, recording.tally)
             if number % every == 0:
                 write_row(machine, recording.rows, row, memory.values, readings.readings)
                 row += 1
             if k < stretch.steps:
-                call_runge_kutta(engine.runge_kutta, model, data, 4)
+                runge_kutta(engine.runge_kutta, (model, data, 4))
                 settle_valves(machine)
         return stretch.steps, DONE, -1, row
 

@@ -8,8 +8,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numba
-import numpy as np
-from numba import carray, types
+from numba import types
 
 from ehamj.compiled import compiled_here, kernel
 from ehamj.isolator.edges import Flows
@@ -17,41 +16,36 @@ from ehamj.isolator.equations import Plate, balance, isolator_rates
 from ehamj.isolator.membrane import pull
 from ehamj.isolator.supply import Feed, supply_rates
 from ehamj.memory import (
+    LEDGER,
     MACHINE_BODY,
+    OIL,
+    SUPPLY,
+    SUPPLY_STATE,
     cubic_of,
     feed_of,
     hermite,
     isolator_of,
     options_of,
     put_options,
+    size,
     state_of,
     supply_of,
     supply_state_of,
 )
 from ehamj.mujoco.offsets import offsets
-from ehamj.mujoco.pointers import address_at, doubles_at, load_double, pointer
-from ehamj.mujoco.views import (
-    N_LOADS,
-    isolator_states,
-    isolators_at,
-    ledger_states,
-    loads_at,
-    mounts_at,
-    oil_states,
-    step_at,
-    supply_at,
-    supply_states,
-)
-from ehamj.plant.axes import DOFS, JOINTS
+from ehamj.mujoco.views import N_LOADS, machine_of, mounts_at, numbers_at, part, row_at
+from ehamj.plant.axes import JOINTS
 
 X, Y, RZ = JOINTS.index("x"), JOINTS.index("y"), JOINTS.index("rz")
+OIL_SIZE = size(OIL)
 
 
 @kernel
-def stage_inputs(s, rate, isolators, mounts, force):  # type: ignore[no-untyped-def]
+def stage_inputs(machine, s, force):  # type: ignore[no-untyped-def]
     """Evaluate ground and command at the fraction ``s`` of a step; add the ground's lateral pull to ``force``."""
-    for k in range(mounts.size):
-        mount, isolator = mounts[k], isolators[k]
+    rate = machine.step[0].rate
+    for k in range(machine.mounts.size):
+        mount, isolator = machine.mounts[k], machine.isolators[k]
         own = isolator_of(isolator).membrane
         x, x_slope = hermite(cubic_of(mount.ground_x), s)
         y, y_slope = hermite(cubic_of(mount.ground_y), s)
@@ -66,77 +60,73 @@ def stage_inputs(s, rate, isolators, mounts, force):  # type: ignore[no-untyped-
 
 
 @kernel
-def feed_from(isolator, head, act):  # type: ignore[no-untyped-def]
-    """What an isolator is fed with: the shared supply's pressure where it has states, from where activations lie."""
-    feed = feed_of(isolator)
-    if head.supply_at > 0.0:
-        shared = supply_states(act, head.supply_at)
+def feed_from(machine, k):  # type: ignore[no-untyped-def]
+    """What an isolator is fed with: the shared supply's pressure where it has states."""
+    feed, place = feed_of(machine.isolators[k]), machine.isolators[0].supply_at
+    if place > 0.0:
+        shared = part(machine.act, place, 1, SUPPLY_STATE)[0]
         return Feed(shared.supply_pressure, feed.tank_pressure, feed.rated_pressure)
     return feed
 
 
 @kernel
-def plate_of(mount, length, velocity):  # type: ignore[no-untyped-def]
+def plate_of(machine, k):  # type: ignore[no-untyped-def]
     """Motion of a plate over its ground."""
-    return Plate(length - mount.ground, velocity - mount.ground_rate, mount.ground, mount.ground_rate)
+    mount = machine.mounts[k]
+    stroke, speed = machine.length[k] - mount.ground, machine.velocity[k] - mount.ground_rate
+    return Plate(stroke, speed, mount.ground, mount.ground_rate)
 
 
 @kernel
-def write_rates(isolators, mounts, act, act_dot, length, velocity, control):  # type: ignore[no-untyped-def]
+def write_rates(machine):  # type: ignore[no-untyped-def]
     """Time derivatives of the states of all isolators, and what they give to the mounts."""
-    states, rates = isolator_states(act, mounts.size), isolator_states(act_dot, mounts.size)
-    head = isolators[0]
-    n_act = int(head.activations)
-    every, every_rate = carray(pointer(act), n_act, np.float64), carray(pointer(act_dot), n_act, np.float64)
-    for k in range(mounts.size):
-        isolator, mount, rate = isolators[k], mounts[k], rates[k]
+    for k in range(machine.mounts.size):
+        isolator, mount, rate = machine.isolators[k], machine.mounts[k], machine.rates[k]
         derivative, of_options, flows, force = isolator_rates(
-            state_of(states[k]),
-            options_of(every, isolator),
-            control[k] + mount.command,
-            plate_of(mount, length[k], velocity[k]),
+            state_of(machine.states[k]),
+            options_of(machine.act, isolator),
+            machine.control[k] + mount.command,
+            plate_of(machine, k),
             mount.metering,
-            feed_from(isolator, head, act),
+            feed_from(machine, k),
             isolator_of(isolator),
         )
-        rate.spool, rate.spool_rate = derivative.spool, derivative.spool_rate
-        rate.pressure_1, rate.pressure_2 = derivative.pressure_1, derivative.pressure_2
-        put_options(of_options, every_rate, isolator)
-        mount.into_1, mount.into_2, mount.drawn = flows.into_1, flows.into_2, flows.drawn
+        rate.spool, rate.spool_rate, rate.pressure_1, rate.pressure_2 = derivative
+        put_options(of_options, machine.act_dot, isolator)
+        mount.into_1, mount.into_2, mount.drawn = flows
         mount.force = force + isolator.weight
 
 
 @kernel
-def write_supply_rates(row, place, mounts, act, act_dot):  # type: ignore[no-untyped-def]
+def write_supply_rates(machine, row):  # type: ignore[no-untyped-def]
     """Time derivatives of the supply's states, from the flow that all isolators draw."""
-    drawn = 0.0
-    for k in range(mounts.size):
-        drawn += mounts[k].drawn
-    rate = supply_states(act_dot, place)
-    found = supply_rates(supply_state_of(supply_states(act, place)), drawn, supply_of(row))
+    drawn, place = 0.0, machine.isolators[0].supply_at
+    for k in range(machine.mounts.size):
+        drawn += machine.mounts[k].drawn
+    rate = part(machine.act_dot, place, 1, SUPPLY_STATE)[0]
+    found = supply_rates(supply_state_of(part(machine.act, place, 1, SUPPLY_STATE)[0]), drawn, supply_of(row))
     rate.station_pressure, rate.line_flow, rate.supply_pressure = found
 
 
 @kernel
-def write_ledger_rates(isolators, mounts, act, act_dot, length, velocity):  # type: ignore[no-untyped-def]
+def write_ledger_rates(machine):  # type: ignore[no-untyped-def]
     """Time derivatives of what crosses the chambers' borders, from the rates just written."""
-    head, n = isolators[0], mounts.size
-    states, rates = isolator_states(act, n), isolator_states(act_dot, n)
-    oil, ledger = oil_states(act_dot, head.ledger_at, n), ledger_states(act_dot, head.ledger_at, n)
+    place, n = machine.isolators[0].ledger_at, machine.mounts.size
+    oil = part(machine.act_dot, place, n, OIL)
+    ledger = part(machine.act_dot, place + OIL_SIZE * n, 1, LEDGER)[0]
     energy, work, supplied, throttled = 0.0, 0.0, 0.0, 0.0
     for k in range(n):
-        mount = mounts[k]
-        flows = Flows(mount.into_1, mount.into_2, mount.drawn)
-        plate, feed = plate_of(mount, length[k], velocity[k]), feed_from(isolators[k], head, act)
-        sums = balance(state_of(states[k]), state_of(rates[k]), flows, plate, feed, isolator_of(isolators[k]))
-        oil[k].oil_in_1, oil[k].oil_in_2 = sums.oil_1, sums.oil_2
-        energy = energy + sums.energy_1 + sums.energy_2
-        work = work + sums.work_1 + sums.work_2
-        supplied += sums.supplied
-        throttled += sums.throttled
-    ledger.energy_in, ledger.piston_work, ledger.supplied_energy, ledger.throttled_energy = (
-        energy, work, supplied, throttled,
-    )  # fmt: skip
+        mount, own = machine.mounts[k], isolator_of(machine.isolators[k])
+        flows, feed = Flows(mount.into_1, mount.into_2, mount.drawn), feed_from(machine, k)
+        state, rate = state_of(machine.states[k]), state_of(machine.rates[k])
+        one, two, power, lost = balance(state, rate, flows, plate_of(machine, k), feed, own)
+        oil[k].oil_in_1, oil[k].oil_in_2 = one.oil, two.oil
+        energy = energy + one.energy + two.energy
+        work = work + one.work + two.work
+        supplied += power
+        throttled += lost
+    ledger.energy_in, ledger.piston_work = energy, work
+    ledger.supplied_energy, ledger.throttled_energy = supplied, throttled
 
 
 class Callbacks(NamedTuple):
@@ -150,40 +140,33 @@ class Callbacks(NamedTuple):
 @cache
 def callbacks() -> Callbacks:
     """Compile the callbacks for the installed MuJoCo, or take them from the cache."""
-    at = offsets()
+    at, joints, loads_at = offsets(), len(JOINTS), N_LOADS * MACHINE_BODY
 
     def passive(model, data):  # type: ignore[no-untyped-def]
-        isolators, step = isolators_at(model, at), step_at(data, at)[0]
+        machine = machine_of(model, data, at, 0, 0)
+        step = machine.step[0]
         if step.rate == 0.0:  # no inputs: the ground rests, and only ctrl commands
             return
-        s = (load_double(data, at.time) - step.start) * step.rate
-        force = carray(doubles_at(data, at.qfrc_passive), len(JOINTS))
-        stage_inputs(s, step.rate, isolators, mounts_at(data, at, isolators.size), force)
+        s = (machine.time[0] - step.start) * step.rate
+        stage_inputs(machine, s, numbers_at(data, at.qfrc_passive, joints))
         if step.loaded != 0.0:  # the engine adds it to the accelerations after its passive forces
-            applied = carray(doubles_at(data, at.xfrc_applied), len(DOFS) * (MACHINE_BODY + 1))
-            loads = loads_at(data, at)
+            applied = numbers_at(data, at.xfrc_applied, loads_at + N_LOADS)
             for dof in range(N_LOADS):
-                applied[len(DOFS) * MACHINE_BODY + dof] = hermite(cubic_of(loads[dof]), s)[0]
+                applied[loads_at + dof] = hermite(cubic_of(machine.loads[dof]), s)[0]
 
     def act_dyn(model, data, actuator):  # type: ignore[no-untyped-def]
         # MuJoCo clears and asks actuator by actuator; answering for all at the last one halves the cost.
-        isolators = isolators_at(model, at)
-        head, n = isolators[0], isolators.size
+        machine = machine_of(model, data, at, 0, 0)
+        head = machine.isolators[0]
         if actuator + 1 < head.actuators:
             return 0.0
-        mounts = mounts_at(data, at, n)
-        act, act_dot = address_at(data, at.act), address_at(data, at.act_dot)
-        length = carray(doubles_at(data, at.actuator_length), n)
-        velocity = carray(doubles_at(data, at.actuator_velocity), n)
-        control = carray(doubles_at(data, at.ctrl), n)
-        write_rates(isolators, mounts, act, act_dot, length, velocity, control)
+        write_rates(machine)
         if head.supply_at > 0.0:
-            write_supply_rates(supply_at(model, at, head.supply_row), head.supply_at, mounts, act, act_dot)
+            write_supply_rates(machine, row_at(model, at, head.supply_row, 1, SUPPLY)[0])
         if head.ledger_at > 0.0:
-            write_ledger_rates(isolators, mounts, act, act_dot, length, velocity)
+            write_ledger_rates(machine)
         # Of an actuator with a single activation MuJoCo takes the rate from what is returned.
-        n_act = int(head.activations)
-        return carray(pointer(act_dot), n_act, np.float64)[n_act - 1]
+        return machine.act_dot[machine.act_dot.size - 1]
 
     def act_bias(model, data, actuator):  # type: ignore[no-untyped-def]
         # MuJoCo asks for forces after it has asked for all rates: the rates have left them.
@@ -193,7 +176,8 @@ def callbacks() -> Callbacks:
     on_actuator = types.float64(types.intp, types.intp, types.int32)
     with compiled_here() as kept:
         return Callbacks(
-            numba.cfunc(on_state, cache=kept, nopython=True, error_model="numpy")(passive),
-            numba.cfunc(on_actuator, cache=kept, nopython=True, error_model="numpy")(act_dyn),
-            numba.cfunc(on_actuator, cache=kept, nopython=True, error_model="numpy")(act_bias),
+            *(
+                numba.cfunc(signature, cache=kept, nopython=True, error_model="numpy")(function)
+                for signature, function in ((on_state, passive), (on_actuator, act_dyn), (on_actuator, act_bias))
+            )
         )

@@ -5,13 +5,13 @@ commands of the valves. Call everything here with the hydraulics installed (`eha
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.isolator.supply import SupplyState, SupplyValues
+from ehamj.isolator.cylinder import chamber_volumes
+from ehamj.isolator.supply import Supply, SupplyState, middle
 from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
 from ehamj.plant.axes import AXES
 
@@ -80,18 +80,6 @@ def jacobian(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: I
     return np.array(columns).T
 
 
-class _Balance(NamedTuple):
-    """Newton's problem: where to begin, which states are unknown and which rates vanish, and how exactly."""
-
-    state: Array
-    unknown: Array
-    balance: Array
-    unit: Array
-    """A motion of each unknown, for the solver's scaling."""
-    tolerance: Array
-    """Of each rate."""
-
-
 def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> Array:
     """Static equilibrium under gravity with held inputs, left in ``data`` and returned as a state.
 
@@ -128,10 +116,14 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")
 
 
-def _balance(model: mujoco.MjModel, inputs: Inputs) -> _Balance:
+def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     """The problem of a static equilibrium: positions against forces, every other unknown against its own rate.
 
     Where valves have states of their own, these and the spools are unknown too.
+
+    Returns:
+        The state to begin from; which states are unknown; which rates vanish; a motion of each unknown, for the
+        solver's scaling; the tolerance of each rate.
     """
     nq, nv, own = model.nq, model.nv, isolators(model)
     state = np.zeros(nq + nv + model.na)
@@ -142,7 +134,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> _Balance:
     parts.isolators["spool"] = own["valve_gain"] * np.clip(inputs.command, -limit, limit)
     parts.isolators["pressure_1"] = parts.isolators["pressure_2"] = mid
     fine = 1e-9 * (own["bulk_modulus"] / own["volume_1"]) * (own["flow_gain"] * own["spool_stroke"])
-    pressures = _both(number.isolators["pressure_1"], number.isolators["pressure_2"])
+    pressures = np.column_stack([number.isolators["pressure_1"], number.isolators["pressure_2"]]).ravel()
     # For each kind of unknown: which, what balances it, its unit, and the tolerance of that balance.
     kinds = [
         (np.arange(nq), nq + np.arange(nv), np.full(nq, 1e-5), np.full(nv, 1e-7)),
@@ -154,27 +146,19 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> _Balance:
         kinds.append((number.options, number.options, 1e3 * small, small))
     shared = supply(model)
     if shared is not None:
-        parts.supply[0] = tuple(SupplyValues(*shared).middle)
+        parts.supply[0] = tuple(middle(Supply.Values(*shared)))
         places = number.supply.view(float)
         kinds.append((places, places, np.array([1e6, 1e-5, 1e6]), np.array([1.0, 1e-9, 1.0]) * fine[0]))
     unknown, balance, unit, tolerance = (np.concatenate(parts) for parts in zip(*kinds, strict=True))
-    return _Balance(state, unknown.astype(int), balance.astype(int), unit, tolerance)
-
-
-def _both(one: Any, other: Any) -> Array:
-    """Values of both chambers, mount by mount."""
-    return np.column_stack([one, other]).ravel()
+    return state, unknown.astype(int), balance.astype(int), unit, tolerance
 
 
 def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> None:
     """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
-    own, mounts = isolators(model), mounts_of(model)
-    stroke = data.actuator_length[:mounts] - inputs.displacement[:, AXES.index("z")]
-    moved = own["moving_volume"] * stroke
-    volume_1 = own["volume_1"] + own["piston_area"] * moved
-    volume_2 = own["volume_2"] - own["piston_area_2"] * moved
-    worst = int(np.argmin(np.minimum(volume_1, volume_2)))
-    if min(volume_1[worst], volume_2[worst]) <= 0.0:
+    stroke = data.actuator_length[: mounts_of(model)] - inputs.displacement[:, AXES.index("z")]
+    volume = np.minimum(*chamber_volumes.py_func(stroke, isolators(model).view(np.recarray)))
+    worst = int(np.argmin(volume))
+    if volume[worst] <= 0.0:
         raise EquilibriumError(
             "no static equilibrium: the machine cannot stand under these loads and commands, "
             f"at {model.actuator(worst).name} the stroke would be {stroke[worst]:.3g} m, which empties a chamber"

@@ -8,6 +8,7 @@ callbacks of `ehamj.mujoco` add the oil and the ground's share.
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -60,26 +61,17 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
     spec.nuserdata = userdata_size(len(plant.mounts))
     spec.nuser_actuator = size(ISOLATOR)
-    _set_machine(spec, plant)
+    body, machine = spec.body("machine"), plant.machine
+    body.mass, body.inertia, body.ipos = machine.mass, list(machine.inertia), list(machine.cg)
     _add_lateral_membranes(spec, plant)
     table = rows(plant)
     isolators, others = table[: len(plant.mounts)], table[len(plant.mounts) :]
     for row, position, actuator in zip(isolators, plant.positions, plant.actuators, strict=True):
         stroke = _add_tied_plate if plant.plates == "tied" else _add_sliding_plate
-        target, transmission = stroke(spec, row.name, position, actuator, timestep)
-        spec.add_actuator(
-            name=row.name,
-            target=target,
-            trntype=transmission,
-            dyntype=mujoco.mjtDyn.mjDYN_USER,
-            actdim=row.states,
-            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-            gainprm=[0.0] * 10,
-            biastype=mujoco.mjtBias.mjBIAS_USER,
-            userdata=row.values,
-        )
-    for row in others:
-        _add_states(spec, row)
+        target = stroke(spec, row.name, position, actuator, timestep)
+        _add_actuator(spec, row, target, biastype=mujoco.mjtBias.mjBIAS_USER)
+    for row in others:  # states without a force of their own: an actuator on the heave joint with no gear
+        _add_actuator(spec, row, ("z", mujoco.mjtTrn.mjTRN_JOINT), gear=[0.0] * 6)
     if plant.plates == "tied" or not any(actuator.rigid_foot for actuator in plant.actuators):
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     if drawn:
@@ -120,19 +112,17 @@ def reduced(plant: Plant) -> Plant:
     return replace(plant, plates="tied") if rigid else plant
 
 
-def _add_states(spec: mujoco.MjSpec, row: Row) -> None:
-    """States without a force of their own, as an actuator on the heave joint with no gear."""
+def _add_actuator(spec: mujoco.MjSpec, row: Row, target: tuple[str, mujoco.mjtTrn], **others: Any) -> None:
     spec.add_actuator(
         name=row.name,
-        target="z",
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        gear=[0.0] * 6,
+        target=target[0],
+        trntype=target[1],
         dyntype=mujoco.mjtDyn.mjDYN_USER,
         actdim=row.states,
         gaintype=mujoco.mjtGain.mjGAIN_FIXED,
         gainprm=[0.0] * 10,
-        biastype=mujoco.mjtBias.mjBIAS_NONE,
         userdata=row.values,
+        **others,
     )
 
 
@@ -150,11 +140,6 @@ def _check_plates(plant: Plant) -> None:
             )
 
 
-def _set_machine(spec: mujoco.MjSpec, plant: Plant) -> None:
-    body = spec.body("machine")
-    body.mass, body.inertia, body.ipos = plant.machine.mass, list(plant.machine.inertia), list(plant.machine.cg)
-
-
 def _add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
     """Lateral stiffness and damping of all mounts together, about their elastic centre (exact for small yaw).
 
@@ -168,23 +153,24 @@ def _add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
             continue
         centre = k @ r / total
         yaw = float(k @ (r**2).sum(axis=1)) - total * float(centre @ centre)
-        _put(spec.joint("rz"), kind, yaw)
+        _put(spec.joint("rz"), **{kind: yaw})
         if np.abs(centre).max() < 1e-12:
-            _put(spec.joint("x"), kind, total)
-            _put(spec.joint("y"), kind, total)
+            for axis in "xy":
+                _put(spec.joint(axis), **{kind: total})
             continue
         for axis, lever in (("x", -centre[1]), ("y", centre[0])):
             tendon = spec.add_tendon(name=f"lateral {kind} {axis}")
             tendon.wrap_joint(axis, 1.0)
             tendon.wrap_joint("rz", float(lever))
-            _put(tendon, kind, total)
+            _put(tendon, **{kind: total})
 
 
-def _put(element: object, kind: str, value: float) -> None:
-    """Set the linear coefficient of a stiffness or damping polynomial."""
-    polynomial = getattr(element, kind).copy()
-    polynomial[0] = value
-    setattr(element, kind, polynomial)
+def _put(element: object, **linear: float) -> None:
+    """Set linear coefficients of the polynomials of stiffness or damping."""
+    for kind, value in linear.items():
+        polynomial = getattr(element, kind).copy()
+        polynomial[0] = value
+        setattr(element, kind, polynomial)
 
 
 def _foot_height(tendon: object, position: Position2, sign: float = 1.0) -> None:
@@ -200,8 +186,7 @@ def _add_tied_plate(
 ) -> tuple[str, mujoco.mjtTrn]:
     tendon = spec.add_tendon(name=f"stroke {name}", armature=actuator.plate_mass)
     _foot_height(tendon, position)
-    _put(tendon, "stiffness", actuator.membrane_stiffness)
-    _put(tendon, "damping", actuator.membrane_damping)
+    _put(tendon, stiffness=actuator.membrane_stiffness, damping=actuator.membrane_damping)
     tendon.springlength = [0.0, 0.0]
     return tendon.name, mujoco.mjtTrn.mjTRN_TENDON
 
@@ -214,8 +199,7 @@ def _add_sliding_plate(
     # It cannot turn: the inertia has no effect. Without ipos the inertia is lost when the spec is written as XML.
     plate.inertia, plate.ipos, plate.explicitinertial = [m * 0.01] * 3, [0.0, 0.0, 0.0], True
     joint = plate.add_joint(name=f"plate {name}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, 1.0])
-    _put(joint, "stiffness", actuator.membrane_stiffness)
-    _put(joint, "damping", actuator.membrane_damping)
+    _put(joint, stiffness=actuator.membrane_stiffness, damping=actuator.membrane_damping)
     foot = spec.add_tendon(name=f"foot {name}")
     foot.wrap_joint(joint.name, 1.0)
     _foot_height(foot, position, sign=-1.0)
@@ -224,8 +208,7 @@ def _add_sliding_plate(
         tie.objtype = mujoco.mjtObj.mjOBJ_TENDON
         tie.solref, tie.solimp = [timestep, 1.0], [0.9999, 0.9999, 0.001, 0.5, 2.0]
     else:
-        _put(foot, "stiffness", actuator.foot_stiffness)
-        _put(foot, "damping", actuator.foot_damping)
+        _put(foot, stiffness=actuator.foot_stiffness, damping=actuator.foot_damping)
         foot.springlength = [0.0, 0.0]
     return joint.name, mujoco.mjtTrn.mjTRN_JOINT
 

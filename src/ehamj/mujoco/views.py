@@ -1,84 +1,79 @@
-"""The records of `ehamj.memory` in compiled code, from the addresses of mjModel and mjData.
+"""What compiled code sees of mjModel and mjData: numbers, arrays, and the records of `ehamj.memory`, by address.
 
 ``at`` is always `ehamj.mujoco.offsets.Offsets`.
 """
 
-from numba import carray
+from collections import namedtuple
+from typing import Any
 
-from ehamj.compiled import kernel
-from ehamj.memory import (
-    CUBIC,
-    DOUBLE,
-    ISOLATOR,
-    ISOLATOR_STATE,
-    LEDGER,
-    LOADS_SIZE,
-    MOUNT,
-    OIL,
-    STEP,
-    SUPPLY,
-    SUPPLY_STATE,
-)
-from ehamj.mujoco.pointers import address_at, pointer
+import numpy as np
+
+from ehamj.compiled import kernel, view
+from ehamj.memory import CUBIC, DOUBLE, ISOLATOR, ISOLATOR_STATE, LOADS_SIZE, MOUNT, STEP
 from ehamj.plant.axes import DOFS
 
 WIDTH = ISOLATOR.itemsize
 LOADS_AT = STEP.itemsize
 MOUNTS_AT = LOADS_AT + LOADS_SIZE
 N_LOADS = len(DOFS)
-OIL_SIZE = OIL.itemsize
+
+Machine: Any = namedtuple(
+    "Machine",
+    "time qpos qvel qacc act act_dot states rates control length velocity isolators step loads mounts",
+)
+"""The arrays of a model and its data, and the records in them: what is of one number has one element."""
 
 
 @kernel
-def isolators_at(model, at):  # type: ignore[no-untyped-def]
-    """Records of the isolators (mount,)."""
-    rows = pointer(address_at(model, at.actuator_user))
-    return carray(rows, int(carray(rows, 1, ISOLATOR)[0].mounts), ISOLATOR)
+def address_at(struct, offset):  # type: ignore[no-untyped-def]
+    """The address stored ``offset`` bytes into the struct at address ``struct``."""
+    return view(struct + offset, 1, np.intp)[0]
 
 
 @kernel
-def supply_at(model, at, row):  # type: ignore[no-untyped-def]
-    """Record of the shared supply, which is in a row."""
-    return carray(pointer(address_at(model, at.actuator_user) + WIDTH * int(row)), 1, SUPPLY)[0]
+def numbers_at(struct, offset, n):  # type: ignore[no-untyped-def]
+    """The array of ``n`` numbers whose address is stored ``offset`` bytes into a struct."""
+    return view(address_at(struct, offset), n, np.float64)
 
 
 @kernel
-def step_at(data, at):  # type: ignore[no-untyped-def]
-    """The step's record (1,)."""
-    return carray(pointer(address_at(data, at.userdata)), 1, STEP)
+def part(activations, place, n, dtype):  # type: ignore[no-untyped-def]
+    """``n`` records at a place among the activations, or among their rates."""
+    return view(activations.ctypes.data + DOUBLE * int(place), n, dtype)
 
 
 @kernel
-def loads_at(data, at):  # type: ignore[no-untyped-def]
-    """Cubics of the load (dof,)."""
-    return carray(pointer(address_at(data, at.userdata) + LOADS_AT), N_LOADS, CUBIC)
+def row_at(model, at, row, n, dtype):  # type: ignore[no-untyped-def]
+    """``n`` records from a row of the actuators' table on."""
+    return view(address_at(model, at.actuator_user) + WIDTH * int(row), n, dtype)
 
 
 @kernel
 def mounts_at(data, at, n):  # type: ignore[no-untyped-def]
     """What a step and the mounts exchange (mount,)."""
-    return carray(pointer(address_at(data, at.userdata) + MOUNTS_AT), n, MOUNT)
+    return view(address_at(data, at.userdata) + MOUNTS_AT, n, MOUNT)
 
 
 @kernel
-def isolator_states(address, n):  # type: ignore[no-untyped-def]
-    """States of the isolators, or their rates (mount,), from where the activations lie."""
-    return carray(pointer(address), n, ISOLATOR_STATE)
-
-
-@kernel
-def supply_states(address, place):  # type: ignore[no-untyped-def]
-    """States of the supply, or their rates, at a place among the activations."""
-    return carray(pointer(address + DOUBLE * int(place)), 1, SUPPLY_STATE)[0]
-
-
-@kernel
-def oil_states(address, place, n):  # type: ignore[no-untyped-def]
-    """What the ledger holds of the mounts (mount,), at its place among the activations."""
-    return carray(pointer(address + DOUBLE * int(place)), n, OIL)
-
-
-@kernel
-def ledger_states(address, place, n):  # type: ignore[no-untyped-def]
-    """What the ledger holds of the whole, at its place among the activations."""
-    return carray(pointer(address + DOUBLE * int(place) + OIL_SIZE * n), 1, LEDGER)[0]
+def machine_of(model, data, at, nq, nv):  # type: ignore[no-untyped-def]
+    """Views of a model and its data, of ``nq`` positions and ``nv`` velocities."""
+    head = row_at(model, at, 0, 1, ISOLATOR)[0]
+    n, n_act, user = int(head.mounts), int(head.activations), address_at(data, at.userdata)
+    act, act_dot = numbers_at(data, at.act, n_act), numbers_at(data, at.act_dot, n_act)
+    return Machine(
+        view(data + at.time, 1, np.float64),
+        numbers_at(data, at.qpos, nq),
+        numbers_at(data, at.qvel, nv),
+        numbers_at(data, at.qacc, nv),
+        act,
+        act_dot,
+        part(act, 0, n, ISOLATOR_STATE),
+        part(act_dot, 0, n, ISOLATOR_STATE),
+        numbers_at(data, at.ctrl, n),
+        numbers_at(data, at.actuator_length, n),
+        numbers_at(data, at.actuator_velocity, n),
+        row_at(model, at, 0, n, ISOLATOR),
+        view(user, 1, STEP),
+        view(user + LOADS_AT, N_LOADS, CUBIC),
+        mounts_at(data, at, n),
+    )

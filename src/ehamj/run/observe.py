@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.isolator.chambers import Chambers
+from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
 from ehamj.plant.axes import DOF_OF_JOINT
@@ -77,25 +77,25 @@ def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
 def _oil(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:
     """Valves, chambers and supply; with bookkeeping what crossed the chambers' borders, and what they hold."""
     plant = prepared.scenario.plant
-    chambers, parts = Chambers.of(plant.actuators), activations(prepared.model, rows.act)
+    parts = activations(prepared.model, rows.act)
     states = np.stack([parts.isolators["pressure_1"], parts.isolators["pressure_2"]], axis=-1)
-    pressure, held = chambers.pressure(states), chambers.contents(states, stroke)
+    chambers = held(plant.actuators, states, stroke)
     supply = np.full(stroke.shape[0], plant.supply.pressure)
     if plant.supply.dynamic:
         supply = parts.supply["supply_pressure"][:, 0]
     channels = {
         "spool": parts.isolators["spool"],
         "valve_command": rows.command,
-        "actuator_force": pressure[:, :, 0] * chambers.area[:, 0] - pressure[:, :, 1] * chambers.area[:, 1],
-        "chamber_pressure": pressure,
-        "chamber_void": held.void,
+        "actuator_force": chambers.force,
+        "chamber_pressure": chambers.pressure,
+        "chamber_void": chambers.void,
         "chamber_flow": rows.flow,
         "supply_pressure": supply,
     }
     if plant.bookkeeping:
         channels |= {name: parts.ledger[name][:, 0] for name in LEDGER.names or ()}
         channels["oil_in"] = np.stack([parts.oil["oil_in_1"], parts.oil["oil_in_2"]], axis=-1)
-        channels |= {"oil_held": held.mass, "oil_energy": held.energy.sum(axis=(1, 2))}
+        channels |= {"oil_held": chambers.mass, "oil_energy": chambers.energy.sum(axis=(1, 2))}
     return channels
 
 

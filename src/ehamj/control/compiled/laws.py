@@ -3,11 +3,10 @@
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numba import types
 
-from ehamj.compiled import kernel
-from ehamj.control.compiled.call import call_law
+from ehamj.compiled import c_function, copy, kernel
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
-from ehamj.control.compiled.linear import add_product, advance_states, wanted
 
 LAW: Final = np.dtype(
     [
@@ -71,6 +70,10 @@ class LawMemory(NamedTuple):
         return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), np.zeros((2, mounts)))
 
 
+call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
+"""int law(double time, double *measured, double *limited, double *wanted)"""
+
+
 @kernel
 def release(number, laws, memory, control):  # type: ignore[no-untyped-def]
     """Hand the valves the outputs whose time has come."""
@@ -98,6 +101,49 @@ def convert_held(laws, memory, control):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def add_product(matrix_t, vector, result):  # type: ignore[no-untyped-def]
+    """result += matrix·vector, for the flat transposed matrix.
+
+    Whole columns are added, one after the other, which vectorises without changing a rounding; four at a time, so that
+    the result is loaded and stored a quarter as often.
+    """
+    size, columns = result.size, vector.size
+    whole = columns - columns % 4
+    for k in range(0, whole, 4):
+        a, b, c, d = vector[k], vector[k + 1], vector[k + 2], vector[k + 3]
+        first = matrix_t[k * size : (k + 1) * size]
+        second = matrix_t[(k + 1) * size : (k + 2) * size]
+        third = matrix_t[(k + 2) * size : (k + 3) * size]
+        fourth = matrix_t[(k + 3) * size : (k + 4) * size]
+        for i in range(size):
+            result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
+    for k in range(whole, columns):
+        factor = vector[k]
+        column = matrix_t[k * size : (k + 1) * size]
+        for i in range(size):
+            result[i] += column[i] * factor
+
+
+@kernel
+def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
+    """y = C x + D u."""
+    for k in range(result.size):
+        result[k] = 0.0
+    add_product(Ct, state, result)
+    add_product(Dt, measured, result)
+
+
+@kernel
+def advance_states(At, Bt, state, measured, scratch):  # type: ignore[no-untyped-def]
+    """x⁺ = A x + B u; ``scratch`` is as long as the state."""
+    for k in range(scratch.size):
+        scratch[k] = 0.0
+    add_product(At, state, scratch)
+    add_product(Bt, measured, scratch)
+    copy(scratch, state)
+
+
+@kernel
 def compute(time, law, laws, readings, memory):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
     n, p, first, at = law.states, law.inputs, law.matrices, law.inputs_at
@@ -107,7 +153,7 @@ def compute(time, law, laws, readings, memory):  # type: ignore[no-untyped-def]
     latest, inputs = values[law.latest : law.latest + valves], memory.measured[at : at + p]
     if law.function != 0:
         lost = values[law.taken : law.taken + valves]
-        return call_law(law.function, time, inputs.ctypes.data, lost.ctypes.data, latest.ctypes.data) == 0
+        return call_law(law.function, (time, inputs.ctypes.data, lost.ctypes.data, latest.ctypes.data)) == 0
     C = first + n * (n + p)
     D = C + valves * n
     states = values[law.states_at : law.states_at + n]
@@ -128,9 +174,9 @@ def take_sample(number, time, laws, readings, memory):  # type: ignore[no-untype
     if answer == NOT_DUE:
         return answer
     total, lost = memory.totals[0], memory.totals[1]
-    total[:] = 0.0
-    for k in range(laws.table.size):
-        for valve in range(total.size):
+    for valve in range(total.size):
+        total[valve] = 0.0
+        for k in range(laws.table.size):
             total[valve] += memory.values[laws.table[k].latest + valve]
     share = faded(time, laws.converter)
     taken(total, share, laws.converter, lost)

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ehamj.compiled import kernel
+from ehamj.compiled import copy, kernel
 from ehamj.control.compiled.converter import converted
 from ehamj.control.compiled.signals import Layout
 
@@ -70,7 +70,7 @@ def filter_readings(filters, feedthrough, raw, states, analogue, scratch):  # ty
             own = states[j * channels : (j + 1) * channels]
             for c in range(channels):
                 row[c] += filters[i, j, c] * own[c]
-    states[:] = scratch
+    copy(scratch, states)
 
 
 @kernel
@@ -85,8 +85,8 @@ def settle_filters(filters, raw, states):  # type: ignore[no-untyped-def]
 @kernel
 def combine(terms, weights, signals, raw):  # type: ignore[no-untyped-def]
     """Channels as sums of signals."""
-    raw[:] = 0.0
     for channel in range(terms.shape[0]):
+        raw[channel] = 0.0
         for term in range(terms.shape[1]):
             raw[channel] += weights[channel, term] * signals[terms[channel, term]]
 
@@ -105,14 +105,15 @@ def read_sensors(number, sample, own, noise, signals, memory):  # type: ignore[n
     """Filter the channels for one step; at a sample (number ``sample`` of ``noise``; −1: none) take the readings."""
     raw, rest, analogue = memory.raw, memory.rest, memory.analogue
     combine(own.terms, own.weights, signals, raw)
-    if number == 0:
-        rest[:] = own.zeroed * raw
-    raw -= rest
+    for c in range(raw.size):
+        if number == 0:
+            rest[c] = own.zeroed[c] * raw[c]
+        raw[c] -= rest[c]
     if own.filters.shape[1] > 0:
         if number == 0:
             settle_filters(own.filters, raw, memory.filters)
         filter_readings(own.filters, own.feedthrough, raw, memory.filters, analogue, memory.scratch)
     else:
-        analogue[:] = raw
+        copy(raw, analogue)
     if sample >= 0:
         measure(sample, noise, own, memory)

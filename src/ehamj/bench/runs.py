@@ -1,0 +1,51 @@
+"""Work that is timed: in turn with others, and steps of a scenario over and over."""
+
+import time
+from collections.abc import Callable, Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.control.loop import Loop, no_loop
+from ehamj.mujoco import hydraulics
+from ehamj.mujoco.advance import NOT_LOADED, advance
+from ehamj.mujoco.equilibrium import Inputs, equilibrium
+from ehamj.mujoco.model import build_model
+from ehamj.mujoco.rows import Recording
+from ehamj.run.drive import sample_inputs
+from ehamj.scenario.model import Scenario
+
+Array = NDArray[np.float64]
+
+
+def interleaved(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, Array]:
+    """Wall times of each work [s], (repetition,), taken in turn; a first round, which warms up, is left out."""
+    times = np.empty((repetitions + 1, len(works)))
+    for repetition in times:
+        for k, work in enumerate(works.values()):
+            began = time.perf_counter()
+            work()
+            repetition[k] = time.perf_counter() - began
+    return dict(zip(works, times[1:].T, strict=True))
+
+
+class Run:
+    """Steps [s] of a scenario from its equilibrium, recorded each so many; each call takes them anew."""
+
+    def __init__(self, scenario: Scenario, step: float, steps: int, every: int = 10) -> None:
+        self.model, self.steps, self.every = build_model(scenario.plant, step), steps, every
+        self.start = mujoco.MjData(self.model)
+        self.inputs = sample_inputs(scenario.motion(), scenario.commands(), 0, steps + 1, step)
+        self.alone = no_loop(len(scenario.plant.mounts))
+        with hydraulics():
+            equilibrium(self.model, self.start, Inputs.rest(self.model))
+
+    def __call__(self, loop: Loop | None = None, load: tuple[Array, Array] = NOT_LOADED) -> None:
+        """Take the steps, with a controller or under a force."""
+        data, loop = mujoco.MjData(self.model), loop or self.alone
+        data.qpos[:], data.act[:] = self.start.qpos, self.start.act
+        noise = np.zeros((loop.samples(0, self.steps + 1)[1], loop.sensing.channels))
+        recording = Recording.of(self.model, loop, self.every, self.steps // self.every + 1)
+        with hydraulics():
+            advance(self.model, data, 0, self.steps, self.inputs, recording, True, loop, noise, load)
