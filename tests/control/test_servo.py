@@ -7,7 +7,7 @@ import pytest
 
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.sensors import IDEAL
-from ehamj.linear.loop import Loop, loop_gain
+from ehamj.linear.loop import Loop, opened
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.plant.mounts import MOUNTS
@@ -32,7 +32,7 @@ def servo(**given: Any) -> StrokeServoSettings:
 def test_the_loop_of_heave_is_crossing_over_frequency(hertz: float, model: LinearModel) -> None:
     # L = f_c/(j f)·(1 + f_i/(j f))·valve·e^(−sτ), oil and inertia left out: 0.04°/Hz.
     law = servo(loop={"crossing": 40.0, "integral": 2.0, "notch_depth": 1.0}).controller(model.plant, IDEAL)
-    found = loop_gain(model, Loop(law, IDEAL, 0), hertz)[0].sum(axis=1).mean()
+    found = opened(model, Loop(law, IDEAL, 0), hertz).gain[0].sum(axis=1).mean()
     s = 2j * np.pi * hertz
     valve = 1 / (1 + 2 * 0.65 * s / 1571 + (s / 1571) ** 2)
     expected = 40.0 / (1j * hertz) * (1 + 2.0 / (1j * hertz)) * valve * np.exp(-1.5e-4 * s)

@@ -10,9 +10,10 @@ import pytest
 import xarray as xr
 from harness import Cli
 
+from ehamj.labels import labelled
 from ehamj.plots.charts import Line, lines_chart
 from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.studies.outcome import Drawing, Outcome, labelled
+from ehamj.studies.outcome import Drawing, Outcome
 from ehamj.studies.page import flat_table, write_outcome
 
 TABLE = xr.Dataset(

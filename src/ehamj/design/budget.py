@@ -23,7 +23,7 @@ from ehamj.control.sensors import class_of
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
 from ehamj.estimate.periodogram import PowerSpectrum
 from ehamj.ground.broadband import BroadbandGround
-from ehamj.linear.loop import Loop, feeds_back, loop_gain, opened
+from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.response import ground_response, readings_of_ground, slab_pattern
 from ehamj.plant.axes import AXES
@@ -192,7 +192,7 @@ def _phases(model: LinearModel, loop: Loop, scenario: Scenario) -> dict[str, flo
     """Lags of heave's loop where it last crosses one [deg]."""
     f = np.geomspace(5.0, 400.0, 400)
     law, sensors = loop.law, loop.sensors
-    heave = loop_gain(model, loop, f).sum(axis=2).mean(axis=1)
+    heave = opened(model, loop, f).gain.sum(axis=2).mean(axis=1)
     above = np.flatnonzero((np.abs(heave[:-1]) >= 1.0) & (np.abs(heave[1:]) < 1.0))
     if not above.size:
         return {}

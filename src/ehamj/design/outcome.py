@@ -10,12 +10,12 @@ from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.findings import finite
+from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.plots import Figure, Line, lines_chart
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome
-from ehamj.studies.tables import table
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""

@@ -23,7 +23,7 @@ from ehamj.control.settings import DigitalSettings
 from ehamj.design.kinds import DESIGNABLE
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.linear.loop import Loop, feeds_back, loop_gain
+from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, report
 from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS
@@ -156,9 +156,9 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
     trials = []
     for model in machines.values():
         f = grid(everything, model)
-        own = loop_gain(model, Loop.of(scenario, rest), f)
+        own = opened(model, Loop.of(scenario, rest), f).gain
         # A loop alone still holds what the rest is.
-        each = {name: loop_gain(model, Loop.of(scenario, law), f) - own for name, law in alone.items()}
+        each = {name: opened(model, Loop.of(scenario, law), f).gain - own for name, law in alone.items()}
         trials.append((f, own, {name: gain / loops[name].crossing for name, gain in each.items()}))
     return trials
 

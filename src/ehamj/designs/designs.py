@@ -13,15 +13,14 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import Array
 from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.elements import ACTUATOR_VALUES, Values
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 _WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
 """Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""

@@ -11,23 +11,22 @@ same.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
+from ehamj.labels import labelled
 from ehamj.linear.elements import Elements, Oil, solve
 from ehamj.linear.machine import inputs_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 RIGID_MODES: Final = ("lower about x", "lower about y", "yaw", "heave", "upper about x", "upper about y")
 """Modes of the machine on its mounts as maps label them: two pairs of sway and rocking, yaw and heave."""
@@ -108,26 +107,23 @@ def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
     shape = np.take_along_axis(vectors[..., list(DOF_OF_JOINT), :], np.maximum(chosen, 0)[..., None, :], axis=-1)
     largest = np.take_along_axis(shape, np.argmax(np.abs(shape), axis=-2)[..., None, :], axis=-2)
     shape = np.where((chosen >= 0)[..., None, :], shape / largest, np.nan)
-    dims = tuple(designs.dims)
-    size = np.abs(picked)
-    margin = _tipping_margin(elements)
-    variables = {
-        "frequency": ((*dims, "mode"), size / (2 * np.pi), {"units": "Hz", "long_name": "natural frequency |λ|/2π"}),
-        "damping_ratio": ((*dims, "mode"), -picked.real / size, {"units": "1", "long_name": "damping ratio −Re λ/|λ|"}),
+    size, margin = np.abs(picked), _tipping_margin(elements)
+    columns: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+        "frequency": (("mode",), size / (2 * np.pi), "Hz", "natural frequency |λ|/2π"),
+        "damping_ratio": (("mode",), -picked.real / size, "1", "damping ratio −Re λ/|λ|"),
         "shape": (
-            (*dims, "mode", "dof"),
-            np.moveaxis(shape, -1, -2),
-            {"units": "1", "long_name": "motion of the mount plane's centre (m, rad), largest part one"},
+            ("mode", "dof"), np.moveaxis(shape, -1, -2), "1",
+            "motion of the mount plane's centre (m, rad), largest part one",
         ),
-        "pole": ((*dims, "pole_number"), poles, {"units": "1/s", "long_name": "eigenvalue λ"}),
-        "growth_rate": (dims, poles.real.max(axis=-1), {"units": "1/s", "long_name": "largest real part of a pole"}),
-        "tipping_margin": (dims, margin, {"units": "1", "long_name": "stiffness left by gravity, smallest share"}),
-        "rest_stroke": ((*dims, "mount"), strokes, {"units": "m", "long_name": "stroke at rest"}),
-        "stands": (
-            dims,
-            (margin > 0.0) & ~bad,
-            {"units": "1", "long_name": "stands: no tipping, rest in its cylinders"},
-        ),
+        "pole": (("pole_number",), poles, "1/s", "eigenvalue λ"),
+        "growth_rate": ((), poles.real.max(axis=-1), "1/s", "largest real part of a pole"),
+        "tipping_margin": ((), margin, "1", "stiffness left by gravity, smallest share"),
+        "rest_stroke": (("mount",), strokes, "m", "stroke at rest"),
+        "stands": ((), (margin > 0.0) & ~bad, "1", "stands: no tipping, rest in its cylinders"),
+    }  # fmt: skip
+    variables = {
+        name: labelled((*designs.dims, *own), values, units, text)
+        for name, (own, values, units, text) in columns.items()
     }
     coords = designs.coords | {"mode": list(RIGID_MODES), "dof": list(DOFS), "mount": list(designs.mounts)}
     return xr.Dataset(variables, coords, {"hydraulics": int(hydraulics), "states": poles.shape[-1], "coordinates": n})
@@ -222,10 +218,7 @@ def _oil_motion(elements: Elements, oil: Oil) -> tuple[Array, Array]:
 
 def _mount_loads(elements: Elements, kind: str) -> list[Array]:
     """Generalised force (…, n, mount) of the ground at each mount, per axis; ``kind`` stiffness or damping."""
-    at = elements.values.mounts
-    weights = (at[f"lateral_{kind}"], at[f"lateral_{kind}"], at[f"membrane_{kind}"])
-    motions = (elements.along, elements.across, elements.plate)
-    return [np.swapaxes(m, -1, -2) * w[..., None, :] for m, w in zip(motions, weights, strict=True)]
+    return [np.swapaxes(motion, -1, -2) * own[..., None, :] for _, motion, own in elements.supports(kind)[: len(AXES)]]
 
 
 def _oil_stiffness(oil: Oil, s: complex) -> ComplexArray:

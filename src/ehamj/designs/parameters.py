@@ -5,6 +5,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
@@ -14,8 +15,6 @@ from ehamj.plant.plant import Plant
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
 
 FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
 """Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""

@@ -5,19 +5,18 @@ from typing import Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import ComplexArray
 from ehamj.control import LinearController
 from ehamj.designs.parameters import parameters_of, quantity_of, value_of, with_value
 from ehamj.errors import InputError
+from ehamj.labels import labelled
 from ehamj.linear.eigen import eigenvalue_changes
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import eigen_of, modes, oscillations, state_matrix
 from ehamj.linear.sampled import pattern_period
 from ehamj.scenario.model import Scenario
-
-ComplexArray = NDArray[np.complex128]
 
 STEP: Final = 1e-3
 """Relative step of a parameter [-]: the change of the matrices is then good to 1e-6."""
@@ -75,13 +74,12 @@ def sensitivities(
 
 def _slopes(poles: ComplexArray, changes: ComplexArray) -> xr.Dataset:
     """Of frequency and damping ratio, from those of λ (parameter, mode)."""
-    size, over = np.abs(poles), ("parameter", "mode")
+    size = np.abs(poles)
     frequency = (poles.conj() * changes).real / size**2
     damping = -changes.real / size + poles.real / size * frequency
-    return xr.Dataset(
-        {
-            "frequency": (over, frequency, {"units": "1", "long_name": "d ln f / d ln p"}),
-            "damping": (over, damping, {"units": "1", "long_name": "dζ / d ln p"}),
-            "eigenvalue": (over, changes, {"units": "1/s", "long_name": "dλ / d ln p"}),
-        }
-    )
+    columns = {
+        "frequency": (frequency, "1", "d ln f / d ln p"),
+        "damping": (damping, "1", "dζ / d ln p"),
+        "eigenvalue": (changes, "1/s", "dλ / d ln p"),
+    }
+    return xr.Dataset({name: labelled(("parameter", "mode"), *column) for name, column in columns.items()})

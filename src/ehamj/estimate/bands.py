@@ -4,10 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ehamj.arrays import Array, ComplexArray
 
 G = 10.0**0.3
 BAND_LOG_WIDTH = float(np.log(G) / 3)

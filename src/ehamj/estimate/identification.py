@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ehamj.arrays import Array, ComplexArray
 
 SAME_FREQUENCY: Final = 0.01
 """Relative distance of two estimates of |λ| that may belong to one mode."""
@@ -168,10 +167,6 @@ def agreed(fits: Iterable[Estimates], share: float = 0.6) -> list[Stable]:
     return sorted(found, key=lambda mode: abs(mode.pole))
 
 
-def _damping(poles: ComplexArray) -> Array:
-    return np.asarray(-poles.real / np.abs(poles))
-
-
 def _distance(pole: complex, shape: ComplexArray, group: Sequence[tuple[complex, ComplexArray]]) -> float:
     """How far an estimate is from a group's mean, 1 at the limit."""
     mean = complex(np.mean([member[0] for member in group]))
@@ -194,6 +189,6 @@ def _stable(group: Sequence[tuple[complex, ComplexArray]]) -> Stable:
         middle,
         shape,
         float(np.std(np.abs(poles), ddof=freedom) / (2 * np.pi)),
-        float(np.std(_damping(poles), ddof=freedom)),
+        float(np.std(-poles.real / np.abs(poles), ddof=freedom)),
         len(group),
     )

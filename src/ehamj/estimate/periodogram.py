@@ -4,12 +4,10 @@ from dataclasses import dataclass, field
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import periodogram
 
+from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
-
-Array = NDArray[np.float64]
 
 LEAST_BINS: Final = 4
 """Frequency lines that a band must hold for its RMS to be stated."""

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.stats import f as fisher
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Estimator = Literal["h1", "h2", "hv"]
 ESTIMATORS: Final = ("h1", "h2", "hv")
 
@@ -77,14 +76,8 @@ class Spectra:
 
         shared = sum(np.maximum(size - lag, 0.0) / size * part for lag, part in ((1, 4 / 9), (2, 1 / 36)))
         averages = mean(self.averages) * size / (1.0 + 2.0 * shared)
-        return replace(
-            self,
-            frequency=mean(self.frequency),
-            xx=mean(self.xx),
-            yx=mean(self.yx),
-            yy=mean(self.yy),
-            averages=averages,
-        )
+        means = {name: mean(getattr(self, name)) for name in ("frequency", "xx", "yx", "yy")}
+        return replace(self, **means, averages=averages)
 
 
 @dataclass(frozen=True)

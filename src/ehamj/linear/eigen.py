@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError, eig, eigh
 from scipy.optimize import linear_sum_assignment
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ehamj.arrays import Array, ComplexArray
 
 REPEATED = 1e-6
 """Distance of two eigenvalues, over their magnitude, below which they count as one that repeats; the linear model is

@@ -10,13 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array
 from ehamj.isolator.fluid import ATMOSPHERE
 from ehamj.plant.axes import JOINTS
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""
@@ -149,21 +147,26 @@ class Elements:
             rest = found._rest(rest)
         return found, np.asarray(np.einsum("...in,...n->...i", found.plate, rest))
 
+    def supports(self, kind: str) -> tuple[tuple[str, Array, Array], ...]:
+        """Membranes and feet: what resists which motion (…, mount, n), and how much (…, mount) [N/m or N s/m];
+        ``kind`` stiffness or damping."""
+        at = self.values.mounts
+        return (
+            ("lateral membranes", self.along, at[f"lateral_{kind}"]),
+            ("lateral membranes", self.across, at[f"lateral_{kind}"]),
+            ("vertical membranes", self.plate, at[f"membrane_{kind}"]),
+            ("feet", self.foot, np.where(np.isfinite(at["foot_stiffness"]), at[f"foot_{kind}"], 0.0)),
+        )
+
     @property
     def stiffness(self) -> Array:
         """Stiffness (…, n, n) of membranes and feet, gravity's toppling included; without oil."""
-        return self._sum("lateral_stiffness", "membrane_stiffness", "foot_stiffness") - self.toppling
+        return sum(_quadratic(motion, own) for _, motion, own in self.supports("stiffness")) - self.toppling
 
     @property
     def damping(self) -> Array:
         """Damping (…, n, n) of membranes and feet."""
-        return self._sum("lateral_damping", "membrane_damping", "foot_damping")
-
-    def _sum(self, lateral: str, vertical: str, foot: str) -> Array:
-        at = self.values.mounts
-        own = np.where(np.isfinite(at["foot_stiffness"]), at[foot], 0.0)
-        sideways = _quadratic(self.along, at[lateral]) + _quadratic(self.across, at[lateral])
-        return sideways + _quadratic(self.plate, at[vertical]) + _quadratic(self.foot, own)
+        return np.asarray(sum(_quadratic(motion, own) for _, motion, own in self.supports("damping")))
 
     def _rest(self, near: Array) -> Array:
         """Static equilibrium under gravity and the oil's mean pressure, (…, n): one step of Newton's from ``near``, at
@@ -203,10 +206,10 @@ def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, tilt: 
 class Oil:
     """The chambers' oil about rest; last axis the mounts."""
 
-    areas: tuple[Array, Array]
-    """Areas of chambers 1 and 2 [m²]."""
-    compliances: tuple[Array, Array]
-    """Oil that enters per pressure, walls included, V (w/β + 1/β_w) [m³/Pa]."""
+    areas: Array
+    """Areas of chambers 1 and 2 [m²], (2, …, mount)."""
+    compliances: Array
+    """Of chambers 1 and 2, (2, …, mount): oil that enters per pressure, walls included, V (w/β + 1/β_w) [m³/Pa]."""
     stretch: Array
     """w = 1 + (p − p₀)/β_w [-]."""
     edge: Array
@@ -215,31 +218,25 @@ class Oil:
     """c [m³/s/Pa]."""
 
     @classmethod
-    def of(cls, values: Values, strokes: Array, pressures: tuple[ArrayLike, ArrayLike] | None = None) -> "Oil":
+    def of(cls, values: Values, strokes: Array, pressures: tuple[Array, Array] | None = None) -> "Oil":
         """The oil with the pistons at ``strokes`` [m], chambers at ``pressures`` [Pa] (without: their middle)."""
-        at = values.mounts
+        at, wall = values.mounts, values.mounts["wall_modulus"]
         middle = values.middle[..., None]
-        one, two = (middle, middle) if pressures is None else (np.asarray(p, float) for p in pressures)
-        areas = at["piston_area"], at["piston_area"] * at["area_ratio"]
+        areas = np.stack([at["piston_area"], at["piston_area"] * at["area_ratio"]])
         moved = at["moving_volume"] * strokes
-        volumes = (
-            at["volume_share"] * at["chamber_volume"] + areas[0] * moved,
-            (1.0 - at["volume_share"]) * at["chamber_volume"] - areas[1] * moved,
-        )
-        stretch = 1.0 + (middle - ATMOSPHERE) / at["wall_modulus"]
-        compliances = tuple(
-            volume * ((1.0 + (p - ATMOSPHERE) / at["wall_modulus"]) / oil_modulus(values, p) + 1.0 / at["wall_modulus"])
-            for volume, p in zip(volumes, (one, two), strict=True)
-        )
-        leak = at["flow_pressure"]
-        edge = at["edge_leakage_share"] * leak
-        return cls(areas, compliances, stretch, edge, leak - edge)  # type: ignore[arg-type]
+        compliances = []
+        shares = at["volume_share"], 1.0 - at["volume_share"]
+        for share, swept, p in zip(shares, (areas[0], -areas[1]), pressures or (middle, middle), strict=True):
+            volume = share * at["chamber_volume"] + swept * moved
+            compliances.append(volume * ((1.0 + (p - ATMOSPHERE) / wall) / oil_modulus(values, p) + 1.0 / wall))
+        edge = at["edge_leakage_share"] * at["flow_pressure"]
+        stretch = 1.0 + (middle - ATMOSPHERE) / wall
+        return cls(areas, np.stack(compliances), stretch, edge, at["flow_pressure"] - edge)
 
     @property
     def empty(self) -> Array:
         """Where a chamber would have no room left (…,), or there is no rest at all."""
-        least = np.minimum(*self.compliances)
-        return np.asarray(~(least > 0.0).all(axis=-1))
+        return np.asarray(~(self.compliances > 0.0).all(axis=(0, -1)))
 
 
 def oil_modulus(values: Values, pressure: Array) -> Array:

@@ -7,31 +7,16 @@ nothing through there (1e-4 of the loop gain). `ehamj.linear.sampled.opened_at_s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, Self, overload
+from typing import Self, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
-
-
-class Instrumented(Protocol):
-    """What says how channels are measured, such as a scenario."""
-
-    @property
-    def sensors(self) -> Sensors:
-        """Instruments."""
-        ...
-
-    @property
-    def seed(self) -> int:
-        """Draws the directions of misalignments."""
-        ...
+from ehamj.scenario.model import Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +29,14 @@ class Loop:
 
     @overload
     @classmethod
-    def of(cls, scenario: Instrumented, law: LinearController) -> Self: ...
+    def of(cls, scenario: Scenario, law: LinearController) -> Self: ...
 
     @overload
     @classmethod
-    def of(cls, scenario: Instrumented, law: LinearController | None) -> Self | None: ...
+    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None: ...
 
     @classmethod
-    def of(cls, scenario: Instrumented, law: LinearController | None) -> Self | None:
+    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None:
         """A law with a scenario's instruments and seed; None where there is no law."""
         return None if law is None else cls(law, scenario.sensors, scenario.seed)
 
@@ -107,8 +92,3 @@ def opened(model: LinearModel, loop: Loop, hertz: ArrayLike) -> Opened:
         answer = shares @ model.response(f, names, model.commands)
         plant[:, own] = loop.sensors.response(chosen, f)[:, :, None] * answer
     return Opened(law.response(f), plant)
-
-
-def loop_gain(model: LinearModel, loop: Loop, hertz: ArrayLike) -> ComplexArray:
-    """L at the valves, (frequency, valve, valve): negative feedback, u = −L u; frequencies (n,) [Hz]."""
-    return opened(model, loop, hertz).gain

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array
 from ehamj.control import blocks
 from ehamj.control.channels import channel_names, channel_row
 from ehamj.control.compiled.signals import Layout
@@ -22,7 +23,6 @@ from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
-Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 FORCES = tuple(f"cg_force {dof}" for dof in DOFS)

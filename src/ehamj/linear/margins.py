@@ -15,15 +15,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import STABLE, spectral_radius
 from ehamj.plant.levers import MOTIONS, plane, warp
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 PATTERNS: Final = (*MOTIONS, "warp")
 """The patterns in which four valves move together."""

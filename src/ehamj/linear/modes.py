@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.linear.eigen import Eigen, separated
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, Point
@@ -14,9 +14,6 @@ from ehamj.linear.names import group_of, motion_name, named_together, pattern_na
 from ehamj.linear.sampled import SampledLoop, sampled_loop
 from ehamj.linear.shapes import Axis, Energies, at_cg, at_point, centre_of_rotation, energies, in_phase, weights
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 FORGOTTEN = 1e-2
 """Magnitude of a sampled eigenvalue below which it is a delay, gone after a sample, and no mode."""

@@ -4,17 +4,14 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.arrays import ComplexArray
 from ehamj.linear.shapes import at_cg, weights
 from ehamj.plant.axes import DOFS
 from ehamj.plant.levers import plane, warp
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 MAINLY: Final = 0.9
 """Share of a pattern in the valves' motion from which they are named by it."""

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, opened
@@ -20,8 +21,6 @@ from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import levers
 from ehamj.plant.plant import Plant
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Reference = Literal["cg", "mounts"]
 
 TURNS: Final = DOFS[3:]

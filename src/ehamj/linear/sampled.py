@@ -6,24 +6,21 @@ rates, are exact too. Fade, range and resolution play no part.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller, LinearController
 from ehamj.control.blocks import response
 from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 STABLE: Final = 1.0 + 1e-9
 """Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
@@ -36,6 +33,8 @@ class MeasuredMachine(NamedTuple):
     B: Array
     C: Array
     states: tuple[str, ...]
+    channels: tuple[str, ...]
+    """Of the readings."""
 
 
 def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
@@ -63,7 +62,7 @@ def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
         C = np.hstack([C, np.zeros((len(channels), size))])
         C[k] = reading
         names += [f"controller sensor {name} {state}" for state in range(size)]
-    return MeasuredMachine(A, B, C, tuple(names))
+    return MeasuredMachine(A, B, C, tuple(names), channels)
 
 
 def sampled_machine(model: LinearModel, loop: Loop) -> Any:
@@ -79,16 +78,20 @@ def sampled_machine(model: LinearModel, loop: Loop) -> Any:
     """
     import control
 
-    machine, law = measured_machine(model, loop), loop.law.parts[0]
-    places = _Places.of(machine, (law,), law_states=False, inputs=True)
-    valves = machine.B.shape[1]
-    matrix = _carry(machine, (law,), places, lambda _: [(places.inputs, np.eye(valves))])
-    n = places.size - valves
-    C = np.hstack([machine.C, np.zeros((len(law.inputs), n - machine.A.shape[0]))])
-    unit = np.array([_unit(name) for name in machine.states] + [1.0] * (n - machine.A.shape[0]))
+    law, valves = loop.law.parts[0], np.eye(len(model.commands))
+    # A law that gives its states, and keeps them, to the valves: they are the commands.
+    nothing = np.zeros((len(valves), len(law.inputs)))
+    held = replace(law, A=valves, B=nothing, C=valves, D=nothing, anti_windup=None)
+    machine = measured_machine(model, replace(loop, law=held))
+    places, matrix = _carried(machine, (held,))
+    own = places[0].law
+    matrix, inputs = np.delete(np.delete(matrix, own, 0), own, 1), np.delete(matrix[:, own], own, 0)
+    rest = matrix.shape[0] - machine.A.shape[0]
+    unit = np.array([_unit(name) for name in machine.states] + [1.0] * rest)
+    C = np.pad(machine.C, ((0, 0), (0, rest))) * unit
     return control.ss(
-        matrix[:n, :n] * unit / unit[:, None], matrix[:n, n:] / unit[:, None], C * unit,
-        np.zeros((C.shape[0], valves)), law.period, inputs=list(model.commands), outputs=list(law.inputs),
+        matrix * unit / unit[:, None], inputs / unit[:, None], C, np.zeros((len(C), len(valves))), law.period,
+        inputs=list(model.commands), outputs=list(law.inputs),
     )  # fmt: skip
 
 
@@ -150,20 +153,10 @@ def sampled_loop(model: LinearModel, loop: Loop) -> SampledLoop:
     Raises:
         InputError: if a channel's instrument measures another quantity.
     """
-    channels, parts = loop.law.inputs, loop.law.parts
-    machine = measured_machine(model, loop)
-    places = _Places.of(machine, parts)
-    read = [machine.C[[channels.index(name) for name in part.inputs]] for part in parts]
-
-    def outputs(k: int) -> list[tuple[slice, Array]]:
-        return [(places.machine, parts[k].D @ read[k]), (places.laws[k], parts[k].C)]
-
-    def advance(k: int) -> list[tuple[slice, Array]]:
-        return [(places.machine, parts[k].B @ read[k]), (places.laws[k], parts[k].A)]
-
+    machine, parts = measured_machine(model, loop), loop.law.parts
     between: list[tuple[float, Array]] = []
-    matrix = _carry(machine, parts, places, outputs, advance, between)
-    names = (*machine.states, *(f"controller {k}" for k in range(places.size - len(machine.states))))
+    _, matrix = _carried(machine, parts, between)
+    names = (*machine.states, *(f"controller {k}" for k in range(len(matrix) - len(machine.states))))
     return SampledLoop(matrix, names, pattern_period(loop.law), tuple(between) if len(parts) > 1 else ())
 
 
@@ -177,46 +170,24 @@ def spectral_radius(model: LinearModel, loop: Loop) -> float:
     return float(np.abs(np.linalg.eigvals(sampled_loop(model, loop).A)).max())
 
 
-Rows = Callable[[int], list[tuple[slice, Array]]]
-"""Of a law: what a vector is made of, as (where the factor's vector lies, factor)."""
+class _Places(NamedTuple):
+    """Where a law lies in the vector that is carried, which begins with machine and sensors."""
 
-
-@dataclass(frozen=True)
-class _Places:
-    """Where everything lies in the vector that is carried."""
-
-    machine: slice
-    laws: tuple[slice, ...]
-    held: tuple[slice, ...]
-    """What each law's output to the valves is at present."""
-    queues: tuple[slice, ...]
-    """Outputs that wait, newest first."""
-    inputs: slice
-    size: int
+    law: slice
+    held: slice
+    """What its output to the valves is at present."""
+    queue: slice
+    """Outputs that wait, newest first. At most as many as fit into the delay: a sample's output joins them before the
+    first is released."""
 
     @classmethod
-    def of(
-        cls, machine: MeasuredMachine, parts: Sequence[Controller], law_states: bool = True, inputs: bool = False
-    ) -> "_Places":
+    def of(cls, machine: MeasuredMachine, parts: Sequence[Controller]) -> tuple["_Places", ...]:
         at, valves = machine.B.shape
-        found: list[slice] = []
-        for part in parts:
-            for size in (part.states if law_states else 0, valves, valves * _waiting(part)):
-                found.append(slice(at, at + size))
-                at += size
-        end = at + (valves if inputs else 0)
-        laws, held, queues = (tuple(found[k::3]) for k in range(3))
-        return cls(slice(0, machine.A.shape[0]), laws, held, queues, slice(at, end), end)
-
-    @property
-    def valves(self) -> int:
-        """Number of valves."""
-        return self.held[0].stop - self.held[0].start
-
-
-def _waiting(part: Controller) -> int:
-    """Outputs that wait at most: a sample's output joins them before the first is released."""
-    return math.ceil(exact(part.latency) / exact(part.period))
+        waiting = [math.ceil(exact(part.latency) / exact(part.period)) for part in parts]
+        sizes = [(part.states, valves, valves * outputs) for part, outputs in zip(parts, waiting, strict=True)]
+        ends = at + np.cumsum(sizes)
+        found = [slice(int(end) - size, int(end)) for end, size in zip(ends, np.ravel(sizes).tolist(), strict=True)]
+        return tuple(cls(*found[k : k + 3]) for k in range(0, len(found), 3))
 
 
 def _pattern(parts: Sequence[Controller]) -> tuple[Fraction, list[tuple[Fraction, list[int], list[int]]]]:
@@ -233,62 +204,55 @@ def _pattern(parts: Sequence[Controller]) -> tuple[Fraction, list[tuple[Fraction
     return length, [(time, *found[time]) for time in sorted(found)]
 
 
-def _carry(
-    machine: MeasuredMachine, parts: Sequence[Controller], places: _Places, outputs: Rows, advance: Rows | None = None,
-    between: list[tuple[float, Array]] | None = None,
-) -> Array:  # fmt: skip
-    """The map over one pattern, from just before its first events; at each time after events also into ``between``."""
+def _carried(
+    machine: MeasuredMachine, parts: Sequence[Controller], between: list[tuple[float, Array]] | None = None
+) -> tuple[tuple[_Places, ...], Array]:
+    """The vector's places, and its map over one pattern from just before the first events; at each time after events
+    also into ``between``."""
+    places = _Places.of(machine, parts)
     length, events = _pattern(parts)
-    total = np.eye(places.size)
+    total = np.eye(places[-1].queue.stop)
     flows: dict[Fraction, Array] = {}
     ends = [time for time, _, _ in events[1:]] + [length]
     for (time, released, sampled), end in zip(events, ends, strict=True):
         for k in released:
-            total = _release(places, k) @ total
+            total = _release(places[k], len(total)) @ total
         if sampled:
-            total = _sample(places, parts, sampled, outputs, advance) @ total
+            total = _sample(machine, [(parts[k], places[k]) for k in sampled], len(total)) @ total
         if end - time not in flows:
             flows[end - time] = _flow(machine, places, float(end - time))
         total = flows[end - time] @ total
         if between is not None:
             between.append((float(end), total))
-    return total
+    return places, total
 
 
-def _flow(machine: MeasuredMachine, places: _Places, time: float) -> Array:
+def _flow(machine: MeasuredMachine, places: Sequence[_Places], time: float) -> Array:
     """Machine and sensors move for a time under what is held."""
     n, valves = machine.B.shape
     block = expm(np.block([[machine.A, machine.B], [np.zeros((valves, n + valves))]]) * time)
-    matrix = np.eye(places.size)
+    matrix = np.eye(places[-1].queue.stop)
     matrix[:n, :n] = block[:n, :n]
-    for held in places.held:
-        matrix[:n, held] = block[:n, n:]
+    for own in places:
+        matrix[:n, own.held] = block[:n, n:]
     return matrix
 
 
-def _release(places: _Places, k: int) -> Array:
+def _release(own: _Places, size: int) -> Array:
     """The output that waited longest is held."""
-    matrix = np.eye(places.size)
-    matrix[places.held[k]] = 0.0
-    oldest = places.queues[k].stop
-    matrix[places.held[k], oldest - places.valves : oldest] = np.eye(places.valves)
+    matrix, valves = np.eye(size), own.held.stop - own.held.start
+    matrix[own.held] = np.eye(size)[own.queue][-valves:]
     return matrix
 
 
-def _sample(
-    places: _Places, parts: Sequence[Controller], sampled: list[int], outputs: Rows, advance: Rows | None
-) -> Array:
+def _sample(machine: MeasuredMachine, sampled: Sequence[tuple[Controller, _Places]], size: int) -> Array:
     """Laws compute: their outputs join those that wait (without delay: are held), their states advance."""
-    matrix, valves = np.eye(places.size), places.valves
-    for k in sampled:
-        queue = places.queues[k]
-        target = slice(queue.start, queue.start + valves) if parts[k].latency > 0 else places.held[k]
-        for place in range(queue.stop - valves, queue.start, -valves):
-            matrix[place : place + valves] = 0.0
-            matrix[place : place + valves, place - valves : place] = np.eye(valves)
-        rows = [(target, outputs(k))] + ([] if advance is None else [(places.laws[k], advance(k))])
-        for own, terms in rows:
-            matrix[own] = 0.0
-            for columns, factor in terms:
-                matrix[own, columns] += factor
+    matrix, (n, valves) = np.eye(size), machine.B.shape
+    for law, own in sampled:
+        read = machine.C[[machine.channels.index(name) for name in law.inputs]]
+        matrix[own.queue] = np.eye(size, k=-valves)[own.queue]
+        target = slice(own.queue.start, own.queue.start + valves) if law.latency > 0 else own.held
+        for rows, of_readings, of_states in ((target, law.D, law.C), (own.law, law.B, law.A)):
+            matrix[rows] = 0.0
+            matrix[rows, :n], matrix[rows, own.law] = of_readings @ read, of_states
     return matrix

@@ -7,16 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.linear.elements import Elements, Oil, Values
 from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.levers import lever
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 FAR = 1e4
 """Distance of an axis [m] beyond which a motion turns about nothing."""
@@ -117,45 +114,29 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     joints = [*JOINTS, *(f"plate {m}" for m, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)]
     at = [index[f"displacement {joint}"] for joint in joints]
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
-    mounts = values.mounts
-    sideways, up, foot = (parts.along, parts.across), parts.plate, parts.foot
-    k_foot, c_foot = (
-        np.where(np.isfinite(mounts["foot_stiffness"]), mounts[f"foot_{what}"], 0.0)
-        for what in ("stiffness", "damping")
-    )
-
-    def held(motion: ComplexArray, kind: str, own: Array) -> dict[str, Array]:
-        lateral = sum(np.abs(part @ motion) ** 2 for part in sideways)
-        return {
-            "lateral membranes": mounts[f"lateral_{kind}"] * lateral,
-            "vertical membranes": mounts[f"membrane_{kind}"] * np.abs(up @ motion) ** 2,
-            "feet": own * np.abs(foot @ motion) ** 2,
-        }
-
-    spring, lost = held(q, "stiffness", k_foot), held(qd, "damping", c_foot)
+    spring: dict[str, Array] = {}
+    lost: dict[str, Array] = {}
+    for found, kind, motion in ((spring, "stiffness", q), (lost, "damping", qd)):
+        for name, moved, own in parts.supports(kind):
+            found[name] = found.get(name, 0.0) + own * np.abs(moved @ motion) ** 2
     if f"pressure_1 {plant.mounts[0]}" in index:
         columns = [[index[f"pressure_{chamber} {mount}"] for mount in plant.mounts] for chamber in (1, 2)]
         one, two = (vector[column] for column in columns)
-        oil = Oil.of(values, up @ equilibrium[at], tuple(equilibrium[column] for column in columns))  # type: ignore[arg-type]
+        oil = Oil.of(values, parts.plate @ equilibrium[at], (equilibrium[columns[0]], equilibrium[columns[1]]))
         # Where walls give way a piston sweeps w times its area: what the oil takes up counts over w.
         spring["oil"] = (oil.compliances[0] * np.abs(one) ** 2 + oil.compliances[1] * np.abs(two) ** 2) / oil.stretch
         leaks = 2.0 * oil.edge * (np.abs(one) ** 2 + np.abs(two) ** 2) + oil.cross * np.abs(one - two) ** 2
         lost["leakage"] = leaks / oil.stretch
     turning = np.concatenate([parts.cg[:3], parts.spin]) @ qd
     own_kinetic = weights(plant.machine) * np.abs(turning) ** 2
-    plates = float(np.sum(mounts["plate_mass"] * np.abs(up @ qd) ** 2))
+    plates = float(np.sum(values.mounts["plate_mass"] * np.abs(parts.plate @ qd) ** 2))
     moving = float(own_kinetic.sum()) + plates
     kinetic = dict(zip((*DOFS, "plates"), (*own_kinetic / moving, plates / moving), strict=True))
     strained = sum(float(part.sum()) for part in spring.values())
     total = moving + strained - float(np.real(q.conj() @ parts.toppling @ q))
-    return Energies(
-        {name: float(share) for name, share in kinetic.items()},
-        _each(plant, np.sum(list(spring.values()), axis=0) / strained),
-        {name: float(part.sum()) / strained for name, part in spring.items()},
-        _each(plant, np.sum(list(lost.values()), axis=0) / (omega * total)),
-        {name: float(part.sum()) / (omega * total) for name, part in lost.items()},
-    )
-
-
-def _each(plant: Plant, values: Array) -> dict[str, float]:
-    return dict(zip(plant.mounts, values.tolist(), strict=True))
+    shared = []
+    for parts_of, whole in ((spring, strained), (lost, omega * total)):
+        each = np.sum(list(parts_of.values()), axis=0) / whole
+        shared.append(dict(zip(plant.mounts, each.tolist(), strict=True)))
+        shared.append({name: float(part.sum()) / whole for name, part in parts_of.items()})
+    return Energies({name: float(share) for name, share in kinetic.items()}, *shared)

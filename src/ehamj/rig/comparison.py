@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Final, Literal, Self
+from typing import Annotated, Final, Literal, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control.commands import Passive
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_attenuation, bands
@@ -30,8 +30,6 @@ from ehamj.rig.multisine import LEVEL, by_multisine, lines
 from ehamj.rig.welch import by_welch
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
 
 PER_BAND: Final = 16
 """Frequencies per third-octave at which the linear responses are computed."""
@@ -89,6 +87,19 @@ class Variant:
     """The linear one at the measured frequencies, where all inputs were measured together."""
 
 
+class Element(NamedTuple):
+    """The response of one output to one motion of the floor, over frequency."""
+
+    variant: str
+    kind: Literal["linear", "measured"]
+    output: str
+    source: str
+    frequency: Array
+    response: ComplexArray
+    sure: tuple[Array, ...] = ()
+    """Of a measured one: radius of the confidence circle, multiple and ordinary coherence."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Transmissibilities of a machine, variant by variant."""
@@ -111,18 +122,26 @@ class Comparison:
         low, high = self.settings.first, self.settings.last
         return tuple(band for band in whole if band.centre >= 0.99 * low and band.centre <= 1.01 * high)
 
+    def elements(self) -> "Iterator[Element]":
+        """Every response to a rigid floor: variant by variant the linear ones, then the measured."""
+        for variant in self.variants:
+            linear = variant.linear
+            for i, output in enumerate(linear.outputs):
+                for j, source in enumerate(linear.inputs):
+                    yield Element(variant.name, "linear", output, source, linear.frequency, linear.response[:, i, j])
+            for one in variant.measured:
+                e = one.estimate
+                for i, output in enumerate(one.outputs):
+                    for j, source in enumerate(one.inputs):
+                        sure = e.radius[:, i, j], e.multiple[:, i], e.ordinary[:, i, j]
+                        response = e.response[:, i, j]
+                        yield Element(variant.name, "measured", output, source, e.frequency, response, sure)
+
     def attenuation(self) -> "Iterator[tuple[str, str, str, Array]]":
         """Variant, linear or measured, degree of freedom, attenuation of each band [dB] (`band_attenuation`)."""
-        chosen = self.chosen
-        for variant in self.variants:
-            for dof in self.settings.dofs:
-                output = own_output(self.outputs, dof)
-                element = variant.linear.response[:, self.outputs.index(output), variant.linear.inputs.index(dof)]
-                yield variant.name, "linear", dof, band_attenuation(variant.linear.frequency, element, chosen)
-            for one, output, source in elements(variant.measured):
-                if output == own_output(self.outputs, source):
-                    measured = one.estimate.response[:, one.outputs.index(output), one.inputs.index(source)]
-                    yield variant.name, "measured", source, band_attenuation(one.estimate.frequency, measured, chosen)
+        for one in self.elements():
+            if one.output == own_output(self.outputs, one.source):
+                yield one.variant, one.kind, one.source, band_attenuation(one.frequency, one.response, self.chosen)
 
     def agreement(self) -> dict[str, dict[str, dict[str, float | None]]]:
         """Per variant and output, the largest deviation of measured from linear where coherent.
@@ -211,11 +230,3 @@ def _linear(name: str, model: LinearModel, loop: Loop | None, s: Transmissibilit
     outputs = machine_channels(s.reference)
     single = (*outputs, *foot_channels(model.plant.mounts))
     return Variant(name, rigid_floor(model, hertz, loop, outputs, s.dofs), single_mounts(model, hertz, loop, single))
-
-
-def elements(measured: Sequence[Measurement]) -> Iterator[tuple[Measurement, str, str]]:
-    """Each measured element: its measurement, output and input."""
-    for one in measured:
-        for output in one.outputs:
-            for source in one.inputs:
-                yield one, output, source

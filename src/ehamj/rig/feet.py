@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import ComplexArray
 from ehamj.estimate.identification import Estimates, polyreference, residues
 from ehamj.linear.response import TURNS, lever_scale
 from ehamj.plant.axes import AXES, DOFS
@@ -15,11 +15,8 @@ from ehamj.plant.plant import Plant
 from ehamj.result import Result
 from ehamj.rig.plan import Plan, with_noise
 from ehamj.run.simulate import simulate_many
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 LEVEL: Final = 5e-6
 """RMS velocity of each line of a random excitation [m/s]; of a rotation, at the mounts' mean distance."""
@@ -87,9 +84,9 @@ def responses(
 ) -> tuple[list[Estimates], str]:
     """Fits of pLSCF to responses of the feet under one of `EXCITATIONS`, and how they were made, in words."""
     way, plant = EXCITATIONS[kind], scenario.plant
-    still = scenario.model_dump() | {"record_rate": 1.0 / plan.step, "timestep": plan.step}
+    steps = {"record_rate": 1.0 / plan.step, "timestep": plan.step}
     runs = simulate_many(
-        parse_scenario(still | way.table(scenario, plan, name, realisation))
+        changed(scenario, steps | way.table(scenario, plan, name, realisation))
         for realisation in range(realisations)
         for name in way.inputs
     )

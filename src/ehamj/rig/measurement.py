@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.estimate.spectra import Estimate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.identification import Stable, agreed
 from ehamj.linear.eigen import mac
@@ -26,11 +26,8 @@ from ehamj.plant.machine import Machine
 from ehamj.rig.feet import responses
 from ehamj.rig.plan import Plan
 from ehamj.rig.ringdown import ring_down
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 Kind = Literal["ring-down", "random", "sweep", "hammer"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
@@ -144,13 +141,8 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
 
 def _still(scenario: Scenario) -> Scenario:
     """The machine alone, with its plates tied where their feet are rigid: the same equations."""
-    table = scenario.model_dump() | {
-        "control": {"kind": "passive"},
-        "ground": {"kind": "rest"},
-        "compare": (),
-        "force": (),
-    }
-    return parse_scenario(table | {"plates": reduced(scenario.plant).plates})
+    bare = {"control": {"kind": "passive"}, "ground": {"kind": "rest"}, "compare": (), "force": ()}
+    return changed(scenario, bare | {"plates": reduced(scenario.plant).plates})
 
 
 def _named(

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.spectra import Estimator, Spectra, estimate
 from ehamj.linear.loop import Loop
@@ -22,11 +23,8 @@ from ehamj.plant.axes import DOFS
 from ehamj.result import Result
 from ehamj.rig.measurement import Measurement, channel
 from ehamj.run.simulate import simulate_many
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 PERIOD: Final = 1.0
 """Period of the exciting multisines [s]; their lines are its multiples."""
@@ -168,9 +166,7 @@ def excited(scenario: Scenario, change: Mapping[str, Any], frequency: Array, dur
     if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
         raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     rate = 1000.0 * float(np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0))
-    table = scenario.model_dump() | dict(change)
-    table |= {"duration": duration, "record_rate": rate, "compare": ()}
-    return parse_scenario(table)
+    return changed(scenario, {**change, "duration": duration, "record_rate": rate, "compare": ()})
 
 
 def line_amplitudes(signal: Array, index: NDArray[np.int64]) -> ComplexArray:

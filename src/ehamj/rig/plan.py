@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.identification import Estimates, oscillating
 from ehamj.linear.modes import Mode
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 MOST_LINES: Final = 1500
 LONGEST_STEP: Final = 1e-4

@@ -7,13 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
+from ehamj.labels import labelled
 from ehamj.linear.response import unit
 from ehamj.result import written_whole
-from ehamj.rig.comparison import Comparison, elements
-
-Array = NDArray[np.float64]
+from ehamj.rig.comparison import Comparison
 
 
 def write_tables(folder: Path, found: Comparison) -> None:
@@ -41,24 +40,12 @@ def _write_csv(path: Path, head: Sequence[str], rows: Iterator[Sequence[str]]) -
 
 def _rows(found: Comparison) -> Iterator[Sequence[str]]:
     """A row per variant, kind, element and frequency; linear responses have no coherence."""
-
-    def row(first: Sequence[str], f: float, value: complex, *more: float) -> Sequence[str]:
-        numbers = (f, abs(value), float(np.degrees(np.angle(value))), *more)
-        texts = ("" if np.isnan(number) else f"{number:.9g}" for number in numbers)
-        return (*first, *texts, *([""] * (3 - len(more))))
-
-    for variant in found.variants:
-        linear = variant.linear
-        for i, output in enumerate(linear.outputs):
-            for j, source in enumerate(linear.inputs):
-                first = (variant.name, "linear", output, f"floor {source}", unit(output, source))
-                for f, value in zip(linear.frequency, linear.response[:, i, j], strict=True):
-                    yield row(first, f, value)
-        for one, output, source in elements(variant.measured):
-            e, i, j = one.estimate, one.outputs.index(output), one.inputs.index(source)
-            first = (variant.name, "measured", output, f"floor {source}", unit(output, source))
-            for k, f in enumerate(e.frequency):
-                yield row(first, f, e.response[k, i, j], e.radius[k, i, j], e.multiple[k, i], e.ordinary[k, i, j])
+    for one in found.elements():
+        first = (one.variant, one.kind, one.output, f"floor {one.source}", unit(one.output, one.source))
+        for f, value, *sure in zip(one.frequency, one.response, *one.sure, strict=True):
+            numbers = (f, abs(value), np.degrees(np.angle(value)), *sure)
+            texts = ("" if np.isnan(number) else f"{number:.9g}" for number in numbers)
+            yield (*first, *texts, *([""] * (3 - len(sure))))
 
 
 def to_dataset(found: Comparison) -> xr.Dataset:
@@ -70,8 +57,8 @@ def to_dataset(found: Comparison) -> xr.Dataset:
         "input": list(first.linear.inputs),
         "point": list(first.single.outputs),
         "ground": list(first.single.inputs),
-        "frequency": ("frequency", first.linear.frequency, {"units": "Hz"}),
-        "band": ("band", [band.centre for band in found.chosen], {"units": "Hz", "long_name": "exact centre"}),
+        "frequency": labelled("frequency", first.linear.frequency, "Hz"),
+        "band": labelled("band", [band.centre for band in found.chosen], "Hz", "exact centre"),
     }
     data = _polar("linear", ("variant", "frequency", "output", "input"), "floor to machine, linear",
                   np.array([variant.linear.response for variant in found.variants]))  # fmt: skip
@@ -79,7 +66,7 @@ def to_dataset(found: Comparison) -> xr.Dataset:
                    np.array([variant.single.response for variant in found.variants]))  # fmt: skip
     grids = [one.estimate.frequency for variant in found.variants for one in variant.measured]
     if grids:
-        coordinates["line"] = ("line", grids[0], {"units": "Hz"})
+        coordinates["line"] = labelled("line", grids[0], "Hz")
         data |= _measured(found, grids[0])
     for kind in ("linear", "measured"):
         levels = np.full((len(found.variants), len(s.dofs), len(found.chosen)), np.nan)
@@ -87,7 +74,7 @@ def to_dataset(found: Comparison) -> xr.Dataset:
             if what == kind:
                 levels[coordinates["variant"].index(variant), s.dofs.index(dof)] = values
         text = f"attenuation per third-octave, {kind}, positive: quieter than the floor"
-        data[f"attenuation_{kind}"] = (("variant", "input", "band"), levels, {"units": "dB", "long_name": text})
+        data[f"attenuation_{kind}"] = labelled(("variant", "input", "band"), levels, "dB", text)
     attributes = {"title": found.scenario.name, "reference": s.reference, "estimator": s.estimator,
                   "confidence": s.confidence}  # fmt: skip
     return xr.Dataset(data, coordinates, attributes)
@@ -96,29 +83,31 @@ def to_dataset(found: Comparison) -> xr.Dataset:
 UNITS: Final = "m/m, m/rad, rad/m or rad/rad by output and input"
 
 
-def _polar(name: str, dims: Sequence[str], text: str, values: NDArray[np.complex128]) -> dict[str, Any]:
+def _polar(name: str, dims: tuple[str, ...], text: str, values: ComplexArray) -> dict[str, Any]:
     return {
-        f"{name}_magnitude": (dims, np.abs(values), {"units": UNITS, "long_name": f"{text}, magnitude"}),
-        f"{name}_phase": (dims, np.degrees(np.angle(values)), {"units": "degree", "long_name": f"{text}, phase"}),
+        f"{name}_magnitude": labelled(dims, np.abs(values), UNITS, f"{text}, magnitude"),
+        f"{name}_phase": labelled(dims, np.degrees(np.angle(values)), "degree", f"{text}, phase"),
     }
 
 
 def _measured(found: Comparison, grid: Array) -> dict[str, Any]:
-    first = found.variants[0].linear
-    shape = (len(found.variants), grid.size, len(first.outputs), len(first.inputs))
-    response, radius = np.full(shape, np.nan, complex), np.full(shape, np.nan)
-    multiple, ordinary = np.full(shape, np.nan), np.full(shape, np.nan)
-    for v, variant in enumerate(found.variants):
-        for one, output, source in elements(variant.measured):
-            e, i, j = one.estimate, one.outputs.index(output), one.inputs.index(source)
-            at = (v, slice(None), first.outputs.index(output), first.inputs.index(source))
-            response[at], radius[at] = e.response[:, i, j], e.radius[:, i, j]
-            multiple[at], ordinary[at] = e.multiple[:, i], e.ordinary[:, i, j]
-    dims = ("variant", "line", "output", "input")
-    data = _polar("measured", dims, "floor to machine, measured", response)
-    more = (
-        ("confidence_radius", radius, UNITS, "radius of the confidence circle about each measured response"),
-        ("multiple_coherence", multiple, "1", "share of the output that all inputs together explain"),
-        ("ordinary_coherence", ordinary, "1", "share of the output that this input alone explains"),
-    )
-    return data | {name: (dims, values, {"units": units, "long_name": text}) for name, values, units, text in more}
+    first, names = found.variants[0].linear, [variant.name for variant in found.variants]
+    shape = (len(names), grid.size, len(first.outputs), len(first.inputs))
+    response, (radius, multiple, ordinary) = np.full(shape, np.nan, complex), np.full((3, *shape), np.nan)
+    for one in found.elements():
+        if one.kind == "measured":
+            at = (
+                names.index(one.variant),
+                slice(None),
+                first.outputs.index(one.output),
+                first.inputs.index(one.source),
+            )
+            response[at] = one.response
+            radius[at], multiple[at], ordinary[at] = one.sure
+    dims, explain = ("variant", "line", "output", "input"), "share of the output that"
+    circle = "radius of the confidence circle about each measured response"
+    return _polar("measured", dims, "floor to machine, measured", response) | {
+        "confidence_radius": labelled(dims, radius, UNITS, circle),
+        "multiple_coherence": labelled(dims, multiple, "1", f"{explain} all inputs together explain"),
+        "ordinary_coherence": labelled(dims, ordinary, "1", f"{explain} this input alone explains"),
+    }

@@ -16,8 +16,6 @@ from ehamj.plant.levers import slab_fit
 from ehamj.result import Result
 from ehamj.rig.measurement import Measurement, channel
 
-Array = NDArray[np.float64]
-
 SEGMENTS: Final = 16
 """Segments, before overlapping, that a run is divided into where no segment is given, unless they would be longer than
 `LONGEST_SEGMENT`."""

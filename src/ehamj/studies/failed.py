@@ -4,31 +4,29 @@ The law keeps driving all four valves as if nothing had happened: it is the law 
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.labels import table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
-from ehamj.plots import Figure, Line, lines_chart
+from ehamj.plots import Figure, lines_chart
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress
-from ehamj.studies.rest import static_forces
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel
+from ehamj.studies.rest import modes_table, static_forces
 from ehamj.studies.study import WholeHertz, among, study
-from ehamj.studies.tables import modes_table, table
 from ehamj.studies.variants import still, with_actuators
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 NEGLIGIBLE_GAIN = 1e-9
 """Gain of a valve that no longer moves [mA/V]."""
@@ -183,7 +181,7 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
     off = max(float(np.abs(static[part] - event[part]).max()) for part in ("oil", "membrane"))
     forces = _forces_table(models)
     isolation = _isolation_table(mount, settings.lines, answers)
-    curves = _curves_table(models, loop)
+    residuals = _curves_table(models, loop)
     largest = float(isolation["difference"].max())
     return Outcome(
         title="One actuator failed",
@@ -194,15 +192,15 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
             f"A run in which the valve of the sound machine opens to {100 * STUCK:.0f} % and stays ends with the "
             f"forces computed for it, to {off:.2g} N.",
         ),
-        tables={"isolation": isolation, "forces": forces, "modes": modes_table(models), "curves": curves},
+        tables={"isolation": isolation, "forces": forces, "modes": modes_table(models), "curves": residuals},
         drawings={
             "heave": Drawing(
                 "Heaving floor to the CG's heave with one actuator failed; circles: nonlinear runs.",
-                lambda: _failed_chart(curves, isolation, "heave", "CG over floor [dB]"),
+                lambda: _failed_chart(residuals, isolation, "heave", "CG over floor [dB]"),
             ),
             "rocking": Drawing(
                 "Rotation that the same floor causes, since the failed corner still follows it.",
-                lambda: _failed_chart(curves, isolation, "rotation", "rotation over floor [dB re 1 rad/m]"),
+                lambda: _failed_chart(residuals, isolation, "rotation", "rotation over floor [dB re 1 rad/m]"),
             ),
         },
         notes=NOTES,
@@ -277,13 +275,9 @@ def _failure_answers(mount: str, isolation: xr.Dataset, forces: xr.Dataset) -> l
     return found
 
 
-def _failed_chart(curves: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> Figure:
-    f, dots = curves["frequency"].values, isolation["frequency"].values
-    lines = []
-    for k, case in enumerate(curves["case"].values):
-        lines.append(Line(str(case), f, 20 * np.log10(np.maximum(curves[what].sel(case=case).values, 1e-6)), k, k))
-    for k, case in enumerate(isolation["case"].values):
-        values = np.maximum(isolation[f"{what}_simulated"].sel(case=case).values, 1e-6)
-        lines.append(Line("" if k else "nonlinear run", dots, 20 * np.log10(values), k, marker="o"))
+def _failed_chart(residuals: xr.Dataset, isolation: xr.Dataset, what: str, label: str) -> Figure:
+    lines = curves(decibel(residuals[what].clip(1e-6)), "case")
+    runs = curves(decibel(isolation[f"{what}_simulated"].clip(1e-6)), "case", 1)
+    lines += [replace(run, label="" if k else "nonlinear run", marker="o") for k, run in enumerate(runs)]
     title = {"heave": "Heaving floor to the CG", "rotation": "Heaving floor to rotation"}[what]
     return lines_chart(title, "frequency [Hz]", {label: lines}, logarithmic="x", limits={label: (-80.0, 20.0)})

@@ -4,23 +4,20 @@ from typing import Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control.sensors import IDEAL
+from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import eigen_of, modes
-from ehamj.plots import Figure, Line, lines_chart, locus_chart
+from ehamj.plots import Figure, lines_chart, locus_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves
 from ehamj.studies.position_loop import highest_factor, inertial_position, scaled
 from ehamj.studies.study import Positive, study
-from ehamj.studies.tables import table
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 OWN_LAW: Final = (
     "The scenario's control measures nothing of the machine and moves no pole; a law of the study's own is looked at."
@@ -142,10 +139,6 @@ def _damping_answer(modes_over: xr.Dataset) -> str:
 
 
 def _damping_chart(modes_over: xr.Dataset, limit: float) -> Figure:
-    f = modes_over["factor"].values
-    lines = [
-        Line(str(mode), f, 100 * modes_over["damping"].sel(mode=mode).values, color=k, dash=k % 2)
-        for k, mode in enumerate(modes_over["mode"].values)
-    ]
-    marks = {"unstable": limit} if limit <= f.max() else {}
-    return lines_chart("Damping over the gain", "factor on the gain", {"damping ratio [%]": lines}, marks=marks)
+    marks = {"unstable": limit} if limit <= float(modes_over["factor"].max()) else {}
+    panels = {"damping ratio [%]": curves(100 * modes_over["damping"], "mode", 2)}
+    return lines_chart("Damping over the gain", "factor on the gain", panels, marks=marks)

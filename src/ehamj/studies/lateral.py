@@ -2,18 +2,18 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
+from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
-from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
+from ehamj.designs.many import floor_response, modes_of
+from ehamj.labels import labelled
 from ehamj.plots import Figure, Line, lines_chart, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves
 from ehamj.studies.study import Range, study
-
-Array = NDArray[np.float64]
+from ehamj.studies.variants import every_value
 
 
 class LateralSettings(Settings):
@@ -32,12 +32,7 @@ class LateralSettings(Settings):
 
 def stiffness_over_factors(scenario: Scenario, factors: Array) -> Designs:
     """The machine with its mounts' lateral stiffness multiplied, over the dimension ``factor``."""
-    own = {name: scenario.actuators[name].lateral_stiffness for name in {mount.actuator for mount in scenario.mount}}
-    vary = {
-        f"actuators.{name}.lateral_stiffness": xr.DataArray(factors * value, dims="factor")
-        for name, value in sorted(own.items())
-    }
-    return Designs.of(scenario, vary)
+    return Designs.of(scenario, every_value(scenario, "lateral_stiffness", xr.DataArray(factors, dims="factor")))
 
 
 @study(
@@ -115,13 +110,11 @@ def _quietest(response: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _modes_chart(modes: xr.Dataset, mean: float) -> Figure:
-    k = modes["stiffness"].values
-    panels = {}
-    for quantity, name, factor in (("frequency [Hz]", "frequency", 1.0), ("damping ratio [%]", "damping_ratio", 100.0)):
-        panels[quantity] = [
-            Line(mode, k, factor * modes[name].sel(mode=mode).values, color=c, dash=c % 2)
-            for c, mode in enumerate(RIGID_MODES)
-        ]
+    over = modes.swap_dims(factor="stiffness")
+    panels = {
+        "frequency [Hz]": curves(over["frequency"], "mode", 2),
+        "damping ratio [%]": curves(100 * over["damping_ratio"], "mode", 2),
+    }
     return lines_chart(
         "Modes over lateral stiffness", "lateral stiffness of a mount [N/m]", panels, "xy", {"as it is": mean}
     )

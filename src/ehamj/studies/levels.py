@@ -16,6 +16,7 @@ from ehamj.control.kinds import CombinedSettings
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.findings import finite
+from ehamj.labels import table
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots import Figure, Line, lines_chart
 from ehamj.result import Result
@@ -25,7 +26,6 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import among, study
-from ehamj.studies.tables import table
 
 BANDS: Final = ("2", "5", "10", "20", "50", "100")
 RECORD_RATE: Final = 4000.0

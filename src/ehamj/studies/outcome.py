@@ -4,9 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from ehamj.plots import Figure
+from ehamj.plots import Figure, Line
+from ehamj.plots.charts import DASHES
 
 Progress = Callable[[str], None]
 """Called with what is being done now."""
@@ -45,7 +47,17 @@ class Outcome:
     """What the study was asked with, as plain data."""
 
 
-def labelled(dims: tuple[str, ...], values: Any, units: str, long_name: str) -> tuple[Any, Any, dict[str, str]]:
-    """A variable for `xarray.Dataset`; ``units`` "" for what has none (names, flags)."""
-    attributes = {"long_name": long_name} | ({"units": units} if units else {})
-    return dims, values, attributes
+def curves(values: xr.DataArray, of: str, dashes: int = len(DASHES), name: str = "{}") -> list[Line]:
+    """A line for each entry of the dimension ``of`` over the other one, in its own colour and in turn of ``dashes``."""
+    (over,) = (dim for dim in values.dims if dim != of)
+    entries = enumerate(values[of].values)
+    x = values[over].values
+    return [
+        Line(name.format(str(entry).replace("_", " ")), x, values.sel({of: entry}).values, k, k % dashes)
+        for k, entry in entries
+    ]
+
+
+def decibel(gain: xr.DataArray) -> xr.DataArray:
+    """20 lg of a gain [dB]."""
+    return 20 * xr.apply_ufunc(np.log10, gain)

@@ -5,25 +5,22 @@ from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.designs.footprint import LOWER, rocking_modes, slowest_rocking
 from ehamj.estimate.identification import realise
 from ehamj.isolator.presets import ACTUATOR_PRESETS
+from ehamj.labels import labelled, table
 from ehamj.mujoco import hydraulics
-from ehamj.plant.axes import DOFS
 from ehamj.plots import Figure, Line, map_chart
-from ehamj.rig.ringdown import JOLTS, PULSE
+from ehamj.rig.ringdown import JOLTS, decay, jolt, step_for
 from ehamj.run.simulate import simulate
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
+from ehamj.studies.outcome import Drawing, Outcome, Progress, silent
 from ehamj.studies.study import Range, among, study
-from ehamj.studies.tables import table
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
-
-Array = NDArray[np.float64]
 
 SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
@@ -91,15 +88,10 @@ def _identified(scenario: Scenario, height: float, width: float, slowest: float,
     one = still(scenario, plates="tied", **resized(scenario, cg, width * positions(scenario)))
     duration = max(0.12, 5.0 / slowest)
     rate = float(np.ceil(SAMPLES / duration))
-    jolts = [
-        {"kind": "shock", "dof": dof, "velocity": v, "pulse_time": PULSE, "begin": 1e-3, "return_time": 1e6}
-        for dof, v in JOLTS.items()
-    ]
-    table = {"ground": {"kind": "sum", "parts": jolts}, "duration": duration, "record_rate": rate}
-    motion = simulate(still(one, timestep=1.0 / rate / np.ceil(1e4 / rate), **table)).dataset["machine_displacement"]
-    moved = np.array([JOLTS[dof] * 2 * PULSE / np.pi for dof in DOFS])  # where the floor has come to rest
-    decay = (motion - motion[0]).sel(time=slice(1e-3 + PULSE + 0.5 / rate, None)).values - moved
-    ((poles, _),) = realise(decay / np.abs(decay).max(axis=0), rate, (ORDER,))
+    ground = {"kind": "sum", "parts": [jolt(dof) for dof in JOLTS]}
+    run = simulate(still(one, ground=ground, duration=duration, record_rate=rate, timestep=step_for(rate)))
+    after = decay(run, *JOLTS)
+    ((poles, _),) = realise(after / np.abs(after).max(axis=0), rate, (ORDER,))
     found = np.abs(poles[poles.imag > 0.0]) / (2 * np.pi)
     nearest = [found[np.argmin(np.abs(found - frequency))] for frequency in wanted]
     return np.where(np.isnan(wanted), np.nan, nearest)

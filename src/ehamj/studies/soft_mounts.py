@@ -11,12 +11,13 @@ from typing import Annotated
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.optimize import brentq
 
+from ehamj.arrays import Array
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS
+from ehamj.labels import table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
@@ -28,12 +29,10 @@ from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel
+from ehamj.studies.rest import modes_table
 from ehamj.studies.study import Positive, among, study
-from ehamj.studies.tables import modes_table, table
 from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
-
-Array = NDArray[np.float64]
 
 MOUNTS_COMPARED = ("elastic-mount", "pneumatic-mount")
 AXES_OF_TIPPING = ("about x", "about y")
@@ -290,10 +289,7 @@ def _answers(scenario: Scenario, simulated: int, tipping: xr.Dataset) -> tuple[s
 
 def _tipping_chart(tipping: xr.Dataset, height: float) -> Figure:
     half = tipping["half_distance"].values
-    lines = [
-        Line(f"{name}: tips above", half, tipping["closed_form"].sel(mounts=name).values, color=k)
-        for k, name in enumerate(tipping["mounts"].values)
-    ]
+    lines = curves(tipping["closed_form"].assign_coords(width=half), "mounts", 1, "{}: tips above")
     runs = (("stands", "run stood (0.5 % below)", 7, "s"), ("falls", "run fell (0.5 % above)", 1, "X"))
     for what, words, color, marker in runs:
         both = tipping[what].transpose("mounts", "width").values.ravel()
@@ -306,9 +302,5 @@ def _tipping_chart(tipping: xr.Dataset, height: float) -> Figure:
 
 
 def _gain_chart(gains: xr.Dataset, title: str) -> Figure:
-    lines = [
-        Line(str(name), gains["frequency"].values, 20 * np.log10(gains["gain"].sel(system=name).values), k, k)
-        for k, name in enumerate(gains["system"].values)
-    ]
-    label = "CG over floor [dB]"
-    return lines_chart(title, "frequency [Hz]", {label: lines}, logarithmic="x", limits={label: (-70.0, 30.0)})
+    panels = {"CG over floor [dB]": curves(decibel(gains["gain"]), "system")}
+    return lines_chart(title, "frequency [Hz]", panels, logarithmic="x", limits=dict.fromkeys(panels, (-70.0, 30.0)))

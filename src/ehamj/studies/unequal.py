@@ -4,22 +4,20 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import floor_response, modes_of
+from ehamj.labels import labelled, table
 from ehamj.linear.machine import linear_model
 from ehamj.plots import Figure, Line, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled
+from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.rest import static_forces
 from ehamj.studies.study import Positive, Range, study
-from ehamj.studies.tables import table
 from ehamj.studies.variants import check_gravity, positions, resized, still
-
-Array = NDArray[np.float64]
 
 
 class UnequalSettings(Settings):

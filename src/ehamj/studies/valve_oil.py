@@ -4,25 +4,23 @@ from typing import Annotated, Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.sensors import IDEAL
 from ehamj.designs.designs import Designs
-from ehamj.designs.many import RIGID_MODES, modes_of
+from ehamj.designs.many import modes_of
 from ehamj.isolator.actuator import Actuator
+from ehamj.labels import labelled, table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
-from ehamj.plots import Figure, Line, lines_chart
+from ehamj.plots import Figure, lines_chart
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress, labelled, silent
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, silent
 from ehamj.studies.position_loop import highest_factor, inertial_position
 from ehamj.studies.study import Positive, among, study
-from ehamj.studies.tables import table
-
-Array = NDArray[np.float64]
+from ehamj.studies.variants import every_value
 
 OIL: Final = ("bulk_modulus", "chamber_volume", "piston_area", "flow_pressure", "membrane_stiffness")
 """What decides the modes with valves held."""
@@ -51,17 +49,10 @@ class ValveOilSettings(Settings):
     )
 
 
-def _every(scenario: Scenario, name: str, values: xr.DataArray, relative: bool = True) -> dict[str, xr.DataArray]:
-    """One quantity of all actuators in use, varied together."""
-    used = sorted({mount.actuator for mount in scenario.mount})
-    own = {one: getattr(scenario.actuators[one], name) if relative else 1.0 for one in used}
-    return {f"actuators.{one}.{name}": values * own[one] for one in used}
-
-
 def modes_over_factors(scenario: Scenario, settings: ValveOilSettings) -> xr.Dataset:
     """Modes with valves held over (parameter, factor, mode), one parameter of `OIL` at a time."""
     factor = xr.DataArray(np.array(settings.factors), dims="factor")
-    parts = [_modes(scenario, _every(scenario, name, factor)).drop_vars("factor") for name in OIL]
+    parts = [_modes(scenario, every_value(scenario, name, factor)).drop_vars("factor") for name in OIL]
     return xr.concat(parts, "parameter").assign_coords(
         parameter=labelled(("parameter",), list(OIL), "", "parameter"),
         factor=labelled(("factor",), list(settings.factors), "1", "factor"),
@@ -71,7 +62,7 @@ def modes_over_factors(scenario: Scenario, settings: ValveOilSettings) -> xr.Dat
 def modes_over_air(scenario: Scenario, settings: ValveOilSettings) -> xr.Dataset:
     """Modes with valves held over the share of entrained air."""
     share = xr.DataArray(np.array(settings.air), dims="air")
-    found = _modes(scenario, _every(scenario, "air_fraction", share, relative=False))
+    found = _modes(scenario, every_value(scenario, "air_fraction", share, relative=False))
     column = labelled(("air",), list(settings.air), "1", "entrained air at 1 atm, by volume")
     return found.assign_coords(air=column).assign_attrs(title="modes over entrained air")
 
@@ -171,29 +162,18 @@ def _answers(oil: xr.Dataset, air: xr.Dataset, loops: xr.Dataset) -> tuple[str, 
 def _modes_chart(oil: xr.Dataset, mode: str) -> Figure:
     one = oil.sel(mode=mode)
     panels = {
-        quantity: [
-            Line(name.replace("_", " "), one["factor"].values, factor * one[what].sel(parameter=name).values, k, k)
-            for k, name in enumerate(OIL)
-        ]
-        for quantity, what, factor in (
-            ("frequency [Hz]", "frequency", 1.0),
-            ("damping ratio [%]", "damping_ratio", 100.0),
-        )
+        "frequency [Hz]": curves(one["frequency"], "parameter"),
+        "damping ratio [%]": curves(100.0 * one["damping_ratio"], "parameter"),
     }
     return lines_chart(mode.capitalize(), "factor on the parameter", panels, "x", {"as it is": 1.0})
 
 
 def _air_chart(air: xr.Dataset) -> Figure:
-    share = 100 * air["air"].values
-    lines = [Line(mode, share, air["frequency"].sel(mode=mode).values, k, k % 2) for k, mode in enumerate(RIGID_MODES)]
-    return lines_chart("Modes over entrained air", "air at 1 atm [% by volume]", {"frequency [Hz]": lines})
+    over = air["frequency"].assign_coords(air=100 * air["air"])
+    panels = {"frequency [Hz]": curves(over, "mode", 2)}
+    return lines_chart("Modes over entrained air", "air at 1 atm [% by volume]", panels)
 
 
 def _loops_chart(loops: xr.Dataset) -> Figure:
-    f = loops["factor"].values
-    lines = [
-        Line(str(name).replace("_", " "), f, loops["crossover"].sel(parameter=name).values, k, k)
-        for k, name in enumerate(loops["parameter"].values)
-    ]
-    panels = {"crossover at the limit [Hz]": lines}
+    panels = {"crossover at the limit [Hz]": curves(loops["crossover"], "parameter")}
     return lines_chart("Fastest position loop", "factor on the parameter", panels, "x", {"as it is": 1.0})

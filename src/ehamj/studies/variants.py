@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.errors import InputError
@@ -58,6 +59,14 @@ def with_actuators(scenario: Scenario, actuators: Mapping[str, Actuator]) -> dic
 def with_every_actuator(scenario: Scenario, actuator: Actuator) -> dict[str, Any]:
     """The tables ``actuators`` and ``mount`` with the same actuator at every mount."""
     return with_actuators(scenario, dict.fromkeys(scenario.plant.mounts, actuator))
+
+
+def every_value(scenario: Scenario, name: str, values: xr.DataArray, relative: bool = True) -> dict[str, xr.DataArray]:
+    """One quantity of all actuators in use varied together, by key (`ehamj.designs.designs.Designs`); ``relative``:
+    the values are factors."""
+    used = sorted({mount.actuator for mount in scenario.mount})
+    own = {one: getattr(scenario.actuators[one], name) if relative else 1.0 for one in used}
+    return {f"actuators.{one}.{name}": values * own[one] for one in used}
 
 
 def preset(name: str) -> Actuator:

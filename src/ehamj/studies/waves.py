@@ -10,9 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array, ComplexArray
+from ehamj.labels import table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import ground_response, rigid_floor
@@ -23,11 +24,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import Positive, WholeHertz, study
-from ehamj.studies.tables import table
 from ehamj.studies.variants import still
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 HELD = "valves held"
 TURNS = ("machine_velocity rx", "machine_velocity ry")
