@@ -17,8 +17,8 @@ from typing import Any, Final, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.compiled import kernel
 from ehamj.isolator.actuator import COMPONENTS, STATEFUL
 from ehamj.isolator.component import STAGES, Option
@@ -26,8 +26,6 @@ from ehamj.isolator.equations import Isolator, State
 from ehamj.isolator.supply import Feed, Supply, SupplyState
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 DOUBLE: Final = 8
 """Bytes of a number."""

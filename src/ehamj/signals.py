@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, next_fast_len
 from scipy.interpolate import PPoly, make_interp_spline
 
-Array = NDArray[np.float64]
-
+from ehamj.arrays import Array
 
 DEGREE = 5
 """Degree of the spline through samples."""

@@ -7,7 +7,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from oracles import linear
 
@@ -258,6 +258,8 @@ def test_bandwidth_is_3_db_below_the_static_value(actuator: Actuator) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(actuators(), st.floats(0.0, 20.0), st.floats(0.0, 90.0))
+@example(Actuator(bulk_modulus=5.6e9, valve_frequency=3142.0), 0.0, math.nextafter(90.0, 0.0))  # a root at 1e19 rad/s
+@example(Actuator(membrane_stiffness=1.36e9, valve_frequency=3142.0, valve_damping=1.3), 0.0, 90.0)
 def test_highest_gain_keeps_both_margins_and_no_higher_one_does(
     actuator: Actuator, gain_margin: float, phase_margin: float
 ) -> None:

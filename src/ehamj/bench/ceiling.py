@@ -5,8 +5,8 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.compiled import kernel
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
@@ -17,7 +17,6 @@ from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOFS
 from ehamj.scenario.model import Scenario
 
-Array = NDArray[np.float64]
 N = len(DOFS)
 
 

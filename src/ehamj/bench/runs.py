@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import NOT_LOADED, advance
@@ -15,8 +15,6 @@ from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
 from ehamj.run.drive import sample_inputs
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 
 def interleaved(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, Array]:

@@ -5,15 +5,13 @@ builds up in that pattern, unless a loop of its own keeps it balanced.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.control.blocks import TWO_PI, Block
 from ehamj.plant.levers import warp
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Settings
-
-Array = NDArray[np.float64]
 
 
 class WarpBalance(Settings):

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import block_diag, expm
 from scipy.sparse.csgraph import connected_components
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ehamj.arrays import Array, ComplexArray
+
 TWO_PI = 2.0 * np.pi
 
 

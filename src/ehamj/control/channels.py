@@ -10,16 +10,14 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control.compiled.signals import Layout
 from ehamj.memory import ISOLATOR_STATE, size
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.levers import lever
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 _MOTIONS = ("displacement", "velocity", "acceleration")
 STATIC = ("displacement", "pressure")

@@ -5,12 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control.converter import Sampled
 from ehamj.errors import InputError
-
-Array = NDArray[np.float64]
 
 LawFunction = Callable[[float, Array, Array], Any]
 

@@ -21,12 +21,10 @@ from pydantic import Field, model_validator
 from scipy import signal
 from scipy.linalg import expm
 
+from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.channels import STATIC
 from ehamj.settings import Parameters, Unlimited, quantity
-
-Array = NDArray[np.float64]
-
 
 ALIGNMENT, NOISE = 1, 2
 """Streams of random numbers of a channel."""

@@ -11,16 +11,14 @@ C s/K_h, 4e-4 at 100 Hz, is left out.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import signal
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control.blocks import Block
 from ehamj.control.instruments import Instrument
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 SLOW = 5.0
 """Corner that parts an instrument's high-pass from its low-pass [Hz]."""

@@ -15,14 +15,13 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.arrays import Array
 from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
-
-Array = NDArray[np.float64]
 
 UNSTABLE = 1.0 + 1e-9
 """Spectral radius above which a law counts as unstable on its own; integrators are allowed."""

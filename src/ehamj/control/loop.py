@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control import AnyController, Controller, PythonController
 from ehamj.control.channels import STATIC, quantity_of
 from ehamj.control.compiled.converter import Conversion
@@ -19,7 +20,6 @@ from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)

@@ -3,13 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from ehamj.arrays import Array
 from ehamj.control.instruments import NOISE, Instrument, randomness
 from ehamj.control.sensors import Sensors
-
-Array = NDArray[np.float64]
 
 
 class ReadingNoise:

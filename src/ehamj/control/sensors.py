@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.control.channels import channel_row, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
@@ -24,8 +25,6 @@ from ehamj.errors import InputError
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
 from ehamj.settings import Settings
-
-Array = NDArray[np.float64]
 
 Vibration = Annotated[Geophone | Accelerometer | DisplacementSensor, Field(discriminator="kind")]
 

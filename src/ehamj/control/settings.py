@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.law import UNSTABLE, Controller
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from ehamj.control import LinearController
     from ehamj.control.sensors import Sensors
 
-Array = NDArray[np.float64]
 
 ISOLATE_FROM = (
     "frequency at which isolation begins on floors too strong for the voltage; below it the machine follows the floor "

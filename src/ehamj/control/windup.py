@@ -7,13 +7,11 @@ command (Åström and Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 9.4
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
+from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 class AntiWindup(Enum):

@@ -6,15 +6,14 @@ from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, bands
 from ehamj.findings import Finding
 from ehamj.plant.axes import AXES
 
-Array = NDArray[np.float64]
 Quantity = Literal["displacement", "velocity", "acceleration"]
 Statistic = Literal["rms", "peak"]
 """``rms``: of a third-octave band; ``peak``: largest absolute value of the whole history, all frequencies together."""

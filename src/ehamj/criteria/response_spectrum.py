@@ -12,10 +12,9 @@ samples by sinc²: a line at a tenth of the sampling rate, the highest natural f
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete, sosfilt
 
-Array = NDArray[np.float64]
+from ehamj.arrays import Array
 
 HIGHEST_SHARE = 0.1
 """Highest natural frequency over the sampling rate."""

@@ -16,9 +16,9 @@ from dataclasses import asdict, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller, PythonController
 from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
@@ -32,9 +32,6 @@ from ehamj.linear.sampled import opened_at_samples
 from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Positive
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 class LineSettings(DigitalSettings):

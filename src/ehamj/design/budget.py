@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfc
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
 from ehamj.control.sensors import class_of
@@ -28,9 +28,6 @@ from ehamj.linear.machine import LinearModel
 from ehamj.linear.response import ground_response, readings_of_ground, slab_pattern
 from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 BANDS: Final = bands(0.5, 315.0)
 """From below the bands that criteria ask for: there the command grows as 1/f."""

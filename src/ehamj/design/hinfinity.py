@@ -20,7 +20,6 @@ within reach, reduced by balanced truncation.
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.blocks import TWO_PI, Block, added, beside
@@ -28,8 +27,6 @@ from ehamj.control.inverse import Inverse
 from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
 from ehamj.errors import InputError
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 PEAK = 3.0
 """Peak over RMS of a floor's command."""

@@ -16,15 +16,12 @@ cancelled. The integrals end at ω_l, where d is 1/r times the noise, r being th
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ehamj.control.blocks import Block
 from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
 from ehamj.errors import InputError
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 
 class LqgSettings(SynthesisSettings):

@@ -14,7 +14,6 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control import Controller
@@ -34,8 +33,6 @@ from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.scenario.model import Scenario
 from ehamj.settings import NotNegative, Positive, Settings
-
-Array = NDArray[np.float64]
 
 NO_LOOP, NO_SWAY = MotionLoop(crossing=0.0), SwayDamping(gain=0.0, centre=70.0)
 THIRD = 2.0 ** (1 / 6) - 2.0 ** (-1 / 6)

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController, blocks
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.settings import DigitalSettings
@@ -29,8 +29,6 @@ from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""

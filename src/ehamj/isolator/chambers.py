@@ -6,14 +6,12 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.compiled import compiled_here
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.cylinder import Cylinder, chamber_volumes, oil_force
 from ehamj.isolator.fluid import Fluid, actual_pressure, contents
-
-Array = NDArray[np.float64]
 
 
 class Held(NamedTuple):

@@ -1,14 +1,12 @@
 """Attenuation per third-octave band: the floor's level over that of the machine, of its feet and of its points."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.judge.levels import SLAB, ByBand, Levels, by_band
 from ehamj.plant.axes import AXES
 from ehamj.plant.levers import plane
 from ehamj.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 LEAST_SHARE = 0.1
 """Fitted floor motion, over a single mount's, below which an attenuation says nothing."""

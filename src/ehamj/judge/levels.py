@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.criteria.curves import ORDERS, Kind
 from ehamj.estimate.bands import Band, bands
 from ehamj.estimate.periodogram import PowerSpectrum
@@ -16,7 +16,6 @@ from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import plane_fit
 from ehamj.plant.plant import Plant
 
-Array = NDArray[np.float64]
 ByBand = dict[str, float | None]
 """A level, or a ratio [dB], by the bands' names; None where unknown."""
 

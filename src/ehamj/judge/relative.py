@@ -4,15 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ehamj.arrays import Array
 from ehamj.findings import Finding, finite
 from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, rms_in_bands, settled
 from ehamj.plant.axes import AXES
 from ehamj.plant.points import Relative
-
-Array = NDArray[np.float64]
 
 ALONG = (*AXES, "total")
 

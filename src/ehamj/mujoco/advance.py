@@ -8,8 +8,8 @@ import mujoco
 import numba
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.compiled import c_function, compiled_here, copy, kernel
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
@@ -25,8 +25,6 @@ from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.mujoco.views import machine_of
 from ehamj.plant.axes import DOFS
-
-Array = NDArray[np.float64]
 
 DONE: Final = 0
 NOT_FINITE: Final = 1

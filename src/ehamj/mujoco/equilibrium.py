@@ -8,14 +8,12 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.supply import Supply, SupplyState, middle
 from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
 from ehamj.plant.axes import AXES
-
-Array = NDArray[np.float64]
 
 
 class EquilibriumError(RuntimeError):

@@ -4,12 +4,10 @@ from typing import Any, Final, NamedTuple, Self
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop
 from ehamj.memory import mounts_of, record
-
-Array = NDArray[np.float64]
 
 LIMITS: Final = record("command", "spool", "spool_drive", "cavitation")
 """States at a limit, counted per mount."""

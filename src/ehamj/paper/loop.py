@@ -73,7 +73,9 @@ class PositionLoop:
         if not -90.0 * len(self.poles) < degrees < start:
             return None
         powers = 1j ** np.arange(len(self.denominator))[::-1]
-        crossings = _positive_roots((self.denominator * powers * np.exp(1j * math.radians(degrees))).imag)
+        turned = self.denominator * powers * np.exp(1j * math.radians(degrees))
+        # What only rounding leaves of a coefficient would be a root far away that costs the others their digits.
+        crossings = _positive_roots(np.where(np.abs(turned.imag) > 4e-16 * np.abs(turned), turned.imag, 0.0))
         return min(crossings, key=lambda omega: abs(float(self.phase(omega)) - degrees))
 
     @cached_property
@@ -155,6 +157,7 @@ def _squared(polynomial: Array) -> Array:
 
 
 def _positive_roots(polynomial: Array) -> list[float]:
-    """Real roots above zero, rising."""
+    """Real roots above zero, rising; one Newton step each gives back what roots of very different sizes cost."""
     roots = np.roots(polynomial)
-    return sorted(roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)].tolist())
+    found = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)]
+    return sorted((found - np.polyval(polynomial, found) / np.polyval(np.polyder(polynomial), found)).tolist())

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from ehamj.arrays import Array
 
 
 def _turn(axis: int, angle: Array) -> tuple[Array, Array, Array]:

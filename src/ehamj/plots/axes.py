@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from ehamj.plots.style import Array, Axes, Axis
+from ehamj.arrays import Array
+from ehamj.plots.style import Axes, Axis
 
 
 def plain(value: float, place: int | None = None) -> str:

@@ -7,9 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from ehamj.arrays import Array
 from ehamj.plots import style
 from ehamj.plots.axes import decibel_axis, frequency_axis, log_axis
-from ehamj.plots.style import Array, Artist, Axes, Figure
+from ehamj.plots.style import Artist, Axes, Figure
 
 LABEL_HEIGHT: Final = 8.0
 """Least distance between the names of two curves [pt]."""

@@ -6,9 +6,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from ehamj.arrays import Array
 from ehamj.plots import style
 from ehamj.plots.axes import linear_axis
-from ehamj.plots.style import Array, Artist, Axes, Figure
+from ehamj.plots.style import Artist, Axes, Figure
 
 STRETCHES: Final = 500
 """Stretches of time that a long record is drawn in."""

@@ -8,9 +8,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.plots import style
 from ehamj.plots.axes import decibel_axis, frequency_axis
-from ehamj.plots.style import Array, Artist, Axes, Figure
+from ehamj.plots.style import Artist, Axes, Figure
 
 MANY: Final = 120
 """Measured lines above which a response is drawn as a line instead of markers."""

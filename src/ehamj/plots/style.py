@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
 else:  # names for annotations: Matplotlib itself is imported when the first figure is drawn
     Artist = Axes = Axis = Figure = Any
 
-Array = NDArray[np.float64]
 
 INCH: Final = 72.0
 WIDTH: Final = 374.0

@@ -15,8 +15,9 @@ import mujoco
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import in_phase
@@ -29,8 +30,6 @@ from ehamj.replay.blueprint import laid_out, scene_view
 from ehamj.replay.recording import Array, Color, entity, fixed, moving, recorded, result_color
 from ehamj.replay.scene import FLOOR, GHOST, Pose, log_poses, log_shapes, quaternion
 from ehamj.scenario.model import Scenario
-
-ComplexArray = NDArray[np.complex128]
 
 TIMELINE: Final = "viewing_time"
 """Time of the viewer [s]: every mode is slowed to the same pace, and its frequency stands in its title."""

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 from rerun.error_utils import catch_and_log_exceptions
 
+from ehamj.arrays import Array
 from ehamj.result import written_whole
 
-Array = NDArray[np.float64]
 Color = tuple[int, int, int]
 
 TIMELINE: Final = "sim_time"

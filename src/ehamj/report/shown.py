@@ -5,15 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ehamj import plots
 from ehamj.evaluation import Evaluation, evaluate
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
-Array = NDArray[np.float64]
 Results = Mapping[str, Result]
 """Results by label; the first is the one reported, the others are variants beside it."""
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion
@@ -16,7 +16,6 @@ from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.run.prepare import Prepared
 from ehamj.signals import Signal
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
 STRETCH = 2048

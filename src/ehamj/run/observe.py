@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
@@ -18,7 +18,6 @@ from ehamj.result import make_dataset
 from ehamj.run.prepare import Prepared
 from ehamj.scenario.model import Scenario
 
-Array = NDArray[np.float64]
 Channels = dict[str, Array]
 
 MOTIONS = ("displacement", "velocity", "acceleration")

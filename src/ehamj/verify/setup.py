@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 SMOOTH_OPTIONS: dict[str, Any] = {
     "overlap": [0.2, 0.2, -0.1, 0.1],

@@ -15,10 +15,10 @@ On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy import signal
 
+from ehamj.arrays import Array
 from ehamj.control.blocks import TWO_PI, Block, beside, joined
 from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
@@ -31,8 +31,6 @@ from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive
-
-Array = NDArray[np.float64]
 
 
 class FeedforwardSettings(DigitalSettings):

@@ -14,10 +14,10 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.linalg import block_diag
 
+from ehamj.arrays import Array
 from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import TWO_PI, Block, added, beside, joined, pair, response
 from ehamj.control.channels import MountChannels
@@ -30,8 +30,6 @@ from ehamj.control.windup import AntiWindup
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
-
-Array = NDArray[np.float64]
 
 REFERENCE = {"sway_x": 70.66, "sway_y": 70.03}
 """Sway-rocking frequencies of the default machine [Hz], which the damping of sway was found for."""

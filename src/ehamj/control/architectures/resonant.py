@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from ehamj.control.blocks import TWO_PI, Block, added, beside
@@ -27,8 +26,6 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 from ehamj.settings import Positive
-
-Array = NDArray[np.float64]
 
 
 class ResonantSettings(DigitalSettings):

@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 
 from ehamj import plots
+from ehamj.arrays import Array
 from ehamj.pages import Picture, Section
 from ehamj.pages.words import BAR, LITRE_PER_MINUTE, MICRO
 from ehamj.plots import Limit, Trace
 from ehamj.report.sections.limits import limits_of
-from ehamj.report.shown import Array, Shown
+from ehamj.report.shown import Shown
 from ehamj.result import Result
 
 Window = tuple[float, float] | None

@@ -6,10 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from ehamj.arrays import Array
 from ehamj.judge.summary import LoopMargins, PlaceMargins
 from ehamj.pages import Section, Table
 from ehamj.pages.words import BAR, DASH, LITRE_PER_MINUTE, measured, number, scaled
-from ehamj.report.shown import Array, Shown
+from ehamj.report.shown import Shown
 from ehamj.result import Result
 
 LOOP_HEAD: Final = ("loop", "gain [dB]", "phase [°]", "disk [-]", "peak [-]", "peak at [Hz]", "crosses at [Hz]")

@@ -5,13 +5,11 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control import Controller
 from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 GRID: Final = 5e-5
 """Spacing at which ground and commands are taken from the scenario [s]; between, quintics with both derivatives."""
