@@ -5,12 +5,14 @@ adds lines to a file: its other lines, ``+`` left out, must stand there once. Co
 after ``$``.
 """
 
+import contextlib
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -82,13 +84,37 @@ def added(text: str, lines: list[str]) -> str:
 
 
 @pytest.fixture(scope="module")
-def environment() -> dict[str, str]:
-    """Of a shell in the copy, whose packages come before the installed ones."""
-    return {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the tree, one for all examples, so that what they do not change is compiled once."""
+    copy = tmp_path_factory.mktemp("tree")
+    for folder in ("src", "models", "tests"):
+        shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", copy)
+    return copy
+
+
+@contextlib.contextmanager
+def applied(example: Example, tree: Path) -> Iterator[None]:
+    """Within, the tree has the example's files and additions."""
+    before = {path: (tree / path).read_text(encoding="utf-8") for path in example.additions}
+    for path in example.files:
+        assert not (tree / path).exists(), f"{path} is there already"
+    try:
+        for path, text in example.files.items():
+            (tree / path).parent.mkdir(parents=True, exist_ok=True)
+            (tree / path).write_text(text, encoding="utf-8")
+        for path, lines in example.additions.items():
+            (tree / path).write_text(added(before[path], lines), encoding="utf-8")
+        yield
+    finally:
+        for path in example.files:
+            (tree / path).unlink(missing_ok=True)
+        for path, text in before.items():
+            (tree / path).write_text(text, encoding="utf-8")
 
 
 @pytest.mark.parametrize("example", examples(), ids=lambda example: example.title)
-def test_example_works_in_one_file(example: Example, environment: dict[str, str], tmp_path: Path) -> None:
+def test_example_works_in_one_file(example: Example, tree: Path) -> None:
     """One new file of the package and at most one registration; its tests pass, its commands run."""
     assert len(example.sources) == 1, f"files of the package: {example.sources}"
     assert example.tests, "an example has a test"
@@ -96,29 +122,20 @@ def test_example_works_in_one_file(example: Example, environment: dict[str, str]
     entries = [line for lines in example.additions.values() for line in lines if line.startswith("+")]
     assert len(entries) <= MOST_ENTRIES
     assert len(example.files[example.sources[0]].splitlines()) <= LONGEST
-
-    for folder in ("src", "models", "tests"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    for path, text in example.files.items():
-        assert not (tmp_path / path).exists(), f"{path} is there already"
-        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text(text, encoding="utf-8")
-    for path, lines in example.additions.items():
-        (tmp_path / path).write_text(added((tmp_path / path).read_text(encoding="utf-8"), lines), encoding="utf-8")
-
-    own = environment | {"PYTHONPATH": str(tmp_path / "src")}
+    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    own["PYTHONPATH"] = str(tree / "src")
 
     def run(*command: str) -> None:
-        done = subprocess.run(command, cwd=tmp_path, env=own, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, cwd=tree, env=own, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
 
-    run(sys.executable, "-m", "ruff", "check", *example.files, *example.additions)
-    run(sys.executable, "-m", "pytest", "-o", "addopts=", "-q", "--import-mode=importlib", *example.tests)
-    for command in example.commands:
-        program, *arguments = shlex.split(command)
-        assert program == "ehamj", f"a command of an example is one of ehamj: {command}"
-        run(sys.executable, "-c", "from ehamj.cli import main; main()", *arguments)
+    with applied(example, tree):
+        run(sys.executable, "-m", "ruff", "check", *example.files, *example.additions)
+        run(sys.executable, "-m", "pytest", "-o", "addopts=", "-q", "--import-mode=importlib", *example.tests)
+        for command in example.commands:
+            program, *arguments = shlex.split(command)
+            assert program == "ehamj", f"a command of an example is one of ehamj: {command}"
+            run(sys.executable, "-c", "from ehamj.cli import main; main()", *arguments)
 
 
 def test_guide_has_an_example_of_every_kind() -> None:
