@@ -16,6 +16,7 @@ RANKS = (
     ("settings", "registry", "findings", "compiled", "signals", "plots"),
     ("isolator", "estimate"),
     ("plant",),
+    ("records",),
     ("criteria",),
     ("memory", "ground", "forces", "judge"),
     ("control",),

@@ -20,13 +20,8 @@ from pydantic import ValidationError
 from scipy import signal
 
 from ehamj.ground import GroundSample, Motion, Start
-from ehamj.ground.channel import Channel
-from ehamj.ground.components import Choices
 from ehamj.ground.doubts import clipped_samples
-from ehamj.ground.quantities import UNITS
 from ehamj.ground.records import RecordGround
-from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import Column, parse_header, parse_unit, read_csv
 from ehamj.ground.treatment import (
     Treatment,
     band_gain,
@@ -37,6 +32,11 @@ from ehamj.ground.treatment import (
     weighted_trend,
 )
 from ehamj.plant.mounts import MOUNTS
+from ehamj.records.channel import Channel
+from ehamj.records.choices import Choices
+from ehamj.records.seismic import EXAMPLE, read_seismic
+from ehamj.records.tables import Column, parse_header, parse_unit, read_csv
+from ehamj.records.units import UNITS
 from ehamj.scenario.load import anchored
 
 POSITIONS = np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]])

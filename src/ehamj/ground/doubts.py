@@ -3,8 +3,8 @@
 import numpy as np
 
 from ehamj.estimate.bands import bands
-from ehamj.ground.channel import USABLE, Channel
-from ehamj.ground.quantities import GRAVITY
+from ehamj.records.channel import USABLE, Channel
+from ehamj.records.units import GRAVITY
 from ehamj.signals import Array
 
 LOUDEST = 10e-3

@@ -7,19 +7,19 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ehamj.ground.channel import Record
-from ehamj.ground.components import Choices
 from ehamj.ground.doubts import doubts, too_slow
-from ehamj.ground.matlab import read_matlab
 from ehamj.ground.motion import GroundSettings, Motion, Start
-from ehamj.ground.quantities import ORDERS
-from ehamj.ground.seismic import EXAMPLE, read_seismic
-from ehamj.ground.tables import read_csv
 from ehamj.ground.treatment import Treatment, displacement, held_frequencies
-from ehamj.ground.uff import read_uff
-from ehamj.ground.wav import read_wav
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
+from ehamj.records.channel import Record
+from ehamj.records.choices import Choices
+from ehamj.records.matlab import read_matlab
+from ehamj.records.seismic import EXAMPLE, read_seismic
+from ehamj.records.tables import read_csv
+from ehamj.records.uff import read_uff
+from ehamj.records.units import ORDERS
+from ehamj.records.wav import read_wav
 from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
 

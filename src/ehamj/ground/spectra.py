@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, G
-from ehamj.ground.quantities import ORDERS, Quantity
+from ehamj.records.units import ORDERS, Quantity
 from ehamj.signals import Array
 
 Axis = Literal["x", "y", "z"]

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ehamj.ground.quantities import UNITS, Quantity, spelled
 from ehamj.ground.spectra import Axis, Spectrum, from_psd, from_third_octaves
-from ehamj.ground.tables import Column, read_table
+from ehamj.records.tables import Column, read_table
+from ehamj.records.units import UNITS, Quantity, spelled
 from ehamj.settings import FileName, Positive, Settings, one_of
 from ehamj.signals import Array
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.fft import next_fast_len, rfft
 
-from ehamj.ground.channel import Channel
-from ehamj.ground.quantities import ORDERS
 from ehamj.ground.resampling import resampled
+from ehamj.records.channel import Channel
+from ehamj.records.units import ORDERS
 from ehamj.settings import Positive, Settings, Unlimited
 from ehamj.signals import Array, Sampled, rise
 

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
-from ehamj.ground.channel import Channel, Record
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, existing, reading, recorded
+from ehamj.records.channel import Channel, Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""

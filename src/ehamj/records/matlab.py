@@ -4,18 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ehamj.ground.channel import Channel, Record
-from ehamj.ground.components import (
-    SILENT,
-    Choices,
-    agreed_unit,
-    choose_axes,
-    clock,
-    existing,
-    on_grid,
-    reading,
-    recorded,
-)
+from ehamj.records.channel import Channel, Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.clock import clock, on_grid
+from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
 from ehamj.signals import Array
 
 CLOCKS = ("time", "t")

@@ -1,72 +1,15 @@
-"""What every reader of records shares: axes, quantities and units, times, gaps, and remarks on what was found."""
+"""What every reader of records shares: axes, quantities and units, and remarks on what was found."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal, Self
 
-import numpy as np
-from pydantic import Field, model_validator
-
-from ehamj.ground.channel import Channel, Place, Record
-from ehamj.ground.quantities import UNITS, Quantity
-from ehamj.settings import FileName, Positive, Settings
-from ehamj.signals import Array
+from ehamj.records.channel import Channel, Place, Record
+from ehamj.records.choices import AxisChoice, Choices
+from ehamj.records.units import UNITS, Quantity
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
-JITTER = 1e-3
-"""How far a time may lie from a uniform grid, in steps."""
-
-AxisChoice = dict[str, Place] | None
-QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
-GapChoice = Literal["error", "interpolate"]
-
-
-class Choices(Settings):
-    """What the user says about a record."""
-
-    quantity: QuantityChoice = Field(
-        "auto",
-        description="what the samples are (SI, but for unit); auto: as the file says (instrument's response, units)",
-    )
-    unit: str | None = Field(
-        None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
-    )
-    full_scale: Positive | None = Field(
-        None, description="motion that the largest sample of a WAV file stands for [unit]"
-    )
-    inventory: FileName | None = Field(
-        None, description="file with the instrument's response (StationXML, dataless SEED, …)"
-    )
-    remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
-    axes: AxisChoice = Field(
-        None,
-        description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
-        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
-        "to x, y, z",
-    )
-    gaps: GapChoice = Field(
-        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
-    )
-
-    @model_validator(mode="after")
-    def _agreeing(self) -> Self:
-        if self.inventory is not None and not self.remove_response:
-            raise ValueError(
-                f"inventory = {self.inventory!r} is of no use with remove_response = false; leave one of them out"
-            )
-        if self.unit is not None and self.unit not in UNITS:
-            raise ValueError(f"unit = {self.unit!r} must be one of {', '.join(UNITS)}")
-        if self.unit is not None and self.quantity not in ("auto", UNITS[self.unit][0]):
-            raise ValueError(
-                f"quantity = {self.quantity!r} is not what unit = {self.unit!r} is of; leave one of them out"
-            )
-        return self
-
-
-SILENT = Choices()
-"""The user says nothing."""
 
 
 @contextmanager
@@ -148,49 +91,6 @@ def agreed_unit(
             f"ground.quantity = {wanted!r}, but the file says that {name} is {found[0]}; use 'auto' or {found[0]!r}"
         )
     return found
-
-
-def clock(time: Array, name: str, gaps: GapChoice) -> tuple[float, Array, list[str]]:
-    """Rate [Hz] of samples at ``time`` [s], their places on the uniform grid, and remarks on gaps.
-
-    Raises ValueError where times do not rise, lie off the grid, or leave gaps that may not be filled.
-    """
-    forward = np.diff(time)
-    rising = (forward > 0) & np.isfinite(forward)
-    if time.size < 2 or not rising.all():
-        row = int(np.argmin(rising)) + 2 if time.size > 1 else 1
-        raise ValueError(f"ground.file = {name!r}: time must rise from row to row; it does not at sample {row}")
-    index = np.concatenate([[0.0], np.cumsum(np.maximum(1.0, np.round(forward / np.median(forward))))])
-    step = (time[-1] - time[0]) / index[-1]
-    worst = int(np.argmax(np.abs(time - time[0] - index * step)))
-    jitter = abs(time[worst] - time[0] - index[worst] * step) / step
-    if jitter > JITTER:
-        raise ValueError(
-            f"ground.file = {name!r}: sampling is not uniform: sample {worst + 1} is {jitter:.2g} steps "
-            f"off its place, {JITTER:g} are allowed; resample it, or state its rate instead of the times"
-        )
-    missing = int(index[-1]) + 1 - time.size
-    if not missing:
-        return 1.0 / step, index, []
-    holes = int(np.sum(np.diff(index) > 1))
-    return 1.0 / step, index, [filled(name, holes, missing * step, time.size * step, gaps)]
-
-
-def on_grid(index: Array, samples: Array) -> Array:
-    """Samples (n,) at places ``index`` of a uniform grid, with straight lines over what is missing."""
-    return np.interp(np.arange(int(index[-1]) + 1), index, samples)
-
-
-def filled(name: str, holes: int, missing: float, recorded: float, gaps: GapChoice) -> str:
-    """The remark on ``missing`` seconds in so many holes; raises ValueError where they may not be filled."""
-    whole = f"{holes} gap{'s' if holes > 1 else ''}, {missing:.4g} s in total"
-    if missing > recorded:
-        raise ValueError(f"ground.file = {name!r} has {whole}, more than it holds ({recorded:.4g} s); cut it")
-    if gaps == "error":
-        raise ValueError(
-            f'ground.file = {name!r} has {whole}; set ground.gaps = "interpolate" to fill with straight lines'
-        )
-    return f"record {name} has {whole}, filled with straight lines"
 
 
 def recorded(label: str, channels: Sequence[Channel], notes: Sequence[str] = (), name: str | None = None) -> Record:

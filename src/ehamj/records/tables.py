@@ -9,9 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ehamj.ground.channel import Channel, Record
-from ehamj.ground.components import SILENT, Choices, agreed_unit, choose_axes, clock, on_grid, recorded
-from ehamj.ground.quantities import UNITS, Quantity, spelled
+from ehamj.records.channel import Channel, Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.clock import clock, on_grid
+from ehamj.records.components import agreed_unit, choose_axes, recorded
+from ehamj.records.units import UNITS, Quantity, spelled
 from ehamj.signals import Array
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.ground.quantities import Quantity
 from ehamj.plant.axes import AXES
 from ehamj.plant.mounts import MOUNTS
+from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
 if TYPE_CHECKING:

@@ -15,13 +15,13 @@ from pydantic import ValidationError
 from scipy.io import savemat, wavfile
 
 from ehamj.ground import Motion, Start
-from ehamj.ground.channel import Record
-from ehamj.ground.components import Choices
-from ehamj.ground.matlab import read_matlab
 from ehamj.ground.records import RecordGround
-from ehamj.ground.uff import read_uff
-from ehamj.ground.wav import read_wav
 from ehamj.plant.mounts import MOUNTS
+from ehamj.records.channel import Record
+from ehamj.records.choices import Choices
+from ehamj.records.matlab import read_matlab
+from ehamj.records.uff import read_uff
+from ehamj.records.wav import read_wav
 from ehamj.scenario.load import anchored
 
 settings.register_profile("untimed", deadline=None)  # machines stall

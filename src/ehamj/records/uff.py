@@ -5,20 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.ground.channel import Channel, Place, Record
-from ehamj.ground.components import (
-    SILENT,
-    Choices,
-    agreed_unit,
-    choose_axes,
-    clock,
-    existing,
-    on_grid,
-    reading,
-    recorded,
-)
-from ehamj.ground.quantities import UNITS, Quantity
-from ehamj.ground.tables import Column, parse_unit
+from ehamj.records.channel import Channel, Place, Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.clock import clock, on_grid
+from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
+from ehamj.records.tables import Column, parse_unit
+from ehamj.records.units import UNITS, Quantity
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
 DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}

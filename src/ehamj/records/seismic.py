@@ -7,20 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.ground.channel import Channel, Record, Response
-from ehamj.ground.components import (
-    SILENT,
-    Choices,
-    GapChoice,
-    agreed_unit,
-    choose_axes,
-    existing,
-    filled,
-    per_mount,
-    reading,
-    recorded,
-)
-from ehamj.ground.quantities import Quantity
+from ehamj.records.channel import Channel, Record, Response
+from ehamj.records.choices import SILENT, Choices, GapChoice
+from ehamj.records.clock import filled
+from ehamj.records.components import agreed_unit, choose_axes, existing, per_mount, reading, recorded
+from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
 if TYPE_CHECKING:

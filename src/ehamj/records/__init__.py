@@ -1,0 +1,1 @@
+"""Records: files as loggers write them, read into channels of samples on one clock."""

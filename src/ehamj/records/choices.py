@@ -1,0 +1,59 @@
+"""What the user says about a record: the keys that resolve what a file leaves open."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from ehamj.records.channel import Place
+from ehamj.records.units import UNITS
+from ehamj.settings import FileName, Positive, Settings
+
+AxisChoice = dict[str, Place] | None
+QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
+GapChoice = Literal["error", "interpolate"]
+
+
+class Choices(Settings):
+    """What the user says about a record."""
+
+    quantity: QuantityChoice = Field(
+        "auto",
+        description="what the samples are (SI, but for unit); auto: as the file says (instrument's response, units)",
+    )
+    unit: str | None = Field(
+        None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
+    )
+    full_scale: Positive | None = Field(
+        None, description="motion that the largest sample of a WAV file stands for [unit]"
+    )
+    inventory: FileName | None = Field(
+        None, description="file with the instrument's response (StationXML, dataless SEED, …)"
+    )
+    remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
+    axes: AxisChoice = Field(
+        None,
+        description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
+        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
+        "to x, y, z",
+    )
+    gaps: GapChoice = Field(
+        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
+    )
+
+    @model_validator(mode="after")
+    def _agreeing(self) -> Self:
+        if self.inventory is not None and not self.remove_response:
+            raise ValueError(
+                f"inventory = {self.inventory!r} is of no use with remove_response = false; leave one of them out"
+            )
+        if self.unit is not None and self.unit not in UNITS:
+            raise ValueError(f"unit = {self.unit!r} must be one of {', '.join(UNITS)}")
+        if self.unit is not None and self.quantity not in ("auto", UNITS[self.unit][0]):
+            raise ValueError(
+                f"quantity = {self.quantity!r} is not what unit = {self.unit!r} is of; leave one of them out"
+            )
+        return self
+
+
+SILENT = Choices()
+"""The user says nothing."""
