@@ -210,6 +210,32 @@ def test_levels_of_another_kind_are_refused(norm: Norm, given: tuple) -> None:
         norm.judge("z", {given: np.ones(len(CANDIDATES))}, CANDIDATES)
 
 
+@pytest.mark.parametrize("statistic", ["rms", "max_1s", "l10"])
+def test_limits_in_bands_are_held_against_the_statistic_that_is_chosen(statistic: str) -> None:
+    """At the limit the class is met, exactly; the level of another statistic does not count."""
+    (norm,) = CriteriaSettings(norms=("nist-a",), statistic=statistic).chosen().values()
+    assert norm.kinds == {("displacement", statistic), ("velocity", statistic)}
+    loud = {(q, s): np.full(len(CANDIDATES), 1.0) for q in QUANTITIES for s in ("rms", "max_1s", "l10")}
+    levels = loud | {kind: np.zeros(len(CANDIDATES)) for kind in norm.kinds}
+    levels["velocity", statistic][CANDIDATES.index(bands(63.0, 63.0)[0])] = 3.12e-6
+    found = norm.judge("z", levels, CANDIDATES)
+    assert (found.met, found.deciding_band, found.margin_db, found.statistic) == ("NIST-A", "63", 0.0, statistic)
+
+
+def test_a_limit_of_the_peak_stays_one_whatever_is_chosen_for_bands() -> None:
+    norm = FLOORS.by("slow")
+    assert norm.kinds == {("velocity", "peak")}
+    found = norm.judge("z", {("velocity", "peak"): np.array([12.2e-3])}, CANDIDATES)
+    assert (found.met, found.statistic) == ("line 1", "peak")
+
+
+def test_a_band_known_by_another_statistic_only_is_undecided() -> None:
+    levels = at_rest() | {("velocity", "max_1s"): np.where(np.arange(len(CANDIDATES)) < 14, np.nan, 0.0)}
+    found = vc.CLASSIC.by("max_1s").judge("z", levels, CANDIDATES)
+    unknown = tuple(band.name for band in CANDIDATES[:14] if band in vc.CLASSIC.needed("z"))
+    assert (found.undecided, found.decided) == (unknown, False)
+
+
 def test_a_peak_that_is_not_known_decides_nothing() -> None:
     found = FLOORS.judge("z", {("velocity", "peak"): np.array([np.nan])}, CANDIDATES)
     assert (found.met, found.deciding_band, found.undecided, found.decided) == (None, None, (WHOLE,), False)
@@ -217,7 +243,7 @@ def test_a_peak_that_is_not_known_decides_nothing() -> None:
 
 def test_a_limit_of_the_peak_in_a_band_is_refused() -> None:
     norm = Norm("odd", ("all",), lambda name, axis, band: Limit(1.0, statistic="peak"))
-    with pytest.raises(ValueError, match="a limit in a band must be rms"):
+    with pytest.raises(ValueError, match="a limit of the peak is one of the whole history"):
         norm.needed("z")
 
 
@@ -228,7 +254,7 @@ def test_every_registered_norm_judges(name: str) -> None:
     for axis in "xyz":
         quiet, loud = {}, {}
         for quantity, statistic in norm.kinds:
-            places = CANDIDATES if statistic == "rms" else (None,)
+            places = (None,) if statistic == "peak" else CANDIDATES
             limits = [norm.limit(norm.classes[0], axis, band) for band in places]
             quiet[quantity, statistic] = np.zeros(len(places))
             loud[quantity, statistic] = np.array([100.0 * limit.value if limit else 0.0 for limit in limits])

@@ -1,9 +1,9 @@
 """What the norms share: a limit per class, axis and third-octave band, and the decision which class is met."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, Literal
+from typing import Final, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -11,15 +11,14 @@ from pydantic import Field
 from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, bands
+from ehamj.estimate.statistics import BandStatistic, Statistic
 from ehamj.findings import Finding
 from ehamj.plant.axes import AXES
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
-Statistic = Literal["rms", "peak"]
-"""``rms``: of a third-octave band; ``peak``: largest absolute value of the whole history, all frequencies together."""
 Kind = tuple[Quantity, Statistic]
 ByKind = Mapping[Kind, Array]
-"""Levels of one place along one axis by kind, SI, NaN where unknown: ``rms`` per band (bands,), ``peak`` (1,)."""
+"""Levels of one place along one axis by kind, SI, NaN where unknown: ``peak`` (1,), every other per band (bands,)."""
 
 ORDERS: dict[Quantity, int] = {"displacement": -1, "velocity": 0, "acceleration": 1}
 """Order of each quantity as a time derivative of velocity."""
@@ -79,14 +78,16 @@ class Verdict(Finding):
     """Bands of the criterion in which the level is not known."""
     factor: float | None = None
     """Largest level over the norm's base curve, for a norm that has one."""
+    statistic: Statistic | None = None
+    """Of the levels that decided; None where nothing did and the norm has several, or in a result that is older."""
 
 
 @dataclass(frozen=True, eq=False)
 class Norm:
     """A criterion: its classes, coarsest first, and the limits of each.
 
-    ``rule`` gives the RMS limit of a class along an axis (x, y, z) in a band, ``whole`` that of the whole history's
-    peak; None where the norm says nothing.
+    ``rule`` gives the limit of a class along an axis (x, y, z) in a band, ``whole`` that of the whole history's peak;
+    None where the norm says nothing.
     """
 
     title: str
@@ -111,8 +112,20 @@ class Norm:
                 table = {band: self.rule(name, axis, band) for band in CANDIDATES} | {None: self.whole(name, axis)}
                 found[name, axis] = {band: limit for band, limit in table.items() if limit is not None}
                 if any((limit.statistic == "peak") != (band is None) for band, limit in found[name, axis].items()):
-                    raise ValueError(f"norm {self.title!r}, {name}: a limit in a band must be rms, of the whole peak")
+                    raise ValueError(
+                        f"norm {self.title!r}, {name}: a limit of the peak is one of the whole history, any "
+                        "other one in a band"
+                    )
         return found
+
+    def by(self, statistic: BandStatistic) -> Self:
+        """The same norm, its limits of the RMS in bands held against another statistic of those levels."""
+
+        def rule(name: str, axis: str, band: Band) -> Limit | None:
+            limit = self.rule(name, axis, band)
+            return replace(limit, statistic=statistic) if limit is not None and limit.statistic == "rms" else limit
+
+        return replace(self, rule=rule, practices={name: norm.by(statistic) for name, norm in self.practices.items()})
 
     def limit(self, name: str, axis: str, band: Band | None) -> Limit | None:
         """Limit of a class along an axis in a band (None: of the whole history), None where the norm says nothing."""
@@ -144,12 +157,14 @@ class Norm:
         known = {
             (band, kind): float(value)
             for kind, values in levels.items()
-            for band, value in zip(measured if kind[1] == "rms" else (None,), values, strict=True)
+            for band, value in zip((None,) if kind[1] == "peak" else measured, values, strict=True)
             if np.isfinite(value)
         }
-        limited = {band for name in self.classes for band in self._limits[name, axis]}
-        unknown = limited - {band for band, _ in known}
+        limits = [(band, limit) for name in self.classes for band, limit in self._limits[name, axis].items()]
+        unknown = {band for band, limit in limits if (band, limit.kind) not in known}
         undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
+        several = {limit.statistic for _, limit in limits}
+        statistic = several.pop() if len(several) == 1 else None
         met = deciding = margin = following = following_band = excess = None
         for name in self.classes:
             shares = self._shares(name, axis, known)
@@ -158,9 +173,10 @@ class Norm:
             worst, share = max(shares.items(), key=lambda item: item[1])
             if share > 1.0:
                 following, following_band, excess = name, _name(worst), _decibel(share)
-                deciding = deciding or _name(worst)
+                if deciding is None:
+                    deciding, statistic = _name(worst), self._limits[name, axis][worst].statistic
                 break
-            met, deciding = name, _name(worst)
+            met, deciding, statistic = name, _name(worst), self._limits[name, axis][worst].statistic
             margin = -_decibel(share) if share > 0 else None
         base = {} if self.base is None else self._shares(self.base, axis, known)
         return Verdict(
@@ -172,6 +188,7 @@ class Norm:
             next_band=following_band,
             excess_db=excess,
             undecided=undecided,
+            statistic=statistic,
             **({} if self.base is None else {"factor": max(base.values(), default=None)}),
         )
 

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
+from ehamj.estimate.statistics import BandStatistic
 from ehamj.settings import Settings
 
 if TYPE_CHECKING:
@@ -41,6 +42,12 @@ class CriteriaSettings(Settings):
         description="VC curves at low frequency: constant acceleration from 4 to 8 Hz, or VC-C and stricter flat from "
         "1 Hz",
     )
+    statistic: BandStatistic = Field(
+        "rms",
+        description="level that is held against limits of RMS in bands: RMS over the whole run, largest sliding 1 s "
+        "RMS, largest slow (1 s) or fast (0.125 s) weighted level, or the 1 s RMS exceeded for 10, 50 or 90 % of the "
+        "time; limits of a peak keep the peak",
+    )
     response_spectrum: ResponseSpectrumSettings | None = Field(
         None, description="response spectra (none where the table is left out)"
     )
@@ -53,4 +60,5 @@ class CriteriaSettings(Settings):
 
     def chosen(self) -> dict[str, Norm]:
         """The norms by name, the one of the verdict first."""
-        return {name: NORMS[name].practices.get(self.low_frequency, NORMS[name]) for name in self.norms}
+        norms = {name: NORMS[name].practices.get(self.low_frequency, NORMS[name]) for name in self.norms}
+        return {name: norm.by(self.statistic) for name, norm in norms.items()} if self.statistic != "rms" else norms
