@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ehamj.plain.matlab import check_matlab
 from ehamj.records.channel import Channel, Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
@@ -64,6 +65,7 @@ def _arrays(path: Path) -> dict[str, Array]:
 
     existing(path)
     with reading(path, " as a MATLAB file"):
+        check_matlab(path)
         try:
             content = loadmat(str(path))
         except NotImplementedError:
@@ -79,4 +81,6 @@ def _hdf5(path: Path) -> dict[str, np.ndarray]:
     import h5py
 
     with h5py.File(path) as file:
-        return {name: np.asarray(part).T for name, part in file.items() if isinstance(part, h5py.Dataset)}
+        # Not by items(), which keeps h5py's lock until it is exhausted, also where an array cannot be read.
+        held = {name: file[name] for name in list(file)}
+        return {name: np.asarray(part).T for name, part in held.items() if isinstance(part, h5py.Dataset)}
