@@ -19,6 +19,7 @@ from ehamj.linear.margins import report
 from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
+from ehamj.run.reserves import reserves
 from ehamj.scenario.model import Scenario
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
@@ -56,7 +57,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares)],
+        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares), *reserves(dataset, plant)],
         peak=peak,
         rms=rms,
         saturation=shares,
