@@ -77,7 +77,15 @@ class RecordGround(Choices, GroundSettings, Treatment):
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(channel.usable for channel in record.channels)
         notes += self._notes(record)
-        return spread(start, at_mounts(moving, start.mounts), None, 0.0, notes=tuple(notes), usable_to=usable)
+        return spread(
+            start,
+            at_mounts(moving, start.mounts),
+            None,
+            0.0,
+            notes=tuple(notes),
+            usable_to=usable,
+            usable_from=max(self.passes_from(channel) for channel in record.channels),
+        )
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:

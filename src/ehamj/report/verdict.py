@@ -1,6 +1,7 @@
 """What the page says in words: verdict, class met, and what failed."""
 
 from ehamj.criteria.curves import Norm, Verdict, where
+from ehamj.judge.verdicts import AT_BEST
 from ehamj.pages.words import decibel
 from ehamj.report.shown import Results
 from ehamj.result import Result
@@ -19,16 +20,20 @@ def verdict(result: Result) -> list[tuple[str, str]]:
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:
-    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class."""
+    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class.
+
+    A class is met at best where bands are not known in which the norm has limits.
+    """
     if verdict.deciding_band is None:
         return "not judged"
     decided_by = where([verdict.deciding_band])
     decided_by = f"{axis} {decided_by}" if axis else decided_by.removeprefix("at ")
     if verdict.met is None:
         return f"{worse} {norm.classes[0]} ({decided_by})"
+    met = verdict.met if verdict.decided else f"{AT_BEST} {verdict.met}"
     if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{verdict.met} (at rest)"
-    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+        return f"{met} (at rest)"
+    return f"{met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
 def failures(results: Results) -> list[tuple[str, str]]:

@@ -38,11 +38,11 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         failure: what went wrong, in words; None where nothing did.
     """
     scenario, plant, steps = prepared.scenario, prepared.scenario.plant, driven.stopped.steps
-    rate, usable_to = scenario.record_rate, prepared.motion.usable_to
+    rate, usable_to, usable_from = scenario.record_rate, prepared.motion.usable_to, prepared.motion.usable_from
     # Counted: one state before each step and, at the end of a complete run, the last one.
     states = max(steps + (failure is None), 1)
     shares = saturation(driven.tally, states, plant.mounts)
-    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria)
+    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria, usable_from)
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []
     peak, rms = peak_and_rms(dataset)
