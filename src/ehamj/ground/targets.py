@@ -1,6 +1,5 @@
 """What a shaped floor is shaped to: third-octave levels, a PSD, a file with either, or Peterson's noise models."""
 
-import re
 from abc import abstractmethod
 from collections.abc import Mapping
 from itertools import pairwise
@@ -12,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ehamj.ground.spectra import Axis, Spectrum, from_psd, from_third_octaves
 from ehamj.records.tables import Column, read_table
-from ehamj.records.units import UNITS, Quantity, spelled
+from ehamj.records.units import Quantity, density_unit, motion_unit
 from ehamj.settings import FileName, Positive, Settings, one_of
 from ehamj.signals import Array
 
@@ -157,19 +156,12 @@ def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tupl
 
 def _from_column(column: Column, frequency: Array, values: Array, kind: str, where: str) -> Spectrum:
     """The spectrum of one column of levels (``kind`` band) or of a PSD (``kind`` frequency)."""
-    unit, allowed, root = spelled(column.unit or ""), "levels are in one of", None
-    if kind == "frequency":
-        power = re.fullmatch(r"\(?([^()]+?)\)?\^2/Hz", unit)
-        root = None if power else re.fullmatch(r"(.+?)/(?:sqrt\(Hz\)|√Hz)", unit)
-        match, allowed = power or root, "a PSD is in (U)^2/Hz or U/sqrt(Hz), where U is one of"
-        unit = match[1] if match else ""
-    if unit not in UNITS:
-        told = f"column {column.name!r} has the unit {column.unit!r}"
-        raise ValueError(f"{where}: {told}; {allowed} {', '.join(UNITS)}")
-    quantity, size = UNITS[unit]
-    if kind == "frequency":
-        return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+    unit = column.unit or ""
     try:
+        if kind == "frequency":
+            quantity, size, root = density_unit(unit)
+            return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+        quantity, size = motion_unit(unit)
         return from_third_octaves(band_numbers(frequency), size * values, quantity)
     except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+        raise ValueError(f"{where}: column {column.name!r}: {error}") from error
