@@ -154,8 +154,8 @@ def unheld(norms: dict[str, Norm], found: Mapping[str, ByNorm], usable_to: float
     known = " and ".join(end for own, end in sides if own)
     wanted = " and ".join(_which(own, missing) for own, _ in sides if own)
     return [
-        f"no verdict{along}: the ground is known {known} only, and a verdict needs {wanted}; classes named are the best "
-        "that may be met"
+        f"no verdict{along}: the ground is known {known} only, and a verdict needs {wanted}; classes named are the "
+        "best that may be met"
     ]
 
 
