@@ -7,6 +7,7 @@ from ehamj.criteria.settings import CriteriaSettings
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
 from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, levels_of, settled
+from ehamj.judge.peaks import peaks_of
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided, unheld
 from ehamj.plant.plant import Plant
 
@@ -70,7 +71,8 @@ def isolation(
     begin = settled(end)
     known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
     levels = levels_of(dataset.sel(time=slice(begin, None)), plant, rate, known)
-    verdicts = {name: by_norm(norm, levels) for name, norm in norms.items()}
+    peaks = peaks_of(dataset.sel(time=slice(begin, None)), rate, norms.values())
+    verdicts = {name: by_norm(norm, levels, peaks) for name, norm in norms.items()}
     first = next(iter(verdicts.values()))
     # Velocity, and what else the norms limit in bands.
     limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms.values()))

@@ -8,6 +8,7 @@ from ehamj.estimate.bands import Band
 from ehamj.estimate.periodogram import LEAST_BINS
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels, settled
+from ehamj.judge.peaks import Peaks
 from ehamj.plant.axes import AXES
 
 AT_BEST: Final = "at best"
@@ -52,13 +53,15 @@ class Criterion(Finding):
     verdict: InWords
 
 
-def by_norm(norm: Norm, levels: Levels) -> ByNorm:
-    """Title of the norm, what it says of each place, and the verdict in words."""
+def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
+    """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
     places = {}
+    peaks = peaks or Peaks()
     for place in levels.places:
-        found = levels.at(place)
+        found = levels.at(place) | peaks.levels.get(place, {})
+        swings = peaks.swings.get(place, {})
         verdicts = {
-            axis: norm.judge(axis, {kind: table[:, k] for kind, table in found.items()}, levels.bands)
+            axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
             for k, axis in enumerate(AXES)
         }
         worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
