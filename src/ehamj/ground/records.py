@@ -14,17 +14,11 @@ from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
 from ehamj.records.channel import USABLE, Record
 from ehamj.records.choices import Choices
-from ehamj.records.matlab import read_matlab
-from ehamj.records.seismic import EXAMPLE, read_seismic
-from ehamj.records.tables import read_csv
-from ehamj.records.uff import read_uff
+from ehamj.records.readers import reader_of
+from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
-from ehamj.records.wav import read_wav
 from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
-
-READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
-"""Readers by the end of a file's name; all else is ObsPy's."""
 
 
 class RecordGround(Choices, GroundSettings, Treatment):
@@ -52,10 +46,12 @@ class RecordGround(Choices, GroundSettings, Treatment):
 
     def read(self) -> Record:
         """The raw record."""
-        if self.inventory is not None and self._ending in READERS:
-            name, kind = Path(self.inventory).name, self._ending[1:].upper()
-            raise ValueError(f"ground.inventory = {name!r}: a {kind} record has units; leave inventory out")
-        return READERS.get(self._ending, read_seismic)(Path(self.file), self)
+        path = Path(self.file)
+        reader = reader_of(path)
+        if self.inventory is not None and not reader.responds:
+            name = Path(self.inventory).name
+            raise ValueError(f"ground.inventory = {name!r}: a {reader.title} has units; leave inventory out")
+        return reader.read(path, self)
 
     def motion(self, start: Start) -> Motion:
         """Build the motion: at rest at time 0, then what the record says.
@@ -77,7 +73,15 @@ class RecordGround(Choices, GroundSettings, Treatment):
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(self.usable(channel) for channel in record.channels)
         notes += self._notes(record)
-        return spread(start, at_mounts(moving, start.mounts), None, 0.0, notes=tuple(notes), usable_to=usable)
+        return spread(
+            start,
+            at_mounts(moving, start.mounts),
+            None,
+            0.0,
+            notes=tuple(notes),
+            usable_to=usable,
+            usable_from=max(self.passes_from(channel) for channel in record.channels),
+        )
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from ehamj.errors import InputError
 from ehamj.plain.text import text_of, toml_of
@@ -155,6 +155,8 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     if origin is Annotated and FILE in kind.__metadata__:
         is_name = isinstance(value, str) and value and not value.startswith("example:")
         return str(folder / value) if is_name else value
+    if origin is not Annotated and any(get_origin(part) is Literal and value in get_args(part) for part in parts):
+        return value  # a name that is no file's
     if origin in (Annotated, Union, UnionType):
         for part in parts[:1] if origin is Annotated else parts:
             value = anchored(value, part, folder)
