@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ehamj.errors import InputError
-from ehamj.estimate.bands import Band, bands
+from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.reading import band_rms
 from ehamj.ground import Motion
 from ehamj.ground.spectra import from_psd, from_third_octaves
-from ehamj.ground.targets import FileTarget, PetersonTarget, band_numbers
+from ehamj.ground.targets import FileTarget, PetersonTarget
 from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall
@@ -209,8 +209,8 @@ FILES = {
         "hertz [Hz], z [um/s]\n8, 1\n10, 1\n",
         r"first column must be 'band \[Hz\]' or 'frequency \[Hz\]'",
     ),
-    "unit of levels": ("band [Hz], z [ft/s]\n8, 1\n10, 1\n", r"'z' has the unit 'ft/s'; levels are in one of m, mm"),
-    "unit of psd": ("frequency [Hz], z [um/s]\n8, 1\n9, 1\n", r"'z' has the unit 'um/s'; a PSD is in \(U\)\^2/Hz"),
+    "unit of levels": ("band [Hz], z [lb/s]\n8, 1\n10, 1\n", r"column 'z': 'lb/s' is not a unit that is known"),
+    "unit of psd": ("frequency [Hz], z [um/s]\n8, 1\n9, 1\n", r"column 'z': 'um/s' is not \(U\)\^2/Hz"),
     "no band": ("band [Hz], z [um/s]\n8, 1\n9, 1\n", r"bands: 9 Hz is not the centre of a third-octave band"),
     "falling": ("frequency [Hz], z [m^2/Hz]\n8, 1\n7, 1\n", r"frequency must rise from row to row"),
     "zero": ("frequency [Hz], z [m^2/Hz]\n8, 1\n9, 0\n", r"every value must be positive and finite"),

@@ -109,14 +109,14 @@ UFF_FAULTS = {
     "two nodes": (
         [response(NOISE[0], 3, node=1), response(NOISE[1], 3, node=7)],
         {},
-        r"ground\.axes: 1:\+Z, 7:\+Z are all z; each axis takes one component",
+        r"ground\.axes: '1:\+Z', '7:\+Z' are all z; each axis takes one component",
     ),
     "twice": ([response(NOISE[0], 3), response(NOISE[1], 3)], {}, r"several time responses of one node and direction"),
     "scalar": ([response(NOISE[0], 0)], {}, r"ground\.axes does not say which axis '1:0' is"),
     "unknown unit": (
-        [response(NOISE[0], 3, "ips")],
+        [response(NOISE[0], 3, "furlong")],
         {},
-        r"UFF component '1:\+Z' has the unknown unit 'ips'; known are",
+        r"the unit of UFF component '1:\+Z': 'furlong' is not a unit that is known",
     ),
     "contradiction": (
         [response(NOISE[0], 3, "g")],
@@ -126,13 +126,13 @@ UFF_FAULTS = {
     "no type": (
         [response(NOISE[0], 3, "NONE", ordinate_spec_data_type=0)],
         {},
-        r"does not say what 1:\+Z holds; set displacement, velocity or acceleration",
+        r"does not say what '1:\+Z' holds; set ground\.unit",
     ),
     "not SI": ([UNITS_164, response(NOISE[0], 3, "NONE")], {}, r"dataset 164 says that the file is not in SI"),
     "unit twice": (
         [response(NOISE[0], 3)],
         {"unit": "mm/s"},
-        r"ground\.unit = 'mm/s', but the file states the unit of",
+        r"ground\.unit = 'mm/s', but the file states another unit of",
     ),
     "complex": (
         [response(NOISE[0] + 0j, 3, ord_data_type=6)],
@@ -144,7 +144,11 @@ UFF_FAULTS = {
         {},
         r"'a\.uff' has 1 gap, 1 s in total; set ground\.gaps",
     ),
-    "inventory": ([response(NOISE[0], 3)], {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a UFF record"),
+    "inventory": (
+        [response(NOISE[0], 3)],
+        {"inventory": "b.xml"},
+        r"ground\.inventory = 'b\.xml': a universal file",
+    ),
 }
 
 
@@ -219,10 +223,10 @@ def test_wav_at_its_full_scale_is_called_clipped(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({}, r"ground\.full_scale is missing: a WAV file does not say what its samples mean"),
-        ({"full_scale": 1.0, "axes": {"1": "z"}}, r"ground\.quantity = 'auto', .*component 1 holds.*set ground\.unit"),
+        ({"full_scale": 1.0, "axes": {"1": "z"}}, r"ground\.quantity = 'auto', .*'1' holds.*set ground\.unit"),
         ({"full_scale": 1.0, "unit": "g"}, r"ground\.axes does not say which axis '1' is; name it"),
-        ({"full_scale": 1.0, "unit": "g", "axes": {"2": "z"}}, r"ground\.axes names '2', .*it holds 1"),
-        ({"full_scale": 1.0, "inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a WAV record"),
+        ({"full_scale": 1.0, "unit": "g", "axes": {"2": "z"}}, r"ground\.axes names '2', .*it holds '1'"),
+        ({"full_scale": 1.0, "inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a WAV file has units"),
     ],
 )
 def test_wav_faults_are_named(tmp_path: Path, options: dict[str, Any], message: str) -> None:
@@ -274,7 +278,7 @@ MATLAB_FAULTS = {
     "no clock": ({"z": NOISE[0]}, VELOCITY, r"give a vector time or t \[s\] or a number .*; there is none"),
     "two clocks": ({"z": NOISE[0], "t": TIMES, "fs": RATE}, VELOCITY, r"there is t, fs"),
     "no component": ({"t": TIMES}, VELOCITY, r"holds no vector of numbers that could be a component"),
-    "no quantity": ({"z": NOISE[0], "fs": RATE}, Choices(), r"does not say what variable 'z' holds"),
+    "no quantity": ({"z": NOISE[0], "fs": RATE}, Choices(), r"does not say what 'z' holds"),
     "other length": ({"z": NOISE[0], "t": TIMES[:-1]}, VELOCITY, r"t has 4999 values and the components have 5000"),
     "rate": ({"z": NOISE[0], "fs": -1.0}, VELOCITY, r"fs = -1 must be a positive number, in Hz"),
     "uneven": ({"z": NOISE[0], "t": TIMES**1.01}, VELOCITY, r"sampling is not uniform"),
@@ -325,7 +329,7 @@ def test_files_that_are_missing_are_named(tmp_path: Path, ending: str) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"file": "a.mat", "unit": "ft"}, r"unit = 'ft' must be one of m, mm"),
+        ({"file": "a.mat", "unit": "lb"}, r"unit = 'lb' is not a unit that is known"),
         ({"file": "a.mat", "unit": "g", "quantity": "velocity"}, r"quantity = 'velocity' is not what unit = 'g' is of"),
         ({"file": "a.mat", "full_scale": 1.0}, r"full_scale = 1 is for \*\.wav files only"),
         ({"file": "a.wav", "full_scale": 0.0}, r"full_scale"),

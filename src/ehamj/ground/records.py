@@ -12,19 +12,13 @@ from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.treatment import Treatment, displacement, held_frequencies
 from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
-from ehamj.records.channel import Record
+from ehamj.records.channel import USABLE, Record
 from ehamj.records.choices import Choices
-from ehamj.records.matlab import read_matlab
-from ehamj.records.seismic import EXAMPLE, read_seismic
-from ehamj.records.tables import read_csv
-from ehamj.records.uff import read_uff
+from ehamj.records.readers import reader_of
+from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
-from ehamj.records.wav import read_wav
 from ehamj.settings import FileName
 from ehamj.signals import Faded, Sampled, Signal, Zero
-
-READERS = {".csv": read_csv, ".uff": read_uff, ".unv": read_uff, ".mat": read_matlab, ".wav": read_wav}
-"""Readers by the end of a file's name; all else is ObsPy's."""
 
 
 class RecordGround(Choices, GroundSettings, Treatment):
@@ -52,10 +46,12 @@ class RecordGround(Choices, GroundSettings, Treatment):
 
     def read(self) -> Record:
         """The raw record."""
-        if self.inventory is not None and self._ending in READERS:
-            name, kind = Path(self.inventory).name, self._ending[1:].upper()
-            raise ValueError(f"ground.inventory = {name!r}: a {kind} record has units; leave inventory out")
-        return READERS.get(self._ending, read_seismic)(Path(self.file), self)
+        path = Path(self.file)
+        reader = reader_of(path)
+        if self.inventory is not None and not reader.responds:
+            name = Path(self.inventory).name
+            raise ValueError(f"ground.inventory = {name!r}: a {reader.title} has units; leave inventory out")
+        return reader.read(path, self)
 
     def motion(self, start: Start) -> Motion:
         """Build the motion: at rest at time 0, then what the record says.
@@ -75,9 +71,17 @@ class RecordGround(Choices, GroundSettings, Treatment):
             notes += doubts(channel, np.gradient(moved.values) * moved.rate)
             scaled = Sampled(moved.rate, self.scale * moved.values, moved.start)
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
-        usable = min(channel.usable for channel in record.channels)
+        usable = min(self.usable(channel) for channel in record.channels)
         notes += self._notes(record)
-        return spread(start, at_mounts(moving, start.mounts), None, 0.0, notes=tuple(notes), usable_to=usable)
+        return spread(
+            start,
+            at_mounts(moving, start.mounts),
+            None,
+            0.0,
+            notes=tuple(notes),
+            usable_to=usable,
+            usable_from=max(self.passes_from(channel) for channel in record.channels),
+        )
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:
@@ -92,6 +96,12 @@ class RecordGround(Choices, GroundSettings, Treatment):
         """Processing and limits of ``record`` in plain words."""
         steps = [] if self.detrend == "none" else [f"{self.detrend} trend subtracted (Hann weights)"]
         steps.append(f"faded in and out over {self.taper:g} s at the record's ends")
+        for rate in sorted({c.rate for c in record.channels if self.decimation(c.rate) > 1}):
+            low = self.decimated_rate(rate)
+            steps.append(
+                f"decimated from {rate:g} Hz to {low:g} Hz in the frequency domain, without phase (unchanged up to "
+                f"{USABLE * low / 2:g} Hz, nothing from {low / 2:g} Hz)"
+            )
         if any(channel.response is not None for channel in record.channels):
             band = f"band {list(self.pre_filter)} Hz" if self.pre_filter else "falling from 0.8 to 1 times Nyquist"
             steps.append(f"instrument response removed (water level {self.water_level:g} dB, {band})")
@@ -117,7 +127,7 @@ class RecordGround(Choices, GroundSettings, Treatment):
             notes.append(f"record {record.name} resolves nothing below {1 / record.duration:.3g} Hz: it is too short")
         for rate in sorted({channel.rate for channel in record.channels}):
             channels = [channel for channel in record.channels if channel.rate == rate]
-            end = channels[0].usable
+            end = self.usable(channels[0])
             if channels[0].response is not None:
                 end = min(end, self.band(channels[0])[2])
             whose = "" if len(channels) == len(record.channels) else f" in {', '.join(c.axis for c in channels)}"

@@ -1,6 +1,5 @@
 """What a shaped floor is shaped to: third-octave levels, a PSD, a file with either, or Peterson's noise models."""
 
-import re
 from abc import abstractmethod
 from collections.abc import Mapping
 from itertools import pairwise
@@ -10,14 +9,12 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.estimate.bands import band_numbers
 from ehamj.ground.spectra import Axis, Spectrum, from_psd, from_third_octaves
 from ehamj.records.tables import Column, read_table
-from ehamj.records.units import UNITS, Quantity, spelled
+from ehamj.records.units import Quantity, density_unit, motion_unit
 from ehamj.settings import FileName, Positive, Settings, one_of
 from ehamj.signals import Array
-
-OFF_CENTRE = 0.025
-"""How far a band's stated frequency may lie from an exact centre, relative: nominal ones are rounded by up to 2.4 %."""
 
 
 class TargetSettings(Settings):
@@ -129,24 +126,6 @@ else:
     Target = one_of(TARGETS)
 
 
-def band_numbers(centres: tuple[float, ...] | Array) -> Array:
-    """Numbers k of bands from their nominal centres 1000·10^(k/10) [Hz].
-
-    Raises:
-        ValueError: for a frequency that is no band's centre.
-    """
-    stated = np.asarray(centres, float)
-    numbers = np.rint(10.0 * np.log10(stated / 1000.0))
-    wrong = np.abs(stated / (1000.0 * 10.0 ** (numbers / 10.0)) - 1.0) > OFF_CENTRE
-    if wrong.any():
-        raise ValueError(
-            f"bands: {stated[wrong][0]:g} Hz is not the centre of a third-octave band (…, 6.3, 8, 10, 12.5, 16, …)"
-        )
-    if (np.diff(numbers) <= 0).any():
-        raise ValueError("bands must rise, each band once")
-    return numbers
-
-
 def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tuple[float, ...]) -> None:
     if len(frequencies) != len(values):
         raise ValueError(f"{other} has {len(values)} values; it must have {len(frequencies)}, as {key}")
@@ -157,19 +136,12 @@ def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tupl
 
 def _from_column(column: Column, frequency: Array, values: Array, kind: str, where: str) -> Spectrum:
     """The spectrum of one column of levels (``kind`` band) or of a PSD (``kind`` frequency)."""
-    unit, allowed, root = spelled(column.unit or ""), "levels are in one of", None
-    if kind == "frequency":
-        power = re.fullmatch(r"\(?([^()]+?)\)?\^2/Hz", unit)
-        root = None if power else re.fullmatch(r"(.+?)/(?:sqrt\(Hz\)|√Hz)", unit)
-        match, allowed = power or root, "a PSD is in (U)^2/Hz or U/sqrt(Hz), where U is one of"
-        unit = match[1] if match else ""
-    if unit not in UNITS:
-        told = f"column {column.name!r} has the unit {column.unit!r}"
-        raise ValueError(f"{where}: {told}; {allowed} {', '.join(UNITS)}")
-    quantity, size = UNITS[unit]
-    if kind == "frequency":
-        return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+    unit = column.unit or ""
     try:
+        if kind == "frequency":
+            quantity, size, root = density_unit(unit)
+            return from_psd(frequency, (size * values) ** 2 if root else size**2 * values, quantity)
+        quantity, size = motion_unit(unit)
         return from_third_octaves(band_numbers(frequency), size * values, quantity)
     except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+        raise ValueError(f"{where}: column {column.name!r}: {error}") from error

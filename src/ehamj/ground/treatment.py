@@ -5,11 +5,12 @@ The order is deliberate, and the notes of the motion repeat it:
 1. cut to the part that is used plus what the high-pass remembers,
 2. detrend, with weights that vanish at both ends, so that vibration cannot tilt the line,
 3. fade in and out (a quintic), so that padding adds no step,
-4. pad with zeros for as long as the high-pass remembers, and transform,
-5. divide by the instrument's response, kept above the water level and inside a band,
-6. high-pass without phase, 1/(1 + (f_c/f)⁸): a fourth-order Butterworth run forwards and backwards,
-7. integrate, dividing by iω once for velocity and twice for acceleration,
-8. transform back on a finer grid: band-limited resampling, dense enough for a quintic spline.
+4. decimate what is sampled much faster than any motion of interest, without phase,
+5. pad with zeros for as long as the high-pass remembers, and transform,
+6. divide by the instrument's response, kept above the water level and inside a band,
+7. high-pass without phase, 1/(1 + (f_c/f)⁸): a fourth-order Butterworth run forwards and backwards,
+8. integrate, dividing by iω once for velocity and twice for acceleration,
+9. transform back on a finer grid: band-limited resampling, dense enough for a quintic spline.
 """
 
 from math import ceil
@@ -20,12 +21,14 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.fft import next_fast_len, rfft
 
-from ehamj.ground.resampling import resampled
-from ehamj.records.channel import Channel
+from ehamj.ground.resampling import band_gain, decimated, resampled
+from ehamj.records.channel import USABLE, Channel
 from ehamj.records.units import ORDERS
 from ehamj.settings import Positive, Settings, Unlimited
 from ehamj.signals import Array, Sampled, rise
 
+PASSES = 9.0 ** (1.0 / 8.0)
+"""Frequency over the corner of the high-pass at which it leaves 0.9 of the motion, 1/(1 + PASSES⁻⁸)."""
 _MEMORY = 6.0  # periods of the corner after which the high-pass has forgotten all but 1e-6
 
 
@@ -38,6 +41,11 @@ class Treatment(Settings):
     )
     taper: Positive = Field(1.0, description="time over which the record fades in and out at its two ends [s]")
     rate: float = Field(1000.0, gt=0, le=1e5, description="least rate to which the record is resampled [Hz]")
+    decimate_to: Positive = Field(
+        5000.0,
+        description="rate to which a faster record is decimated: by a whole number, so to this or less than "
+        "twice this [Hz]; the motion then holds what lies below 0.4 times the decimated rate",
+    )
     water_level: Unlimited = Field(
         60.0,
         gt=0,
@@ -61,9 +69,27 @@ class Treatment(Settings):
         """How long the filters ring [s]."""
         return _MEMORY / self.highpass if self.highpass > 0 else 10.0
 
+    def passes_from(self, channel: Channel) -> float:
+        """Frequency from which a channel passes with nine tenths of its motion, or all [Hz]."""
+        falls_from = 0.0 if channel.response is None else self.band(channel)[1]
+        return max(PASSES * self.highpass, falls_from)
+
     def band(self, channel: Channel) -> tuple[float, float, float, float]:
         """Corners of the band inside which the response is removed [Hz]."""
-        return self.pre_filter or (0.0, 0.0, channel.usable, channel.rate / 2)
+        rate = self.decimated_rate(channel.rate)
+        return self.pre_filter or (0.0, 0.0, self.usable(channel), rate / 2)
+
+    def decimation(self, rate: float) -> int:
+        """By how much a record of ``rate`` [Hz] is decimated: the largest whole number that leaves `decimate_to`."""
+        return max(1, int(rate / self.decimate_to * (1.0 + 1e-9)))
+
+    def decimated_rate(self, rate: float) -> float:
+        """What remains of ``rate`` [Hz]."""
+        return rate / self.decimation(rate)
+
+    def usable(self, channel: Channel) -> float:
+        """Highest frequency that what becomes of ``channel`` is believed at [Hz]."""
+        return USABLE * self.decimated_rate(channel.rate) / 2
 
 
 def weighted_trend(samples: Array, kind: Literal["none", "constant", "linear"]) -> Array:
@@ -95,14 +121,6 @@ def highpass_gain(frequency: Array, corner: float) -> Array:
     return ratio8 / (1.0 + ratio8)
 
 
-def band_gain(frequency: Array, band: tuple[float, float, float, float]) -> Array:
-    """Cosine flanks between the first two and the last two corners of ``band`` [Hz], shape (n,)."""
-    low, rising, falling, high = band
-    up = np.where(frequency >= rising, 1.0, np.clip((frequency - low) / max(rising - low, 1e-300), 0.0, 1.0))
-    down = np.where(frequency <= falling, 1.0, np.clip((high - frequency) / max(high - falling, 1e-300), 0.0, 1.0))
-    return np.sin(0.5 * np.pi * up) ** 2 * np.sin(0.5 * np.pi * down) ** 2
-
-
 def inverse_response(response: NDArray[np.complex128], water_level: float) -> NDArray[np.complex128]:
     """Reciprocal of ``response`` (n,), its magnitude held ``water_level`` dB below the peak; zero where it is zero."""
     size = np.abs(response)
@@ -114,7 +132,7 @@ def held_frequencies(channel: Channel, treatment: Treatment) -> Array:
     """Frequencies in the channel's usable band at which the water level holds the response [Hz], shape (n,)."""
     if channel.response is None:
         return np.empty(0)
-    frequency = np.geomspace(max(treatment.highpass, 1e-3), channel.usable, 500)
+    frequency = np.geomspace(max(treatment.highpass, 1e-3), treatment.usable(channel), 500)
     size = np.abs(channel.response(frequency))
     return frequency[size < size.max() * 10.0 ** (-treatment.water_level / 20.0)]
 
@@ -122,11 +140,6 @@ def held_frequencies(channel: Channel, treatment: Treatment) -> Array:
 def check(channel: Channel, treatment: Treatment) -> None:
     """Raise ValueError where ``treatment`` does not suit ``channel``."""
     length = channel.samples.size / channel.rate
-    if treatment.rate < channel.rate:
-        raise ValueError(
-            f"ground.rate = {treatment.rate:g} Hz is below the sampling rate of {channel.name}, {channel.rate:g} Hz; "
-            "it must be at least that"
-        )
     if 2 * treatment.taper > length:
         raise ValueError(f"ground.taper = {treatment.taper:g} s must be at most half of the record, {length / 2:g} s")
     if treatment.highpass == 0 and channel.quantity != "displacement":
@@ -134,11 +147,11 @@ def check(channel: Channel, treatment: Treatment) -> None:
             f"ground.highpass = 0 Hz is allowed for displacement records only: {channel.name} holds "
             f"{channel.quantity}, which drifts when it is integrated"
         )
-    least = 0.1 / length
-    if treatment.highpass and not least <= treatment.highpass < channel.usable:
+    least, end = 0.1 / length, treatment.usable(channel)
+    if treatment.highpass and not least <= treatment.highpass < end:
         raise ValueError(
             f"ground.highpass = {treatment.highpass:g} Hz must be at least {least:g} Hz, since the record lasts "
-            f"{length:g} s, and below {channel.usable:g} Hz, where it ends"
+            f"{length:g} s, and below {end:g} Hz, where it ends"
         )
 
 
@@ -151,11 +164,12 @@ def displacement(channel: Channel, treatment: Treatment, begin: float, duration:
     reach = treatment.memory + treatment.taper
     part = channel.section(begin - reach, begin + duration + reach)
     samples = part.samples - weighted_trend(part.samples, treatment.detrend)
-    samples = samples * fade(samples.size, treatment.taper * part.rate)
+    samples = decimated(samples * fade(samples.size, treatment.taper * part.rate), treatment.decimation(part.rate))
+    part_rate = treatment.decimated_rate(part.rate)
 
-    pad = ceil(treatment.memory * part.rate)
+    pad = ceil(treatment.memory * part_rate)
     size = next_fast_len(samples.size + 2 * pad, real=True)
-    frequency = np.arange(size // 2 + 1) * (part.rate / size)
+    frequency = np.arange(size // 2 + 1) * (part_rate / size)
     spectrum = rfft(np.concatenate([np.zeros(pad), samples]), size) * highpass_gain(frequency, treatment.highpass)
     if part.response is not None:
         inverse = inverse_response(part.response(frequency), treatment.water_level)
@@ -163,8 +177,8 @@ def displacement(channel: Channel, treatment: Treatment, begin: float, duration:
     spectrum[1:] /= (2j * np.pi * frequency[1:]) ** ORDERS[part.quantity]
     if ORDERS[part.quantity]:
         spectrum[0] = 0.0
-    values, rate = resampled(spectrum, size, part.rate, treatment.rate)
-    first_time = part.time - pad / part.rate - begin
+    values, rate = resampled(spectrum, size, part_rate, treatment.rate)
+    first_time = part.time - pad / part_rate - begin
     # A few samples beyond both ends keep the spline's boundaries out of what is simulated.
     first = max(0, int(-first_time * rate) - 16)
     last = min(values.size, ceil((duration - first_time) * rate) + 17)

@@ -13,8 +13,9 @@ from ehamj.estimate.statistics import BandStatistic
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
 from ehamj.judge.levels import BANDS, ByBand, Levels, by_band, duration_of, levels_of
+from ehamj.judge.peaks import peaks_of
 from ehamj.judge.transience import Transience, transience
-from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided
+from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 
@@ -28,6 +29,8 @@ class Analysis(Finding):
     from_s: float
     to_s: float
     usable_to_hz: float | None
+    usable_from_hz: float = 0.0
+    """From where on the ground is known [Hz]."""
 
 
 class Statistics(Finding):
@@ -89,6 +92,7 @@ def isolation(
     rate: float,
     usable_to: float = float("inf"),
     criteria: CriteriaSettings | None = None,
+    usable_from: float = 0.0,
 ) -> tuple[Isolation, list[str]]:
     """Attenuation and criteria of a run, and in words what to know of its levels.
 
@@ -100,16 +104,18 @@ def isolation(
         rate: recording rate [Hz].
         usable_to: frequency above which the ground is not known [Hz].
         criteria: the norms that judge.
+        usable_from: frequency below which the ground is not known [Hz].
     """
     norms = (criteria or CriteriaSettings()).chosen()
     end = duration_of(dataset)
     begin = settled(end)
-    known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
+    known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
     name, norm = next(iter(norms.items()))
     second = strongest_second(norm)
     limited: set[Kind] = set().union(*(one.kinds for one in norms.values()))
     levels = levels_of(dataset, plant, rate, known, limited | (second.kinds if second else set()))
-    verdicts = {name: by_norm(one, levels) for name, one in norms.items()}
+    peaks = peaks_of(dataset.sel(time=slice(begin, None)), rate, norms.values())
+    verdicts = {name: by_norm(one, levels, peaks) for name, one in norms.items()}
     # Velocity, and what else the norms limit in bands.
     quantities = {"velocity"} | {quantity for quantity, statistic in limited if statistic != "peak"}
     tables = {
@@ -123,13 +129,14 @@ def isolation(
         levels=_statistics(levels),
         floor_transient=strongest is not None,
         transience=strongest,
-        criterion=criterion(norm, verdicts[name], levels),
+        criterion=criterion(norm, verdicts[name], levels, peaks),
         criteria=verdicts,
-        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to)),
+        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to), usable_from_hz=usable_from),
         **tables,
     )
     words = [strongest.in_words()] if strongest else []
-    return found, [*words, *undecided(norms, end - begin, rate, usable_to)]
+    left_open = undecided(norms, end - begin, rate, usable_to, usable_from)
+    return found, [*words, *left_open, *unheld(norms, verdicts, usable_to, usable_from)]
 
 
 def _table(levels: Levels, kind: Kind) -> Places:

@@ -1,6 +1,7 @@
 """What a norm says of each place: class per axis, the axis that decides, and the verdict in words."""
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
@@ -8,7 +9,11 @@ from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels
+from ehamj.judge.peaks import Peaks
 from ehamj.plant.axes import AXES
+
+AT_BEST: Final = "at best"
+"""Before a class that is met as far as bands are known."""
 
 
 class AtPlace(Finding):
@@ -58,14 +63,14 @@ class Criterion(Finding):
     """By the largest sliding 1 s RMS; None for a norm of peaks, and in a result that is older."""
 
 
-def criterion(norm: Norm, judged: ByNorm, levels: Levels) -> Criterion:
+def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = None) -> Criterion:
     """What a norm says of floor and machine, beside it by the largest 1 s RMS where it limits levels in bands."""
     places = {place: judged.places[place] for place in ("floor", "machine")}
     if beside := strongest_second(norm):
         return Criterion(
             **places,
             verdict=judged.verdict,
-            max_1s=Beside(**{place: at_place(beside, levels, place) for place in places}),
+            max_1s=Beside(**{place: at_place(beside, levels, place, peaks) for place in places}),
         )
     return Criterion(**places, verdict=judged.verdict)
 
@@ -75,20 +80,21 @@ def strongest_second(norm: Norm) -> Norm | None:
     return norm.by("max_1s") if any(statistic != "peak" for _, statistic in norm.kinds) else None
 
 
-def at_place(norm: Norm, levels: Levels, place: str) -> AtPlace:
-    """What a norm says of a place."""
-    found = levels.at(place)
+def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None) -> AtPlace:
+    """What a norm says of a place; ``peaks`` beside those of velocity."""
+    peaks = peaks or Peaks()
+    found, swings = levels.at(place) | peaks.levels.get(place, {}), peaks.swings.get(place, {})
     verdicts = {
-        axis: norm.judge(axis, {kind: table[:, k] for kind, table in found.items()}, levels.bands)
+        axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
         for k, axis in enumerate(AXES)
     }
     worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
     return AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
 
 
-def by_norm(norm: Norm, levels: Levels) -> ByNorm:
-    """Title of the norm, what it says of each place, and the verdict in words."""
-    places = {place: at_place(norm, levels, place) for place in levels.places}
+def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
+    """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
+    places = {place: at_place(norm, levels, place, peaks) for place in levels.places}
     words = InWords(
         vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
         horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
@@ -113,7 +119,10 @@ def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
 def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:
     if any(verdict.deciding_band is None for verdict in verdicts):
         return "undecided"
-    return worst_class([verdict.met for verdict in verdicts], norm.classes) or f"worse than {norm.classes[0]}"
+    met = worst_class([verdict.met for verdict in verdicts], norm.classes)
+    if met is None:
+        return f"worse than {norm.classes[0]}"
+    return met if all(verdict.decided for verdict in verdicts) else f"{AT_BEST} {met}"
 
 
 def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
@@ -123,18 +132,21 @@ def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) ->
     return words + (f", undecided {where(missing)}" if missing else "")
 
 
-def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: float) -> list[str]:
+def undecided(
+    norms: dict[str, Norm], seconds: float, rate: float, usable_to: float, usable_from: float = 0.0
+) -> list[str]:
     """In words: bands that the norms need, and that a longer run or a higher recording rate would decide.
 
     Args:
         norms: by name.
         seconds: length of the record from which levels are taken [s].
         rate: recording rate [Hz].
-        usable_to: frequency above which the ground is not known [Hz]; such bands are the ground's to explain.
+        usable_to: frequency above which the ground is not known [Hz]; `unheld` tells of such bands.
+        usable_from: frequency below which it is not known [Hz].
     """
     needed = {name: {band for axis in AXES for band in norm.needed(axis)} for name, norm in norms.items()}
     everything = sorted(set().union(*needed.values()), key=lambda band: band.index)
-    known = [band for band in everything if band.edges[1] <= usable_to]
+    known = [band for band in everything if _held(band, usable_to, usable_from)]
     taken = {statistic for norm in norms.values() for _, statistic in norm.kinds if statistic != "peak"}
     least = {band: max(least_length(band, statistic) for statistic in taken) for band in known}
     short = [band for band in known if seconds < least[band]]
@@ -147,6 +159,42 @@ def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: fl
     if fast:
         found.append(f"record_rate = {rate:g} Hz is too low to decide {_which(fast, needed)}")
     return found
+
+
+def unheld(norms: dict[str, Norm], found: Mapping[str, ByNorm], usable_to: float, usable_from: float) -> list[str]:
+    """In words: norms that need bands of which the ground says nothing, so that the classes named are no verdicts.
+
+    Args:
+        norms: by name.
+        found: what they say of a run.
+        usable_to: frequency above which the ground is not known [Hz].
+        usable_from: frequency below which it is not known [Hz].
+    """
+    missing: dict[str, set[Band]] = {}
+    axes: dict[str, None] = {}
+    for name, norm in norms.items():
+        places = [found[name].places[who] for who in ("floor", "machine")]
+        left_open = [axis for axis in AXES if not all(verdict.decided for p in places for verdict in p.along(axis))]
+        missing[name] = {b for axis in left_open for b in norm.needed(axis) if not _held(b, usable_to, usable_from)}
+        axes |= dict.fromkeys(left_open if missing[name] else ())
+    everything = sorted(set().union(*missing.values()), key=lambda band: band.index)
+    low = [band for band in everything if band.edges[0] < usable_from]
+    high = [band for band in everything if band.edges[1] > usable_to]
+    sides = ((low, f"from {usable_from:.3g} Hz on"), (high, f"up to {usable_to:.3g} Hz"))
+    if not everything:
+        return []
+    along = "" if len(axes) == len(AXES) else f" along {', '.join(axes)}"
+    known = " and ".join(end for own, end in sides if own)
+    wanted = " and ".join(_which(own, missing) for own, _ in sides if own)
+    return [
+        f"no verdict{along}: the ground is known {known} only, and a verdict needs {wanted}; classes named are the "
+        "best that may be met"
+    ]
+
+
+def _held(band: Band, usable_to: float, usable_from: float) -> bool:
+    """Whether the ground is known in all of a band."""
+    return usable_from <= band.edges[0] and band.edges[1] <= usable_to
 
 
 def _which(several: list[Band], needed: Mapping[str, set[Band]]) -> str:

@@ -60,11 +60,6 @@ class Channel:
         """Time at which the last sample's interval ends [s]."""
         return self.time + self.samples.size / self.rate
 
-    @property
-    def usable(self) -> float:
-        """Highest frequency that the channel is believed at [Hz]."""
-        return USABLE * self.rate / 2
-
     def section(self, begin: float, end: float) -> "Channel":
         """The part from ``begin`` to ``end`` [s], or as much of it as there is."""
         first = max(0, int((begin - self.time) * self.rate))

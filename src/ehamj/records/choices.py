@@ -5,7 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.records.channel import Place
-from ehamj.records.units import UNITS
+from ehamj.records.units import KNOWN, Quantity, motion_unit
 from ehamj.settings import FileName, Positive, Settings
 
 AxisChoice = dict[str, Place] | None
@@ -21,7 +21,7 @@ class Choices(Settings):
         description="what the samples are (SI, but for unit); auto: as the file says (instrument's response, units)",
     )
     unit: str | None = Field(
-        None, description=f"unit of the samples of a record that states none, one of {', '.join(UNITS)}; default: SI"
+        None, description=f"unit of the samples of a record that states none, in any spelling: {KNOWN}; default: SI"
     )
     full_scale: Positive | None = Field(
         None, description="motion that the largest sample of a WAV file stands for [unit]"
@@ -46,13 +46,19 @@ class Choices(Settings):
             raise ValueError(
                 f"inventory = {self.inventory!r} is of no use with remove_response = false; leave one of them out"
             )
-        if self.unit is not None and self.unit not in UNITS:
-            raise ValueError(f"unit = {self.unit!r} must be one of {', '.join(UNITS)}")
-        if self.unit is not None and self.quantity not in ("auto", UNITS[self.unit][0]):
+        if self.user_unit is not None and self.quantity not in ("auto", self.user_unit[0]):
             raise ValueError(
                 f"quantity = {self.quantity!r} is not what unit = {self.unit!r} is of; leave one of them out"
             )
         return self
+
+    @property
+    def user_unit(self) -> tuple[Quantity, float] | None:
+        """Quantity and SI value of the unit that the user states."""
+        try:
+            return None if self.unit is None else motion_unit(self.unit)
+        except ValueError as error:
+            raise ValueError(f"unit = {error}") from None
 
 
 SILENT = Choices()

@@ -1,13 +1,16 @@
 """What every reader of records shares: axes, quantities and units, and remarks on what was found."""
 
+import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from ehamj.records.channel import Channel, Place, Record
+from ehamj.records.channel import Channel, Place, Record, Response
 from ehamj.records.choices import AxisChoice, Choices
-from ehamj.records.units import UNITS, Quantity
+from ehamj.records.units import Quantity, is_silent, motion_unit, unit
+from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
 
@@ -28,36 +31,131 @@ def existing(path: Path, key: str = "ground.file") -> Path:
     return path
 
 
-def choose_axes(components: dict[str, tuple[str, ...]], axes: AxisChoice) -> dict[str, Place]:
-    """Axis of each component that is used.
+@dataclass(frozen=True)
+class Loaded:
+    """What a component holds: samples (n,) on a uniform grid, as the file has them."""
 
-    ``components`` maps each component's full name to all names it answers to; ``axes`` maps names to axes, None for the
-    standard ones. Raises ValueError for a component without axis, a name without component, and an axis taken twice.
+    samples: Array = field(repr=False)
+    rate: float
+    """[Hz]"""
+    unit: str | tuple[Quantity, float] | None = None
+    """As the file writes it, or quantity and SI value; None where it states none."""
+    time: float = 0.0
+    """Of the first sample, on the file's own clock [s]."""
+    response: Response | None = None
+    notes: tuple[str, ...] = ()
+    calibration: float = 1.0
+    """Factor on the samples that the file states [-]."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """One component that a file holds, before anything of it is judged.
+
+    ``load`` reads and judges it, and is called for components that are picked only. It answers to its ``name``, to
+    ``answers`` (most special first) and to its number in the file, from 1. Components of several ``source`` (stations)
+    make one record only where each has a mount of its own.
     """
-    known = STANDARD_AXES if axes is None else axes
-    chosen: dict[str, Place] = {}
-    for component, names in components.items():
-        axis = next((known[name] for name in names if name in known), None)
+
+    name: str
+    load: Callable[[], Loaded] = field(repr=False)
+    answers: tuple[str, ...] = ()
+    source: str = ""
+
+
+def record_of(
+    label: str, components: Sequence[Component], choices: Choices, remedy: str, notes: Sequence[str] = ()
+) -> Record:
+    """The record of a file: components picked, loaded, in SI and on one clock.
+
+    Args:
+        label: the file's name.
+        components: what the file holds.
+        choices: what the user says.
+        remedy: how the file itself could state the unit, for messages.
+        notes: remarks on reading.
+
+    Raises:
+        ValueError: naming the key that resolves it, where components, units, or times cannot be agreed.
+    """
+    chosen = choose_axes(components, choices.axes)
+    sources = sorted({components[k].source for k in chosen})
+    if len(sources) > 1 and not per_mount(chosen.values()):
+        several = f"ground.file = {label!r} holds several stations: {', '.join(sources)}"
+        raise ValueError(f"{several}; choose with ground.axes, or give each its mount")
+    loaded = {k: components[k].load() for k in chosen}
+    begin = max(one.time for one in loaded.values())
+    channels, remarks = [], [*notes]
+    for k, one in loaded.items():
+        name = components[k].name or f"component {k + 1}"
+        holds, size = agreed_unit(choices, one.unit, name, remedy)
+        if one.calibration != 1.0:
+            remarks.append(f"{name}: the file's calibration factor {one.calibration:g} is applied")
+        samples = one.samples * (size * one.calibration)
+        channels.append(Channel(chosen[k], name, one.rate, holds, samples, one.time - begin, one.response))
+        remarks += one.notes
+    record = recorded(label, channels, remarks, ", ".join(sources).strip("."))
+    if record.duration <= 0:
+        raise ValueError(f"ground.file = {label!r}: its channels have no time in common")
+    return record
+
+
+def answers_of(name: str) -> tuple[str, ...]:
+    """The axis in a name of several words, such as ``Acceleration z``, ``ACC_X`` or ``Z-axis``; nothing of others."""
+    words = {word.lower() for word in re.split(r"[^A-Za-z]+|(?<=[a-z])(?=[XYZ](?![a-z]))", name)}
+    letters = sorted(words & {"x", "y", "z"})
+    return tuple(letters) if len(letters) == 1 else ()
+
+
+def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, Place]:
+    """Axis of each component that is used, by its place in the file.
+
+    ``axes`` maps names, or numbers from 1, to axes; None for the standard ones. Raises ValueError for a component
+    without axis, a name without component, and an axis taken twice.
+    """
+    known: Mapping[str, Place] = STANDARD_AXES if axes is None else axes
+    taken = {name for one in components for name in (one.name, *one.answers)}
+    names = [
+        (one.name, *one.answers, *([] if str(k + 1) in taken or axes is None else [str(k + 1)]))
+        for k, one in enumerate(components)
+    ]
+    chosen: dict[int, Place] = {}
+    for k, answers in enumerate(names):
+        axis = next((known[name] for name in answers if name in known), None)
         if axis is not None:
-            chosen[component] = axis
+            chosen[k] = axis
         elif axes is None:
             raise ValueError(
-                f"ground.axes does not say which axis {component!r} is; name it, for instance "
-                f'axes = {{ {names[-1] or component!r} = "x" }}; else {", ".join(STANDARD_AXES)} are known'
+                f"ground.axes does not say which axis {called(components, k)} is; name it, for instance "
+                f'axes = {{ {toml_key(next(filter(None, reversed(answers)), str(k + 1)))} = "x" }}; '
+                f"else {', '.join(STANDARD_AXES)} are known"
             )
-    held = ", ".join(components)
-    missing = [name for name in axes or {} if not any(name in names for names in components.values())]
+    held = ", ".join(called(components, k) for k in range(len(components)))
+    missing = [name for name in axes or {} if not any(name in answers for answers in names)]
     if missing:
         raise ValueError(f"ground.axes names {missing[0]!r}, which the record does not hold; it holds {held}")
     twice = [axis for axis, count in Counter(chosen.values()).items() if count > 1]
     if twice:
-        both = ", ".join(component for component, axis in chosen.items() if axis == twice[0])
+        both = ", ".join(called(components, k) for k, axis in chosen.items() if axis == twice[0])
         raise ValueError(
-            f"ground.axes: {both} are all {twice[0]}; each axis takes one component; choose with ground.axes"
+            f"ground.axes: {both} are all {twice[0]}; each axis takes one component; choose with ground.axes, by name "
+            "or by number"
         )
     if not chosen:
         raise ValueError(f"ground.axes = {axes} leaves no component; the record holds {held}")
     return chosen
+
+
+def called(components: Sequence[Component], k: int) -> str:
+    """How messages call a component: by its name, and by its number where that is needed to tell it apart."""
+    name = components[k].name
+    alone = sum(one.name == name for one in components) == 1
+    return repr(name) if name and alone else f"number {k + 1}" + (f" ({name!r})" if name else "")
+
+
+def toml_key(name: str) -> str:
+    """A name as TOML wants its keys."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def per_mount(places: Iterable[str]) -> bool:
@@ -66,29 +164,36 @@ def per_mount(places: Iterable[str]) -> bool:
 
 
 def agreed_unit(
-    choices: Choices, found: tuple[Quantity, float] | None, name: str, remedy: str
+    choices: Choices, stated: str | tuple[Quantity, float] | None, name: str, remedy: str
 ) -> tuple[Quantity, float]:
-    """What a channel holds, and its unit's SI value: as the file says (``found``), or as the user says.
+    """What a component holds, and its unit's SI value: as the file says (``stated``), or as the user says.
 
-    Raises ValueError where neither says it, or the two disagree.
+    Where the file says counts or volts, the user says what one of them is. Raises ValueError where neither says it, or
+    the two disagree.
     """
-    wanted = choices.quantity
-    if choices.unit is not None:
-        if found is not None:
-            raise ValueError(
-                f"ground.unit = {choices.unit!r}, but the file states the unit of {name} itself; leave ground.unit out"
-            )
-        found = UNITS[choices.unit]
+    wanted, users = choices.quantity, choices.user_unit
+    found = None if isinstance(stated, str) and is_silent(stated) else stated
+    if isinstance(found, str):
+        try:
+            found = None if users and unit(found).kind in ("counts", "voltage") else motion_unit(found)
+        except ValueError as error:
+            raise ValueError(f"ground.file: the unit of {name!r}: {error}") from None
+    if users is not None and found is not None and users != found:
+        raise ValueError(
+            f"ground.unit = {choices.unit!r}, but the file states another unit of {name!r} itself; leave ground.unit "
+            "out"
+        )
+    found = found or users
     if found is None:
         if wanted == "auto":
             raise ValueError(
-                f"ground.quantity = 'auto', but the file does not say what {name} holds; set displacement, velocity or "
-                f"acceleration (samples are then SI), or {remedy}"
+                f"ground.quantity = 'auto', but the file does not say what {name!r} holds; set ground.unit, or "
+                f"ground.quantity to displacement, velocity or acceleration (samples are then SI), or {remedy}"
             )
         return wanted, 1.0
     if wanted not in ("auto", found[0]):
         raise ValueError(
-            f"ground.quantity = {wanted!r}, but the file says that {name} is {found[0]}; use 'auto' or {found[0]!r}"
+            f"ground.quantity = {wanted!r}, but the file says that {name!r} is {found[0]}; use 'auto' or {found[0]!r}"
         )
     return found
 

@@ -1,13 +1,15 @@
 """Records in MATLAB files, up to version 7.2 through SciPy and from 7.3 (HDF5) through h5py."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ehamj.records.channel import Channel, Record
+from ehamj.plain.matlab import check_matlab
+from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
+from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
 from ehamj.signals import Array
 
 CLOCKS = ("time", "t")
@@ -51,11 +53,14 @@ def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
         rate, index = float(arrays[rates[0]].ravel()[0]), np.arange(float(length))
         if not 0 < rate < np.inf:
             raise ValueError(f"{where}: {rates[0]} = {rate:g} must be a positive number, in Hz")
-    channels = []
-    for name, axis in choose_axes({name: (name,) for name in columns}, choices.axes).items():
-        holds, size = agreed_unit(choices, None, f"variable {name!r}", "set ground.unit")
-        channels.append(Channel(axis, name, rate, holds, on_grid(index, size * columns[name])))
-    return recorded(path.name, channels, notes)
+    components = [
+        Component(name, partial(_loaded, index, rate, column), answers_of(name)) for name, column in columns.items()
+    ]
+    return record_of(path.name, components, choices, "write a format that states it", notes)
+
+
+def _loaded(index: Array, rate: float, column: Array) -> Loaded:
+    return Loaded(on_grid(index, column), rate)
 
 
 def _arrays(path: Path) -> dict[str, Array]:
@@ -64,6 +69,7 @@ def _arrays(path: Path) -> dict[str, Array]:
 
     existing(path)
     with reading(path, " as a MATLAB file"):
+        check_matlab(path)
         try:
             content = loadmat(str(path))
         except NotImplementedError:
@@ -79,4 +85,6 @@ def _hdf5(path: Path) -> dict[str, np.ndarray]:
     import h5py
 
     with h5py.File(path) as file:
-        return {name: np.asarray(part).T for name, part in file.items() if isinstance(part, h5py.Dataset)}
+        # Not by items(), which keeps h5py's lock until it is exhausted, also where an array cannot be read.
+        held = {name: file[name] for name in list(file)}
+        return {name: np.asarray(part).T for name, part in held.items() if isinstance(part, h5py.Dataset)}

@@ -2,15 +2,17 @@
 
 import re
 import warnings
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.records.channel import Channel, Record, Response
+from ehamj.records.channel import Record, Response
 from ehamj.records.choices import SILENT, Choices, GapChoice
 from ehamj.records.clock import filled
-from ehamj.records.components import agreed_unit, choose_axes, existing, per_mount, reading, recorded
+from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.records.formats import read_inventory, read_record
 from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
@@ -35,35 +37,28 @@ def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
     """
     label = path.name
     stream, responses = _open(path, choices.inventory)
-    names: dict[str, tuple[str, ...]] = {
-        trace.id: (trace.id, trace.stats.channel, trace.stats.channel[-1:]) for trace in stream
-    }
-    chosen = choose_axes(names, choices.axes)
-    stations = sorted({name.rsplit(".", 2)[0] for name in chosen})
-    if len(stations) > 1 and not per_mount(chosen.values()):
-        raise ValueError(
-            f"ground.file = {label!r} holds several stations: {', '.join(stations)}; choose with ground.axes, or "
-            "give each its mount"
-        )
-    stream.traces = [trace for trace in stream if trace.id in chosen]
-    notes = _join(stream, label, choices.gaps)
-    beginning = max(trace.stats.starttime for trace in stream)
-    channels = []
+    beginning = min(trace.stats.starttime for trace in stream)
+    by_name: dict[str, list[Trace]] = {}
     for trace in stream:
-        found, response = _response(trace, responses) if choices.remove_response else (None, None)
-        told = None if found is None else (found, 1.0)
-        holds, size = agreed_unit(choices, told, trace.id, "let ground.remove_response find out")
-        stats = trace.stats
-        samples, time = np.asarray(trace.data, float) * size, float(stats.starttime - beginning)
-        channels.append(Channel(chosen[trace.id], trace.id, stats.sampling_rate, holds, samples, time, response))
-        if not choices.remove_response and stats.calib != 1:
+        by_name.setdefault(trace.id, []).append(trace)
+
+    def load(name: str) -> Loaded:
+        trace, notes = _join(by_name[name], label, choices.gaps)
+        unit, response = _response(trace, responses) if choices.remove_response else (None, None)
+        if not choices.remove_response and trace.stats.calib != 1:
             notes.append(
-                f"{trace.id} states a calibration factor of {stats.calib:g}, which is not applied (ground.scale can)"
+                f"{name} states a calibration factor of {trace.stats.calib:g}, which is not applied (ground.scale can)"
             )
-    record = recorded(label, channels, notes, ", ".join(stations).strip("."))
-    if record.duration <= 0:
-        raise ValueError(f"ground.file = {label!r}: its channels have no time in common")
-    return record
+        stated = None if unit is None else (unit, 1.0)
+        time = float(trace.stats.starttime - beginning)
+        samples = np.asarray(trace.data, float)
+        return Loaded(samples, trace.stats.sampling_rate, stated, time, response, tuple(notes))
+
+    components = [
+        Component(name, partial(load, name), (channel, channel[-1:]), name.rsplit(".", 2)[0])
+        for name, channel in ((name, traces[0].stats.channel) for name, traces in by_name.items())
+    ]
+    return record_of(label, components, choices, "let ground.remove_response find out")
 
 
 def _open(source: Path, inventory: str | None) -> tuple["Stream", "Inventory | None"]:
@@ -82,16 +77,15 @@ def _open(source: Path, inventory: str | None) -> tuple["Stream", "Inventory | N
 
 
 def _open_file(path: Path) -> "Stream":
-    import obspy
     from obspy.io.mseed import InternalMSEEDWarning
     from obspy.io.mseed.util import get_record_information
 
-    with reading(path, ", neither by ObsPy nor as *.csv; it may be truncated or damaged"):
+    with reading(path, ", neither as a seismic format nor as *.csv; it may be truncated or damaged"):
         # ObsPy only warns of a record that breaks off or fails its checksum and leaves the rest out.
         with warnings.catch_warnings():
             warnings.simplefilter("error", InternalMSEEDWarning)
-            stream = obspy.read(str(path))
-        if stream[0].stats._format == "MSEED":
+            stream, form = read_record(path)
+        if form == "MSEED":
             # Some records that break off go without a warning, so see whether they fill the file.
             offset, size = 0, path.stat().st_size
             while size % 128 == 0 and offset < size:
@@ -108,15 +102,16 @@ def _open_file(path: Path) -> "Stream":
 
 
 def _open_inventory(name: str) -> "Inventory":
+    path = existing(Path(name), "ground.inventory")
+    with reading(path, " as a file of responses", "ground.inventory"):
+        return read_inventory(path)
+
+
+def _join(traces: "list[Trace]", label: str, gaps: GapChoice) -> "tuple[Trace, list[str]]":
+    """One trace of the traces of a channel; remarks on gaps that were filled."""
     import obspy
 
-    path = existing(Path(name), "ground.inventory")
-    with reading(path, " by ObsPy", "ground.inventory"):
-        return obspy.read_inventory(str(path))
-
-
-def _join(stream: "Stream", label: str, gaps: GapChoice) -> list[str]:
-    """Make one trace per channel, in place; remarks on gaps that were filled."""
+    stream = obspy.Stream(traces)
     try:
         stream.merge(method=-1)
         holes = stream.get_gaps()
@@ -124,13 +119,13 @@ def _join(stream: "Stream", label: str, gaps: GapChoice) -> list[str]:
         if overlaps:
             raise ValueError(f"traces of {'.'.join(overlaps[0][:4])} overlap by {-overlaps[0][6]:.4g} s")
         if not holes:
-            return []
+            return stream[0], []
     except Exception as error:  # ObsPy raises Exception itself, such as for rates that differ within a channel
         raise ValueError(f"ground.file = {label!r}: {error}; each channel must be one trace") from error
     recorded = sum(trace.stats.npts * trace.stats.delta for trace in stream)
     note = filled(label, len(holes), sum(hole[6] for hole in holes), recorded, gaps)
     stream.merge(method=1, fill_value="interpolate")
-    return [note]
+    return stream[0], [note]
 
 
 def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, Response]:

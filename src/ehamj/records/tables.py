@@ -4,19 +4,18 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ehamj.records.channel import Channel, Record
+from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import agreed_unit, choose_axes, recorded
-from ehamj.records.units import UNITS, Quantity, spelled
+from ehamj.records.components import Component, Loaded, answers_of, record_of
+from ehamj.records.units import time_unit
 from ehamj.signals import Array
-
-TIME_UNITS = {"s": 1.0, "ms": 1e-3}
 
 
 class Column(NamedTuple):
@@ -38,18 +37,6 @@ def parse_header(line: str, delimiter: str = ",", key: str = "ground.file") -> l
     if twice:
         raise ValueError(f"{key}: the CSV header names {twice[0]!r} more than once")
     return columns
-
-
-def parse_unit(column: Column, whose: str = "CSV column") -> tuple[Quantity, float] | None:
-    """What ``column`` holds and its unit's SI value, None where no unit is given; raises ValueError if unknown."""
-    if column.unit is None:
-        return None
-    unit = spelled(column.unit)
-    if unit not in UNITS:
-        raise ValueError(
-            f"ground.file: {whose} {column.name!r} has the unknown unit {column.unit!r}; known are {', '.join(UNITS)}"
-        )
-    return UNITS[unit]
 
 
 def read_table(path: Path, key: str = "ground.file") -> tuple[list[Column], Array, float | None]:
@@ -132,15 +119,18 @@ def read_csv(path: Path, choices: Choices = SILENT) -> Record:
     index = np.arange(float(len(table)))
     if clocks:
         unit = columns[clocks[0]].unit
-        if unit not in TIME_UNITS:
-            raise ValueError(f"ground.file: CSV column {names[clocks[0]]!r} has the unit {unit!r}; known are s and ms")
-        rate_hz, index, notes = clock(table[:, clocks[0]] * TIME_UNITS[unit], path.name, choices.gaps)
+        try:
+            seconds = table[:, clocks[0]] * time_unit(unit or "")
+        except ValueError as error:
+            raise ValueError(f"ground.file: the unit of CSV column {names[clocks[0]]!r}: {error}") from None
+        rate_hz, index, notes = clock(seconds, path.name, choices.gaps)
     assert rate_hz is not None
-    chosen = choose_axes({name: (name,) for i, name in enumerate(names) if i not in clocks}, choices.axes)
-    channels = []
-    for name, axis in chosen.items():
-        column = columns[names.index(name)]
-        holds, size = agreed_unit(choices, parse_unit(column), f"column {name!r}", "write the unit as 'x [m/s]'")
-        samples = on_grid(index, table[:, names.index(name)] * size)
-        channels.append(Channel(axis, name, rate_hz, holds, samples))
-    return recorded(path.name, channels, notes)
+    step_rate = rate_hz
+
+    def load(column: int) -> Loaded:
+        return Loaded(on_grid(index, table[:, column]), step_rate, columns[column].unit)
+
+    components = [
+        Component(name, partial(load, k), answers_of(name)) for k, name in enumerate(names) if k not in clocks
+    ]
+    return record_of(path.name, components, choices, "write the unit as 'x [m/s]'", notes)

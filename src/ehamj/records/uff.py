@@ -1,16 +1,16 @@
 """Records in universal files (UFF): time responses of dataset 58, through pyuff."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ehamj.records.channel import Channel, Place, Record
-from ehamj.records.choices import SILENT, Choices
+from ehamj.records.channel import Place, Record
+from ehamj.records.choices import SILENT, Choices, GapChoice
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
-from ehamj.records.tables import Column, parse_unit
-from ehamj.records.units import UNITS, Quantity
+from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.records.units import KNOWN, ORDERS, Quantity, is_silent, unit
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
 DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}
@@ -30,27 +30,29 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
     found = {f"{s['rsp_node']}:{_direction(s['rsp_dir'])}": s for s in sets}
     if len(found) < len(sets):
         raise ValueError(f"ground.file = {path.name!r} holds several time responses of one node and direction")
-    chosen = choose_axes({n: (n, DIRECTIONS.get(abs(s["rsp_dir"]), "")) for n, s in found.items()}, choices.axes)
-    beginning = max(float(found[name]["x"][0]) for name in chosen if found[name]["x"].size)
-    channels, notes = [], []
-    for name, axis in chosen.items():
-        content = found[name]
-        samples = np.asarray(content["data"])
-        stated = int(content["num_pts"])
-        if samples.size < stated:
-            held = f"{name} holds {samples.size} of {stated} samples"
-            raise ValueError(f"ground.file = {path.name!r}: {held}; the file may be truncated")
-        if np.iscomplexobj(samples):
-            raise ValueError(f"ground.file = {path.name!r}: {name} is complex; a time response must be real")
-        time = np.asarray(content["x"], float)[:stated]
-        rate, index, gaps = clock(time, path.name, choices.gaps)
-        unit, remark = _unit(content, name, si)
-        holds, size = agreed_unit(choices, unit, name, "label its ordinate with the unit")
-        sign = -1.0 if content["rsp_dir"] < 0 else 1.0
-        moved = on_grid(index, sign * size * samples[:stated])
-        channels.append(Channel(axis, name, rate, holds, moved, float(time[0]) - beginning))
-        notes += [*gaps, *remark]
-    return recorded(path.name, channels, notes)
+    components = [
+        Component(name, partial(_loaded, path, name, content, si, choices.gaps), _axis(content["rsp_dir"]))
+        for name, content in found.items()
+    ]
+    return record_of(path.name, components, choices, "label its ordinate with the unit")
+
+
+def _axis(direction: int) -> tuple[str, ...]:
+    return (DIRECTIONS[abs(direction)],) if abs(direction) in DIRECTIONS else ()
+
+
+def _loaded(path: Path, name: str, content: dict[str, Any], si: bool, gaps: GapChoice) -> Loaded:
+    samples, stated = np.asarray(content["data"]), int(content["num_pts"])
+    if samples.size < stated:
+        held = f"{name} holds {samples.size} of {stated} samples"
+        raise ValueError(f"ground.file = {path.name!r}: {held}; the file may be truncated")
+    if np.iscomplexobj(samples):
+        raise ValueError(f"ground.file = {path.name!r}: {name} is complex; a time response must be real")
+    time = np.asarray(content["x"], float)[:stated]
+    rate, index, notes = clock(time, path.name, gaps)
+    unit, remarks = _unit(content, name, si)
+    sign = -1.0 if content["rsp_dir"] < 0 else 1.0
+    return Loaded(on_grid(index, sign * samples[:stated]), rate, unit, float(time[0]), notes=(*notes, *remarks))
 
 
 def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
@@ -74,20 +76,23 @@ def _direction(number: int) -> str:
     return str(number) if axis is None else f"{'-' if number < 0 else '+'}{axis.upper()}"
 
 
-def _unit(content: dict[str, Any], name: str, si: bool) -> tuple[tuple[Quantity, float] | None, list[str]]:
-    """What a time response holds and its unit's SI value, None where it does not say, and a remark."""
+def _unit(content: dict[str, Any], name: str, si: bool) -> tuple[str | tuple[Quantity, float] | None, list[str]]:
+    """What a time response holds: the label of its unit, or SI; None where it does not say; and a remark."""
     label = str(content.get("ordinate_axis_units_lab") or "").strip()
     holds = DATA_TYPES.get(int(content["ordinate_spec_data_type"]))
-    if label and label.upper() != "NONE":
-        unit = parse_unit(Column(name, label), "UFF component")
-        if unit is not None and holds not in (None, unit[0]):
+    if not is_silent(label):
+        try:
+            kind = unit(label).kind
+        except ValueError as error:
+            raise ValueError(f"ground.file: the unit of UFF component {name!r}: {error}") from None
+        if holds is not None and kind in ORDERS and kind != holds:
             raise ValueError(f"ground.file: UFF component {name} is {holds} by its data type, but in {label!r}")
-        return unit, []
+        return label, []
     if holds is None:
         return None, []
     if not si:
         raise ValueError(
             f"ground.file: UFF component {name} has no unit label, and dataset 164 says that the file is not in SI; "
-            f"label the ordinate with one of {', '.join(UNITS)}"
+            f"label the ordinate with its unit: {KNOWN}"
         )
     return (holds, 1.0), [f"{name} has no unit label: taken as SI, as its data type ({holds}) has it"]

@@ -1,34 +1,269 @@
-"""What is measured of a floor: quantities, and the units that files and users give them in."""
+"""The one table of units: what files and users write, whatever its spelling, and its SI value.
+
+A unit is read by a small grammar, so that spellings need no table of their own: ``m/s^2``, ``M/S**2``, ``M/SEC/SEC``,
+``(mm/s²)``, ``m s-2`` and ``m·s⁻²`` are products of powers of the names below; names may have a prefix.
+"""
 
 import re
-from typing import Literal
+import unicodedata
+from fractions import Fraction
+from typing import Final, Literal, NamedTuple
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
+Kind = Literal["displacement", "velocity", "acceleration", "time", "frequency", "counts", "voltage"]
 
 ORDERS: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """How often the displacement is differentiated to get the quantity."""
 
 GRAVITY = 9.80665
-"""Standard acceleration of gravity [m/s²]."""
+"""Standard acceleration of gravity [m/s²] (ISO 80000-3)."""
 
-UNITS: dict[str, tuple[Quantity, float]] = {
-    "m": ("displacement", 1.0),
-    "mm": ("displacement", 1e-3),
-    "um": ("displacement", 1e-6),
-    "nm": ("displacement", 1e-9),
-    "m/s": ("velocity", 1.0),
-    "mm/s": ("velocity", 1e-3),
-    "um/s": ("velocity", 1e-6),
-    "nm/s": ("velocity", 1e-9),
-    "m/s^2": ("acceleration", 1.0),
-    "mm/s^2": ("acceleration", 1e-3),
-    "um/s^2": ("acceleration", 1e-6),
-    "g": ("acceleration", GRAVITY),
+INCH = 0.0254
+"""[m]"""
+
+
+class Unit(NamedTuple):
+    """A unit: its SI value, and what it is of."""
+
+    size: float
+    kind: Kind
+
+
+class Power(NamedTuple):
+    """SI value, and powers of metre, second, count and volt."""
+
+    size: float
+    metre: Fraction = Fraction(0)
+    second: Fraction = Fraction(0)
+    counts: Fraction = Fraction(0)
+    volt: Fraction = Fraction(0)
+
+    def times(self, other: "Power", power: Fraction) -> "Power":
+        """The product with a power of another."""
+        exponents = (a + power * b for a, b in zip(self[1:], other[1:], strict=True))
+        return Power(self.size * other.size ** float(power), *exponents)
+
+
+ONE: Final = Power(1.0)
+_METRE, _SECOND = Power(1.0, metre=Fraction(1)), Power(1.0, second=Fraction(1))
+_SPEED, _ACCELERATION = _METRE.times(_SECOND, Fraction(-1)), _METRE.times(_SECOND, Fraction(-2))
+_HERTZ = ONE.times(_SECOND, Fraction(-1))
+
+
+def _of(size: float, power: Power) -> Power:
+    return power._replace(size=size)
+
+
+PREFIXES: Final = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "k": 1e3}
+"""By letter, in either case: no floor is measured in mega or peta."""
+
+LONG_PREFIXES: Final = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "centi": "c", "deci": "d", "kilo": "k"}
+
+_SCALED: dict[str, tuple[Power, str]] = {
+    **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), (_METRE, "pnumcdk")),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), (_SECOND, "num")),
+    **dict.fromkeys(("g", "gn"), (_of(GRAVITY, _ACCELERATION), "num")),
+    **dict.fromkeys(("gal", "gals"), (_of(1e-2, _ACCELERATION), "num")),
+    **dict.fromkeys(("in", "inch", "inches"), (_of(INCH, _METRE), "um")),
+    **dict.fromkeys(("hz", "hertz"), (_HERTZ, "k")),
+    **dict.fromkeys(("v", "volt", "volts"), (Power(1.0, volt=Fraction(1)), "num")),
 }
-"""Units of samples: what they are of, and the SI value. Other spellings: see `spelled`."""
+"""What a name stands for, and the prefixes that it may have."""
+
+_WHOLE: dict[str, Power] = {
+    **dict.fromkeys(("micron", "microns"), _of(1e-6, _METRE)),
+    **dict.fromkeys(("mil", "mils", "thou"), _of(1e-3 * INCH, _METRE)),
+    **dict.fromkeys(("ft", "foot", "feet"), _of(0.3048, _METRE)),
+    "ips": _of(INCH, _SPEED),
+    "kine": _of(1e-2, _SPEED),
+    "sps": _HERTZ,
+    **dict.fromkeys(("min", "mins", "minute", "minutes"), _of(60.0, _SECOND)),
+    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), _of(3600.0, _SECOND)),
+    **dict.fromkeys(("d", "day", "days"), _of(86400.0, _SECOND)),
+    **dict.fromkeys(("count", "counts", "cts", "adu", "lsb", "digit", "digits"), Power(1.0, counts=Fraction(1))),
+}
+"""Names that take no prefix."""
+
+_KINDS: dict[tuple[Fraction, ...], Kind] = {
+    _METRE[1:]: "displacement",
+    _SPEED[1:]: "velocity",
+    _ACCELERATION[1:]: "acceleration",
+    _SECOND[1:]: "time",
+    _HERTZ[1:]: "frequency",
+    _WHOLE["counts"][1:]: "counts",
+    _SCALED["v"][0][1:]: "voltage",
+}
+
+KNOWN: Final = "m, m/s, m/s^2 (with k, c, m, u, n before m; also in, ft, mil), g, Gal"
+"""Units of motion, as messages list them."""
+
+SILENT: Final = frozenset({"", "none", "-", "--", "n/a", "na", "unknown", "unitless", "null", "?"})
+"""What files write where they state no unit."""
+
+_SUPERSCRIPT: Final = "⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+_EXPONENT: Final = re.compile(r"(?:\^\s*)?([+-]?\d+)|\^\s*\(\s*([+-]?\d+)\s*\)")
 
 
-def spelled(unit: str) -> str:
-    """A unit as `UNITS` spells it: µ as u, ² and ** 2 as ^2, s2 as s^2, no spaces."""
-    plain = re.sub(r"[µμ]", "u", unit.replace(" ", "").replace("²", "^2").replace("**2", "^2"))
-    return re.sub(r"/s2\b", "/s^2", plain)
+def is_silent(text: str | None) -> bool:
+    """Whether a text that stands for a unit states none."""
+    return text is None or bare(text).lower() in SILENT
+
+
+def bare(text: str) -> str:
+    """A unit without the brackets and quotes around it."""
+    plain = text.strip().strip("\"'").strip()
+    while len(plain) > 1 and (plain[0], plain[-1]) in (("[", "]"), ("{", "}"), ("<", ">")):
+        plain = plain[1:-1].strip()
+    return plain
+
+
+def unit(text: str) -> Unit:
+    """The unit that a text states.
+
+    Raises:
+        ValueError: if it is not one of motion, time, frequency, counts or voltage.
+    """
+    power = powers(text)
+    kind = _KINDS.get(power[1:])
+    if kind is None:
+        raise ValueError(f"{text.strip()!r} is not a unit of motion; known are {KNOWN}")
+    return Unit(power.size, kind)
+
+
+def motion_unit(text: str) -> tuple[Quantity, float]:
+    """Quantity and SI value of a unit of motion.
+
+    Raises:
+        ValueError: if it is none; of counts and volts it says what to do.
+    """
+    found = unit(text)
+    if found.kind in ("displacement", "velocity", "acceleration"):
+        return found.kind, found.size
+    told = {
+        "counts": "counts of a converter: say what one is with ground.unit and ground.scale, or give its response",
+        "voltage": "a sensor's voltage: say what 1 V stands for with ground.unit and ground.scale",
+    }
+    raise ValueError(f"{text.strip()!r} is of {told.get(found.kind, found.kind)}; known are {KNOWN}")
+
+
+def time_unit(text: str) -> float:
+    """SI value of a unit of time [s].
+
+    Raises:
+        ValueError: if it is none.
+    """
+    found = unit(text)
+    if found.kind != "time":
+        raise ValueError(f"{text.strip()!r} is of {found.kind}; known are s, ms, us, ns, min, h")
+    return found.size
+
+
+def density_unit(text: str) -> tuple[Quantity, float, bool]:
+    """Of a unit of spectral density, (U)^2/Hz or U/sqrt(Hz): quantity and SI value of U, and whether it is the root.
+
+    Raises:
+        ValueError: if it is none.
+    """
+    power = powers(text)
+    for root in (False, True):
+        squared = ONE.times(power, Fraction(2)) if root else power
+        whole = squared.times(_HERTZ, Fraction(1))  # per Hz taken off
+        kind = _KINDS.get(ONE.times(whole, Fraction(1, 2))[1:])
+        if kind in ("displacement", "velocity", "acceleration"):
+            return kind, power.size if root else power.size**0.5, root
+    raise ValueError(f"{text.strip()!r} is not (U)^2/Hz or U/sqrt(Hz), known are for U {KNOWN}")
+
+
+def powers(text: str) -> Power:
+    """SI value and powers of the unit that a text states.
+
+    Raises:
+        ValueError: if there is a name that is not known, or no sense in it.
+    """
+    parser = _Parser(_plain(text))
+    try:
+        found = parser.product()
+        if parser.rest:
+            raise ValueError(f"{parser.rest!r} is left over")
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{text.strip()!r} is not a unit that is known ({error}); known are {KNOWN}") from None
+    return found
+
+
+def _plain(text: str) -> str:
+    """A unit in ASCII, its powers as ^, its products as *."""
+    raised = re.sub(f"[{_SUPERSCRIPT}]+", lambda found: "^" + unicodedata.normalize("NFKC", found[0]), bare(text))
+    plain = unicodedata.normalize("NFKC", raised).translate(
+        {0x3BC: "u", 0x2212: "-", 0x22C5: "*", 0xB7: "*", 0xD7: "*"}
+    )
+    plain = plain.replace("√", "sqrt ").replace("**", "^")
+    plain = re.sub(r"(?<=[a-z])\.(?=[\^)/*\s]|$)", "", plain, flags=re.IGNORECASE)  # sec.
+    return re.sub(r"\s+per\s+", "/", plain, flags=re.IGNORECASE).strip()
+
+
+class _Parser:
+    """Recursive descent: a product of powers of names and of parentheses."""
+
+    def __init__(self, text: str) -> None:
+        self.rest = text
+        self.parted = False
+        """Whether blanks stood between what was taken last and the rest."""
+
+    def product(self) -> Power:
+        found, divided = self.factor(False), False
+        while self.rest and self.rest[0] != ")":
+            mark = self.taken(r"[/*.]|(?=[a-z(])")
+            if mark != "/" and divided:
+                raise ValueError("a product after a / can be read in two ways; use brackets")
+            divided = divided or mark == "/"
+            found = found.times(self.factor(mark == "/"), Fraction(-1 if mark == "/" else 1))
+        return found
+
+    def factor(self, below: bool) -> Power:
+        """A name or brackets, with their power; ``below`` a fraction's line no power may be negative."""
+        if self.rest.startswith("("):
+            self.taken(r"\(")
+            found, name = self.product(), ""
+            self.taken(r"\)")
+        else:
+            name = self.taken(r"[a-z]+")
+            if name.lower() == "sqrt":
+                return ONE.times(self.factor(below), Fraction(1, 2))
+            found = ONE
+        match = None if self.parted else _EXPONENT.match(self.rest)
+        power = int(match[1] or match[2]) if match else 1
+        self.rest = self.rest[match.end() :].lstrip() if match else self.rest
+        if abs(power) > 9 or power == 0 or (below and power < 0):
+            raise ValueError(f"the power {power} makes no sense")
+        length = _named(name[:-1]) if power < 0 and name[-1:] in ("s", "S") else None
+        if length is not None and length[1:] == _METRE[1:]:  # ms-2 is m s^-2, which nobody means as milliseconds
+            return length.times(_SECOND, Fraction(power))
+        named = _named(name) if name else found
+        if named is None:
+            raise ValueError(f"{name!r} is unknown")
+        return ONE.times(named, Fraction(power))
+
+    def taken(self, pattern: str) -> str:
+        match = re.match(pattern, self.rest, flags=re.IGNORECASE)
+        if match is None:
+            raise ValueError(f"{self.rest!r} makes no sense here" if self.rest else "it breaks off")
+        after = self.rest[match.end() :]
+        self.rest = after.lstrip()
+        self.parted = len(self.rest) < len(after) and not self.rest.startswith("^")
+        return match[0]
+
+
+def _named(name: str) -> Power | None:
+    """What a name stands for, prefix included; None if it is not known."""
+    if name == "Nm":  # a torque, not a length
+        return None
+    low = name.lower()
+    if low in _WHOLE:
+        return _WHOLE[low]
+    if low in _SCALED:
+        return _SCALED[low][0]
+    for long, letter in LONG_PREFIXES.items():
+        if low.startswith(long):
+            low = letter + low.removeprefix(long)
+    power, allowed = _SCALED.get(low[1:], (ONE, ""))
+    return power._replace(size=PREFIXES[low[0]] * power.size) if low[:1] and low[0] in allowed else None

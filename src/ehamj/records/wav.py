@@ -1,14 +1,15 @@
 """Records in WAV files, whose samples are shares of a full scale that the user states."""
 
 import warnings
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from scipy.io import wavfile
 
-from ehamj.records.channel import Channel, Record
+from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
-from ehamj.records.components import agreed_unit, choose_axes, existing, reading, recorded
+from ehamj.records.components import Component, Loaded, existing, reading, record_of
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""
@@ -36,16 +37,16 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
     if rate <= 0:
         raise ValueError(f"ground.file = {path.name!r} states a sampling rate of {rate} Hz; it must be positive")
     share = _share(data[:, None] if data.ndim == 1 else data)
-    chosen = choose_axes({str(n + 1): (str(n + 1),) for n in range(share.shape[1])}, choices.axes)
-    channels, notes = [], []
-    for name, axis in chosen.items():
-        holds, size = agreed_unit(choices, None, f"component {name}", "set ground.unit")
-        samples = share[:, int(name) - 1]
+    full_scale = choices.full_scale
+
+    def load(column: int) -> Loaded:
+        samples = share[:, column]
         over = int(np.sum(np.abs(samples) >= CLIPPED))
-        if over:
-            notes.append(f"{name} looks clipped: {over} samples stand at the WAV file's full scale")
-        channels.append(Channel(axis, name, float(rate), holds, choices.full_scale * size * samples))
-    return recorded(path.name, channels, notes)
+        notes = [f"{column + 1} looks clipped: {over} samples stand at the WAV file's full scale"] if over else []
+        return Loaded(full_scale * samples, float(rate), notes=tuple(notes))
+
+    components = [Component(str(n + 1), partial(load, n)) for n in range(share.shape[1])]
+    return record_of(path.name, components, choices, "use a format that states it")
 
 
 def _share(data: np.ndarray) -> np.ndarray:

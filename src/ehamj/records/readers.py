@@ -1,0 +1,51 @@
+"""Which reader takes a file: by the ending of its name, else by how it begins."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ehamj.records.channel import Record
+from ehamj.records.choices import Choices
+from ehamj.records.matlab import read_matlab
+from ehamj.records.seismic import read_seismic
+from ehamj.records.tables import read_csv
+from ehamj.records.uff import read_uff
+from ehamj.records.wav import read_wav
+from ehamj.registry import Registry
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Reads the files of one format.
+
+    ``looks`` tells by a file's first `HEAD` bytes whether it is of that format, for files whose ending says nothing.
+    """
+
+    title: str
+    read: Callable[[Path, Choices], Record]
+    endings: tuple[str, ...] = ()
+    looks: Callable[[bytes], bool] | None = None
+    responds: bool = False
+    """Whether counts of an instrument are read, of which an inventory gives the response."""
+
+
+HEAD = 4096
+"""Bytes of a file by which its format is told."""
+
+READERS: Registry[Reader] = Registry("reader")
+READERS.add("table", Reader("text table", read_csv, (".csv",)))
+READERS.add("uff", Reader("universal file", read_uff, (".uff", ".unv")))
+READERS.add("matlab", Reader("MATLAB file", read_matlab, (".mat",)))
+READERS.add("wav", Reader("WAV file", read_wav, (".wav",)))
+READERS.add("seismic", Reader("seismic formats, through ObsPy", read_seismic, responds=True))
+
+
+def reader_of(path: Path) -> Reader:
+    """The reader of a file; the last one, of seismic formats, takes what no other does."""
+    ending = path.suffix.lower()
+    found = next((reader for reader in READERS.values() if ending in reader.endings), None)
+    if found is None and path.is_file():
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+        found = next((reader for reader in READERS.values() if reader.looks is not None and reader.looks(head)), None)
+    return found or READERS["seismic"]
