@@ -122,7 +122,7 @@ def test_nist_a_limits_displacement_to_20_hz_and_velocity_to_100_hz() -> None:
     }
     slow = dict.fromkeys((band.name for band in bands(1.0, 20.0)), ("displacement", 25e-9))
     fast = dict.fromkeys((band.name for band in bands(25.0, 100.0)), ("velocity", 3.12e-6))
-    beyond = dict.fromkeys(("0.5", "0.63", "0.8", "125", "160", "200"))
+    beyond = dict.fromkeys(("0.5", "0.63", "0.8", "125", "160", "200", "250", "315"))
     assert found == slow | fast | beyond
 
 
@@ -263,5 +263,5 @@ def test_every_registered_norm_judges(name: str) -> None:
 
 
 def test_a_norm_that_is_not_registered_cannot_be_chosen() -> None:
-    with pytest.raises(ValidationError, match="'vc', 'nist-a' or 'iso-2631-2'"):
-        CriteriaSettings(norms=("din-4150-3",))
+    with pytest.raises(ValidationError, match="'vc', 'nist-a', 'iso-2631-2', 'din-4150-3' or 'din-4150-3-floors'"):
+        CriteriaSettings(norms=("bs-7385-2",))

@@ -618,7 +618,7 @@ SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
     "inventory junk": (
         [trace(WAVE, "HHZ")],
         {"inventory": "junk"},
-        r"ground\.inventory = 'junk' cannot be read by ObsPy",
+        r"ground\.inventory = 'junk' cannot be read as a file of responses",
     ),
     "other channel": (
         [trace(WAVE, "HHN")],
@@ -676,7 +676,7 @@ def test_files_that_are_missing_or_no_record_are_named(tmp_path: Path) -> None:
     for file, message in {
         "no.mseed": r"ground\.file = 'no\.mseed': there is no such file in ",
         "no.csv": r"ground\.file = 'no\.csv' cannot be read: No such file",
-        "junk.mseed": r"ground\.file = 'junk\.mseed' cannot be read, neither by ObsPy nor as \*\.csv",
+        "junk.mseed": r"ground\.file = 'junk\.mseed' cannot be read, neither as a seismic format nor as \*\.csv",
         "cut.sac": r"ground\.file = 'cut\.sac' cannot be read.*truncated",
     }.items():
         with pytest.raises(ValueError, match=message):

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ehamj.errors import InputError
-from ehamj.estimate.bands import Band, bands
+from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.periodogram import band_rms
 from ehamj.ground import Motion
 from ehamj.ground.spectra import from_psd, from_third_octaves
-from ehamj.ground.targets import FileTarget, PetersonTarget, band_numbers
+from ehamj.ground.targets import FileTarget, PetersonTarget
 from ehamj.scenario.load import parse_scenario
 
 settings.register_profile("untimed", deadline=None)  # machines stall

@@ -369,7 +369,7 @@ def test_the_base_curves_tell_vertical_from_horizontal() -> None:
     ]
 
 
-@pytest.mark.parametrize(("practice", "met"), [("classic", "VC-G"), ("flat", "VC-B")])
+@pytest.mark.parametrize(("practice", "met"), [("classic", "VC-M"), ("flat", "VC-B")])
 def test_the_practice_at_low_frequency_is_the_users(practice: Any, met: str) -> None:
     motion = Motion()
     motion.cg[:, Z] = lines(2.0, 20e-6)

@@ -311,3 +311,14 @@ def test_a_matrix_of_responses_leaves_zeros_empty() -> None:
     assert [axes.texts[0].get_text() for axes in figure.axes if axes.texts] == ["0", "0"]
     assert len(figure.legends) == 1
     assert "[dB re 1 m/m]" in figure.get_supylabel()
+
+
+@pytest.mark.parametrize(("level", "lowest"), [(20.0, "e"), (2.0, "e"), (0.3, "f")])
+def test_classes_are_drawn_down_to_the_first_that_is_missed(level: float, lowest: str) -> None:
+    """Twelve decades of classes that nobody meets would press what happens into a corner."""
+    frequency = np.array([8.0, 16.0, 31.5])
+    classes = {name: (frequency, np.full(3, 200.0 / 4.0**k)) for k, name in enumerate("abcdefghi")}
+    curves = [plots.Levels("floor", frequency, np.full(3, level), plots.FLOOR_COLOR)]
+    (axes,) = plots.criterion("classes", curves, classes).axes
+    drawn = [line.get_gid().removeprefix("class-") for line in axes.lines if str(line.get_gid()).startswith("class-")]
+    assert drawn[-1] == lowest

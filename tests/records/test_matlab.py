@@ -332,7 +332,7 @@ def plugin(file: h5py.File) -> None:
 
 
 def huge(file: h5py.File) -> None:
-    file.create_dataset("y", shape=(2**40,), dtype=float, chunks=(1024,))
+    file.create_dataset("y", shape=(2**29 - 2**14,), dtype="i1", chunks=(1024,))
 
 
 def circle(file: h5py.File) -> None:
@@ -344,12 +344,12 @@ def circle(file: h5py.File) -> None:
     ("build", "message"),
     [
         (timetable, r"only MATLAB can read tt \(timetable\): save numbers or a struct instead"),
-        (external, r"y is a link to '/etc/hostname'; only what is in the file itself is read"),
+        (external, r"/y is a link into another file"),
         (soft, r"y is a link to '/z'; only what is in the file itself is read"),
-        (elsewhere, r"the numbers of y are in other files; only what is in the file is read"),
-        (virtual, r"the numbers of y are in other files; only what is in the file is read"),
+        (elsewhere, r"/y keeps its values in another file"),
+        (virtual, r"/y keeps its values in another file"),
         (plugin, r"y is stored with the filter 32000 lzf; known are deflate, shuffle"),
-        (huge, r"y states 1\.1e\+12 numbers; 2\.68e\+08 are allowed; cut the record"),
+        (huge, r"y states 5\.37e\+08 numbers; 2\.68e\+08 are allowed; cut the record"),
         (circle, r"structs deep, or holds itself"),
     ],
 )
@@ -360,7 +360,7 @@ def test_what_is_not_a_number_in_the_file_is_refused(
         read(hdf5(tmp_path, build), axes={"y": "x", "z": "z"} if build is not timetable else None, **VELOCITY)
 
 
-@pytest.mark.parametrize("build", [elsewhere, virtual, plugin, huge])
+@pytest.mark.parametrize("build", [plugin, huge])
 def test_what_is_not_picked_is_not_read(tmp_path: Path, build: Callable[[h5py.File], None]) -> None:
     record = read(hdf5(tmp_path, build), axes={"z": "z"}, **VELOCITY)
     np.testing.assert_array_equal(by_axis(record)["z"], NOISE[0])

@@ -137,12 +137,15 @@ def test_levels_lie_as_far_from_a_drawn_limit_as_the_norm_counts(
                 assert share == pytest.approx(max(levels) / limit.value, rel=1e-9)
 
 
-def test_the_strictest_curve_is_always_in_sight(pictures: dict[str, Picture]) -> None:
-    for name in ("criterion-z", "criterion-nist-a-z", "criterion-iso-2631-2-z", "criterion-iso-2631-2-xy"):
-        (axes,) = pictures[name].figure.axes
-        low, high = axes.get_ylim()
-        curves = [line for line in axes.lines if str(line.get_gid()).startswith("class-")]
-        assert low < curves[-1].get_ydata().min() <= curves[-1].get_ydata().max() < high
+@pytest.mark.parametrize(
+    "name", ["criterion-z", "criterion-nist-a-z", "criterion-iso-2631-2-z", "criterion-iso-2631-2-xy"]
+)
+def test_the_strictest_curve_in_question_is_in_sight(pictures: dict[str, Picture], name: str) -> None:
+    """The first that no machine meets or, of a norm of few classes, the strictest."""
+    (axes,) = pictures[name].figure.axes
+    low, high = axes.get_ylim()
+    curves = [line for line in axes.lines if str(line.get_gid()).startswith("class-")]
+    assert low < curves[-1].get_ydata().min() <= curves[-1].get_ydata().max() < high
 
 
 def test_relative_motions_are_the_summarys_and_the_datasets(results: dict[str, Result], whole: Any) -> None:

@@ -12,7 +12,8 @@ from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, bands
 from ehamj.estimate.statistics import BandStatistic, Statistic
-from ehamj.findings import Finding
+from ehamj.estimate.swings import Swings
+from ehamj.findings import Finding, finite
 from ehamj.plant.axes import AXES
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
@@ -23,7 +24,7 @@ ByKind = Mapping[Kind, Array]
 ORDERS: dict[Quantity, int] = {"displacement": -1, "velocity": 0, "acceleration": 1}
 """Order of each quantity as a time derivative of velocity."""
 
-CANDIDATES = bands(0.5, 200.0)
+CANDIDATES = bands(0.5, 315.0)
 """Bands in which any norm here has a limit."""
 
 WHOLE: Final = "all"
@@ -32,11 +33,38 @@ WHOLE: Final = "all"
 
 @dataclass(frozen=True)
 class Limit:
-    """Largest level allowed: of displacement [m], velocity [m/s] or acceleration [m/s²]."""
+    """Largest level allowed: of displacement [m], velocity [m/s] or acceleration [m/s²].
+
+    A limit of a peak may depend on the frequency of the swing that it belongs to: ``corners`` are frequencies [Hz],
+    rising, and limits there, with straight lines between, over logarithms if ``logarithmic``. Where the frequency is
+    not clear or lies outside, ``value`` counts, which is then the least of them.
+    """
 
     value: float
     quantity: Quantity = "velocity"
     statistic: Statistic = "rms"
+    corners: tuple[tuple[float, float], ...] = ()
+    logarithmic: bool = False
+
+    @classmethod
+    def of_swings(
+        cls, corners: Sequence[tuple[float, float]], quantity: Quantity = "velocity", logarithmic: bool = False
+    ) -> Self:
+        """A limit of the peak over the frequency of its swing."""
+        return cls(min(value for _, value in corners), quantity, "peak", tuple(corners), logarithmic)
+
+    def over(self, frequency: Array) -> Array:
+        """The limit at frequencies of swings [Hz], (n,)."""
+        if not self.corners:
+            return np.full(np.shape(frequency), self.value)
+        at, values = np.array(self.corners).T
+        inside = (frequency >= at[0]) & (frequency <= at[-1])
+        wanted = np.where(inside, frequency, at[0])
+        if self.logarithmic:
+            found = np.exp(np.interp(np.log(wanted), np.log(at), np.log(values)))
+        else:
+            found = np.interp(wanted, at, values)
+        return np.where(inside, found, self.value)
 
     @property
     def kind(self) -> Kind:
@@ -80,6 +108,10 @@ class Verdict(Finding):
     """Largest level over the norm's base curve, for a norm that has one."""
     statistic: Statistic | None = None
     """Of the levels that decided; None where nothing did and the norm has several, or in a result that is older."""
+    peak: float | None = None
+    """Where a limit of the peak decided: that of the swing that came nearest to it [SI]."""
+    peak_hz: float | None = None
+    """Frequency of that swing [Hz], where the limit depends on it; None: not clear, and the strictest value counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,13 +172,21 @@ class Norm:
         """Kinds of levels that the norm limits."""
         return frozenset(limit.kind for table in self._limits.values() for limit in table.values())
 
-    def judge(self, axis: str, levels: ByKind, measured: tuple[Band, ...]) -> Verdict:
+    @cached_property
+    def swinging(self) -> frozenset[Quantity]:
+        """Quantities of which the norm limits the peak by the frequency of its swing."""
+        return frozenset(limit.quantity for table in self._limits.values() for limit in table.values() if limit.corners)
+
+    def judge(
+        self, axis: str, levels: ByKind, measured: tuple[Band, ...], swings: Mapping[Quantity, Swings] | None = None
+    ) -> Verdict:
         """The class that levels meet.
 
         Args:
             axis: x, y or z.
             levels: of each kind that the norm limits.
             measured: the bands.
+            swings: where a limit depends on the frequency of a peak; without, the strictest value counts.
 
         Raises:
             InputError: if a kind of levels that the norm limits is not among them.
@@ -154,31 +194,32 @@ class Norm:
         if missing := self.kinds - levels.keys():
             wanted, given = (", ".join(f"{s} of {q}" for q, s in sorted(kinds)) for kinds in (missing, levels))
             raise InputError(f"norm {self.title!r}: limits {wanted}; the levels are {given}")
-        known = {
-            (band, kind): float(value)
-            for kind, values in levels.items()
-            for band, value in zip((None,) if kind[1] == "peak" else measured, values, strict=True)
-            if np.isfinite(value)
-        }
+        known = _known(levels, measured)
         limits = [(band, limit) for name in self.classes for band, limit in self._limits[name, axis].items()]
         unknown = {band for band, limit in limits if (band, limit.kind) not in known}
         undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
         several = {limit.statistic for _, limit in limits}
         statistic = several.pop() if len(several) == 1 else None
         met = deciding = margin = following = following_band = excess = None
+        decider: tuple[str, Band | None] | None = None
+        peaks: dict[str, float | None] = {}
         for name in self.classes:
-            shares = self._shares(name, axis, known)
+            shares = self._shares(name, axis, known, swings or {})
             if not shares:
                 break
             worst, share = max(shares.items(), key=lambda item: item[1])
             if share > 1.0:
                 following, following_band, excess = name, _name(worst), _decibel(share)
-                if deciding is None:
-                    deciding, statistic = _name(worst), self._limits[name, axis][worst].statistic
+                decider = decider or (name, worst)
                 break
-            met, deciding, statistic = name, _name(worst), self._limits[name, axis][worst].statistic
+            met, decider = name, (name, worst)
             margin = -_decibel(share) if share > 0 else None
-        base = {} if self.base is None else self._shares(self.base, axis, known)
+        if decider is not None:
+            deciding, limit = _name(decider[1]), self._limits[decider[0], axis][decider[1]]
+            statistic = limit.statistic
+            if decider[1] is None:
+                peaks = _nearest(limit, known[None, limit.kind], (swings or {}).get(limit.quantity))
+        base = {} if self.base is None else self._shares(self.base, axis, known, {})
         return Verdict(
             met=met,
             decided=deciding is not None and (met is None or not undecided),
@@ -189,6 +230,7 @@ class Norm:
             excess_db=excess,
             undecided=undecided,
             statistic=statistic,
+            **peaks,
             **({} if self.base is None else {"factor": max(base.values(), default=None)}),
         )
 
@@ -199,11 +241,43 @@ class Norm:
         return self.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
 
     def _shares(
-        self, name: str, axis: str, known: Mapping[tuple[Band | None, Kind], float]
+        self,
+        name: str,
+        axis: str,
+        known: Mapping[tuple[Band | None, Kind], float],
+        swings: Mapping[Quantity, Swings],
     ) -> dict[Band | None, float]:
         """Level over limit in each band in which both are known."""
-        limits = self._limits[name, axis].items()
-        return {band: known[band, limit.kind] / limit.value for band, limit in limits if (band, limit.kind) in known}
+        found: dict[Band | None, float] = {}
+        for band, limit in self._limits[name, axis].items():
+            if (band, limit.kind) not in known:
+                continue
+            level = known[band, limit.kind]
+            if limit.corners and (own := swings.get(limit.quantity)) is not None and own.peak.size:
+                found[band] = float((own.peak / limit.over(own.frequency)).max())
+            else:
+                found[band] = level / limit.value
+        return found
+
+
+def _known(levels: ByKind, measured: tuple[Band, ...]) -> dict[tuple[Band | None, Kind], float]:
+    """Levels that are numbers, by band (None: of the whole history) and kind."""
+    return {
+        (band, kind): float(value)
+        for kind, values in levels.items()
+        for band, value in zip((None,) if kind[1] == "peak" else measured, values, strict=True)
+        if np.isfinite(value)
+    }
+
+
+def _nearest(limit: Limit, level: float, swings: Swings | None) -> dict[str, float | None]:
+    """The peak that comes nearest to a limit of the whole history, and its frequency where that counts."""
+    if not limit.corners:
+        return {"peak": level}
+    if swings is None or not swings.peak.size:
+        return {"peak": level, "peak_hz": None}
+    k = int(np.argmax(swings.peak / limit.over(swings.frequency)))
+    return {"peak": float(swings.peak[k]), "peak_hz": finite(float(swings.frequency[k]))}
 
 
 def _name(band: Band | None) -> str:

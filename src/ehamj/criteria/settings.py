@@ -1,19 +1,35 @@
 """What a user writes about criteria: the table [criteria] of a scenario."""
 
-from typing import TYPE_CHECKING, Literal, Self
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
+from ehamj.criteria.own import ENDING, own_norm
 from ehamj.estimate.statistics import BandStatistic
-from ehamj.settings import Settings
+from ehamj.settings import FileName, Settings
 
 if TYPE_CHECKING:
     NormName = str
 else:
     NormName = Literal[tuple(NORMS)]
+
+
+def _ending(name: str) -> str:
+    if not re.search(ENDING, name):
+        raise ValueError("the file with own limits by its name and ending, such as limits.csv")
+    return name
+
+
+LimitsFile = Annotated[
+    FileName,
+    AfterValidator(_ending),
+    Field(json_schema_extra={"pattern": ENDING}, description="table of limits, relative to the scenario's folder"),
+]
 
 
 class ResponseSpectrumSettings(Settings):
@@ -34,8 +50,14 @@ class ResponseSpectrumSettings(Settings):
 class CriteriaSettings(Settings):
     """Criteria by which floor and machine are judged."""
 
-    norms: tuple[NormName, ...] = Field(
-        ("vc", "nist-a", "iso-2631-2"), description="norms that are judged; the first gives the verdict", min_length=1
+    norms: tuple[NormName | LimitsFile, ...] = Field(
+        ("vc", "nist-a", "iso-2631-2"),
+        description="norms that are judged, the first of which gives the verdict: names, or files with own limits, "
+        "such as limits/spindle.csv: a column 'band [Hz]' (third-octave centres) or 'frequency [Hz]' (points of a "
+        "curve), then a column with its unit per class, and above, where they are no RMS, a line '# statistic: peak', "
+        "max_1s, slow, fast, l10, l50 or l90; limits of a peak go with the frequency of its swing, and one row holds "
+        "for all",
+        min_length=1,
     )
     low_frequency: vc.LowFrequency = Field(
         "classic",
@@ -56,9 +78,23 @@ class CriteriaSettings(Settings):
     def _once(self) -> Self:
         if len(set(self.norms)) < len(self.norms):
             raise ValueError(f"norms = {list(self.norms)} must name each norm once")
+        names = [Path(name).name for name in self.norms]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ValueError(f"norms = {list(self.norms)} names two files {twice!r}; rename one of them")
         return self
 
     def chosen(self) -> dict[str, Norm]:
-        """The norms by name, the one of the verdict first."""
-        norms = {name: NORMS[name].practices.get(self.low_frequency, NORMS[name]) for name in self.norms}
-        return {name: norm.by(self.statistic) for name, norm in norms.items()} if self.statistic != "rms" else norms
+        """The norms by name (of a file without its folder), the one of the verdict first.
+
+        Raises:
+            InputError: if a file with limits cannot be used.
+        """
+        return {Path(name).name: self.norm(name) for name in self.norms}
+
+    def norm(self, name: str) -> Norm:
+        """One of the norms, by its entry; see `chosen`."""
+        if name not in NORMS:
+            return own_norm(name, self.statistic)
+        norm = NORMS[name].practices.get(self.low_frequency, NORMS[name])
+        return norm if self.statistic == "rms" else norm.by(self.statistic)

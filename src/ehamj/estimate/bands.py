@@ -14,6 +14,10 @@ BAND_LOG_WIDTH = float(np.log(G) / 3)
 NOMINAL = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
 
 
+OFF_CENTRE = 0.025
+"""How far a band's stated frequency may lie from an exact centre, relative: nominal ones are rounded by up to 2.4 %."""
+
+
 @dataclass(frozen=True)
 class Band:
     """One band: exact centre f_m and edges f_m·G^(±1/6) [Hz]."""
@@ -47,6 +51,24 @@ def bands(first: float, last: float) -> tuple[Band, ...]:
     """The bands whose nominal centres lie from ``first`` to ``last`` [Hz]."""
     low, high = (round(10.0 * np.log10(f / 1000.0)) for f in (first, last))
     return tuple(Band(k) for k in range(int(low), int(high) + 1))
+
+
+def band_numbers(centres: Sequence[float] | Array) -> Array:
+    """Numbers k of bands from their nominal centres 1000·10^(k/10) [Hz].
+
+    Raises:
+        ValueError: for a frequency that is no band's centre.
+    """
+    stated = np.asarray(centres, float)
+    numbers = np.rint(10.0 * np.log10(stated / 1000.0))
+    wrong = np.abs(stated / (1000.0 * 10.0 ** (numbers / 10.0)) - 1.0) > OFF_CENTRE
+    if wrong.any():
+        raise ValueError(
+            f"bands: {stated[wrong][0]:g} Hz is not the centre of a third-octave band (…, 6.3, 8, 10, 12.5, 16, …)"
+        )
+    if (np.diff(numbers) <= 0).any():
+        raise ValueError("bands must rise, each band once")
+    return numbers
 
 
 def band_attenuation(frequency: Array, response: ComplexArray, chosen: Sequence[Band]) -> Array:

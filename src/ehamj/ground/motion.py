@@ -42,6 +42,11 @@ class Motion(Protocol):
         """Frequency above which the motion is not known, and no statement about the machine holds [Hz]."""
         ...
 
+    @property
+    def usable_from(self) -> float:
+        """Frequency below which the motion is not known: a high-pass has taken it [Hz]."""
+        ...
+
 
 @dataclass(frozen=True)
 class Start:
@@ -83,6 +88,7 @@ class Slab:
     signals: dict[str, Signal]
     notes: tuple[str, ...] = ()
     usable_to: float = float("inf")
+    usable_from: float = 0.0
 
     @property
     def at_rest(self) -> bool:
@@ -116,6 +122,10 @@ class Combined:
     @property
     def usable_to(self) -> float:
         return min(part.usable_to for part in self.parts)
+
+    @property
+    def usable_from(self) -> float:
+        return max(part.usable_from for part in self.parts)
 
     def sample(self, time: Array) -> GroundSample:
         total = self.parts[0].sample(time)

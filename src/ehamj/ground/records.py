@@ -79,7 +79,15 @@ class RecordGround(Choices, GroundSettings, Treatment):
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(self.usable(channel) for channel in record.channels)
         notes += self._notes(record)
-        return spread(start, at_mounts(moving, start.mounts), None, 0.0, notes=tuple(notes), usable_to=usable)
+        return spread(
+            start,
+            at_mounts(moving, start.mounts),
+            None,
+            0.0,
+            notes=tuple(notes),
+            usable_to=usable,
+            usable_from=max(self.passes_from(channel) for channel in record.channels),
+        )
 
     def _scales(self, record: Record) -> dict[str, float]:
         """Factor on each channel, by its place; raises ValueError where the table names none of them."""

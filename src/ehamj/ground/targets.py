@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.estimate.bands import band_numbers
 from ehamj.ground.spectra import Axis, Spectrum, from_psd, from_third_octaves
 from ehamj.records.tables import Column, read_table
 from ehamj.records.units import Quantity, density_unit, motion_unit
 from ehamj.settings import FileName, Positive, Settings, one_of
 from ehamj.signals import Array
-
-OFF_CENTRE = 0.025
-"""How far a band's stated frequency may lie from an exact centre, relative: nominal ones are rounded by up to 2.4 %."""
 
 
 class TargetSettings(Settings):
@@ -126,24 +124,6 @@ if TYPE_CHECKING:
     Target = TargetSettings
 else:
     Target = one_of(TARGETS)
-
-
-def band_numbers(centres: tuple[float, ...] | Array) -> Array:
-    """Numbers k of bands from their nominal centres 1000·10^(k/10) [Hz].
-
-    Raises:
-        ValueError: for a frequency that is no band's centre.
-    """
-    stated = np.asarray(centres, float)
-    numbers = np.rint(10.0 * np.log10(stated / 1000.0))
-    wrong = np.abs(stated / (1000.0 * 10.0 ** (numbers / 10.0)) - 1.0) > OFF_CENTRE
-    if wrong.any():
-        raise ValueError(
-            f"bands: {stated[wrong][0]:g} Hz is not the centre of a third-octave band (…, 6.3, 8, 10, 12.5, 16, …)"
-        )
-    if (np.diff(numbers) <= 0).any():
-        raise ValueError("bands must rise, each band once")
-    return numbers
 
 
 def _matching(key: str, frequencies: tuple[float, ...], other: str, values: tuple[float, ...]) -> None:

@@ -27,6 +27,8 @@ from ehamj.records.units import ORDERS
 from ehamj.settings import Positive, Settings, Unlimited
 from ehamj.signals import Array, Sampled, rise
 
+PASSES = 9.0 ** (1.0 / 8.0)
+"""Frequency over the corner of the high-pass at which it leaves 0.9 of the motion, 1/(1 + PASSES⁻⁸)."""
 _MEMORY = 6.0  # periods of the corner after which the high-pass has forgotten all but 1e-6
 
 
@@ -66,6 +68,11 @@ class Treatment(Settings):
     def memory(self) -> float:
         """How long the filters ring [s]."""
         return _MEMORY / self.highpass if self.highpass > 0 else 10.0
+
+    def passes_from(self, channel: Channel) -> float:
+        """Frequency from which a channel passes with nine tenths of its motion, or all [Hz]."""
+        falls_from = 0.0 if channel.response is None else self.band(channel)[1]
+        return max(PASSES * self.highpass, falls_from)
 
     def band(self, channel: Channel) -> tuple[float, float, float, float]:
         """Corners of the band inside which the response is removed [Hz]."""

@@ -69,6 +69,7 @@ class PerMount:
     mounts: int
     notes: tuple[str, ...] = ()
     usable_to: float = float("inf")
+    usable_from: float = 0.0
 
     @property
     def at_rest(self) -> bool:
@@ -104,6 +105,7 @@ def spread(
     begin: float | None = None,
     notes: tuple[str, ...] = (),
     usable_to: float = float("inf"),
+    usable_from: float = 0.0,
 ) -> Motion:
     """Motion of all mounts from signals per degree of freedom: a rigid slab, a plane wave, or motions per mount.
 
@@ -115,6 +117,7 @@ def spread(
         begin: from the time at which a motion that begins then reaches each mount [s] (not before time 0).
         notes: see `Motion`.
         usable_to: see `Motion` [Hz].
+        usable_from: likewise.
 
     Raises:
         ValueError: if a wave is asked to carry rotations.
@@ -122,7 +125,7 @@ def spread(
     one = {dof: signal for dof, signal in signals.items() if not isinstance(signal, tuple)}
     if wave is None and len(one) == len(signals):
         moved = {dof: faded(signal, fade_in, begin or 0.0) for dof, signal in one.items()}
-        return Slab(start.positions, moved, notes, usable_to)
+        return Slab(start.positions, moved, notes, usable_to, usable_from)
     turning = [dof for dof in signals if dof not in AXES]
     if turning:
         raise ValueError(f"ground.dof = {turning[0]!r}: a wave carries x, y or z; leave ground.wave out for a slab")
@@ -133,4 +136,4 @@ def spread(
         late = ((Delayed(part, float(delay)) if delay else part) for part, delay in zip(own, delays, strict=True))
         begins = np.zeros(delays.size) if begin is None else np.maximum(0.0, begin + delays)
         placed[axis] = tuple(faded(part, fade_in, float(at)) for part, at in zip(late, begins, strict=True))
-    return PerMount(placed, delays.size, notes, usable_to)
+    return PerMount(placed, delays.size, notes, usable_to, usable_from)

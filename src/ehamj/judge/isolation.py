@@ -7,7 +7,8 @@ from ehamj.criteria.settings import CriteriaSettings
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
 from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, levels_of, settled
-from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided
+from ehamj.judge.peaks import peaks_of
+from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided, unheld
 from ehamj.plant.plant import Plant
 
 Places = dict[str, dict[str, ByBand]]
@@ -20,6 +21,8 @@ class Analysis(Finding):
     from_s: float
     to_s: float
     usable_to_hz: float | None
+    usable_from_hz: float = 0.0
+    """From where on the ground is known [Hz]."""
 
 
 class Isolation(Finding):
@@ -51,6 +54,7 @@ def isolation(
     rate: float,
     usable_to: float = float("inf"),
     criteria: CriteriaSettings | None = None,
+    usable_from: float = 0.0,
 ) -> tuple[Isolation, list[str]]:
     """Attenuation and criteria of a run, and in words the bands that a longer run or a higher rate would decide.
 
@@ -60,13 +64,15 @@ def isolation(
         rate: recording rate [Hz].
         usable_to: frequency above which the ground is not known [Hz].
         criteria: the norms that judge.
+        usable_from: frequency below which the ground is not known [Hz].
     """
     norms = (criteria or CriteriaSettings()).chosen()
     end = duration_of(dataset)
     begin = settled(end)
-    known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
+    known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
     levels = levels_of(dataset.sel(time=slice(begin, None)), plant, rate, known)
-    verdicts = {name: by_norm(norm, levels) for name, norm in norms.items()}
+    peaks = peaks_of(dataset.sel(time=slice(begin, None)), rate, norms.values())
+    verdicts = {name: by_norm(norm, levels, peaks) for name, norm in norms.items()}
     first = next(iter(verdicts.values()))
     # Velocity, and what else the norms limit in bands.
     limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms.values()))
@@ -82,7 +88,8 @@ def isolation(
         attenuation_at_db=attenuation_at_places(levels),
         criterion=Criterion(floor=first.places["floor"], machine=first.places["machine"], verdict=first.verdict),
         criteria=verdicts,
-        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to)),
+        analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to), usable_from_hz=usable_from),
         **tables,
     )
-    return found, undecided(norms, end - begin, rate, usable_to)
+    left_open = undecided(norms, end - begin, rate, usable_to, usable_from)
+    return found, [*left_open, *unheld(norms, verdicts, usable_to, usable_from)]

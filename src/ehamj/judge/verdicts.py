@@ -1,13 +1,18 @@
 """What a norm says of each place: class per axis, the axis that decides, and the verdict in words."""
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
 from ehamj.estimate.periodogram import LEAST_BINS
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels, settled
+from ehamj.judge.peaks import Peaks
 from ehamj.plant.axes import AXES
+
+AT_BEST: Final = "at best"
+"""Before a class that is met as far as bands are known."""
 
 
 class AtPlace(Finding):
@@ -48,13 +53,15 @@ class Criterion(Finding):
     verdict: InWords
 
 
-def by_norm(norm: Norm, levels: Levels) -> ByNorm:
-    """Title of the norm, what it says of each place, and the verdict in words."""
+def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
+    """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
     places = {}
+    peaks = peaks or Peaks()
     for place in levels.places:
-        found = levels.at(place)
+        found = levels.at(place) | peaks.levels.get(place, {})
+        swings = peaks.swings.get(place, {})
         verdicts = {
-            axis: norm.judge(axis, {kind: table[:, k] for kind, table in found.items()}, levels.bands)
+            axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
             for k, axis in enumerate(AXES)
         }
         worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
@@ -83,7 +90,10 @@ def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
 def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:
     if any(verdict.deciding_band is None for verdict in verdicts):
         return "undecided"
-    return worst_class([verdict.met for verdict in verdicts], norm.classes) or f"worse than {norm.classes[0]}"
+    met = worst_class([verdict.met for verdict in verdicts], norm.classes)
+    if met is None:
+        return f"worse than {norm.classes[0]}"
+    return met if all(verdict.decided for verdict in verdicts) else f"{AT_BEST} {met}"
 
 
 def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
@@ -93,18 +103,21 @@ def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) ->
     return words + (f", undecided {where(missing)}" if missing else "")
 
 
-def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: float) -> list[str]:
+def undecided(
+    norms: dict[str, Norm], seconds: float, rate: float, usable_to: float, usable_from: float = 0.0
+) -> list[str]:
     """In words: bands that the norms need, and that a longer run or a higher recording rate would decide.
 
     Args:
         norms: by name.
         seconds: length of the record from which levels are taken [s].
         rate: recording rate [Hz].
-        usable_to: frequency above which the ground is not known [Hz]; such bands are the ground's to explain.
+        usable_to: frequency above which the ground is not known [Hz]; `unheld` tells of such bands.
+        usable_from: frequency below which it is not known [Hz].
     """
     needed = {name: {band for axis in AXES for band in norm.needed(axis)} for name, norm in norms.items()}
     everything = sorted(set().union(*needed.values()), key=lambda band: band.index)
-    known = [(band, *band.edges) for band in everything if band.edges[1] <= usable_to]
+    known = [(band, *band.edges) for band in everything if _held(band, usable_to, usable_from)]
     short = [(band, high - low) for band, low, high in known if (high - low) * seconds < LEAST_BINS]
     fast = [band for band, _, high in known if high > 0.5 * rate]
     found = []
@@ -116,6 +129,42 @@ def undecided(norms: dict[str, Norm], seconds: float, rate: float, usable_to: fl
     if fast:
         found.append(f"record_rate = {rate:g} Hz is too low to decide {_which(fast, needed)}")
     return found
+
+
+def unheld(norms: dict[str, Norm], found: Mapping[str, ByNorm], usable_to: float, usable_from: float) -> list[str]:
+    """In words: norms that need bands of which the ground says nothing, so that the classes named are no verdicts.
+
+    Args:
+        norms: by name.
+        found: what they say of a run.
+        usable_to: frequency above which the ground is not known [Hz].
+        usable_from: frequency below which it is not known [Hz].
+    """
+    missing: dict[str, set[Band]] = {}
+    axes: dict[str, None] = {}
+    for name, norm in norms.items():
+        places = [found[name].places[who] for who in ("floor", "machine")]
+        left_open = [axis for axis in AXES if not all(verdict.decided for p in places for verdict in p.along(axis))]
+        missing[name] = {b for axis in left_open for b in norm.needed(axis) if not _held(b, usable_to, usable_from)}
+        axes |= dict.fromkeys(left_open if missing[name] else ())
+    everything = sorted(set().union(*missing.values()), key=lambda band: band.index)
+    low = [band for band in everything if band.edges[0] < usable_from]
+    high = [band for band in everything if band.edges[1] > usable_to]
+    sides = ((low, f"from {usable_from:.3g} Hz on"), (high, f"up to {usable_to:.3g} Hz"))
+    if not everything:
+        return []
+    along = "" if len(axes) == len(AXES) else f" along {', '.join(axes)}"
+    known = " and ".join(end for own, end in sides if own)
+    wanted = " and ".join(_which(own, missing) for own, _ in sides if own)
+    return [
+        f"no verdict{along}: the ground is known {known} only, and a verdict needs {wanted}; classes named are the "
+        "best that may be met"
+    ]
+
+
+def _held(band: Band, usable_to: float, usable_from: float) -> bool:
+    """Whether the ground is known in all of a band."""
+    return usable_from <= band.edges[0] and band.edges[1] <= usable_to
 
 
 def _which(several: list[Band], needed: Mapping[str, set[Band]]) -> str:

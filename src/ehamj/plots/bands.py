@@ -62,13 +62,13 @@ def criterion(
         title: of the figure.
         curves: levels [µm/s].
         classes: name → band centres [Hz] and limits [µm/s] of each class, coarsest first, drawn where they are in
-            sight; the strictest always is.
+            sight; all are down to the first that no curve meets, or the strictest.
         known_to: frequency above which the ground is not known [Hz].
         quantity: what the vertical axis shows.
     """
     figure, axes = _over_bands(title, curves)
     drawn, values = _positive(curves)
-    strictest = list(classes.values())[-1][1] if classes else np.ones(1)
+    strictest = _first_missed(drawn, list(classes.values()))
     bottom = min(0.3, float(strictest.min()) / 1.5, max(QUIETEST, float(values.min(initial=1.0)) / 1.5))
     top = max(100.0, 1.5 * float(values.max(initial=1.0)), 1.5 * float(strictest.max()))
     _level_axis(axes, bottom, top, quantity)
@@ -89,6 +89,17 @@ def criterion(
         entries[f"floor not known above {known_to:.3g} Hz"] = style.patch_key(color="#E3E6EA")
     style.arrange(figure, [(axes, height)], entries, right=76.0)
     return figure
+
+
+def _first_missed(curves: Sequence[Levels], classes: Sequence[tuple[Array, Array]]) -> Array:
+    """Limits of the first class, coarsest first, that every curve exceeds in some band; or of the strictest."""
+
+    def exceeds(curve: Levels, frequency: Array, limit: Array) -> bool:
+        inside = np.isin(curve.frequency, frequency) & np.isfinite(curve.values)
+        return bool(np.any(curve.values[inside] > np.interp(curve.frequency[inside], frequency, limit)))
+
+    missed = (limit for frequency, limit in classes if curves and all(exceeds(c, frequency, limit) for c in curves))
+    return next(missed, classes[-1][1] if classes else np.ones(1))
 
 
 @style.styled()

@@ -89,10 +89,13 @@ class Reader:
     def inflate(self, data: memoryview) -> Iterator[Element]:
         """The matrix in a compressed element."""
         inflater = zlib.decompressobj()
-        inner = inflater.decompress(data, LARGEST - self.inflated)
+        try:
+            inner = inflater.decompress(data, LARGEST - self.inflated)
+        except zlib.error as error:
+            raise ValueError(f"it is damaged: {error}") from None
         self.inflated += len(inner)
         if inflater.unconsumed_tail or self.inflated >= LARGEST:
-            raise ValueError(f"its variables have more than {LARGEST:.3g} bytes; cut the record")
+            raise ValueError(f"its variables unfold to more than {LARGEST / 2**30:g} GiB; cut it into parts")
         return self.elements(memoryview(inner))
 
     def matrix(self, element: Element, path: str, depth: int) -> tuple[str, Value]:

@@ -1,7 +1,7 @@
 """MATLAB files of version 7.3, which are HDF5, through h5py.
 
-Only what MATLAB writes is followed: hard links and references inside the file, and numbers stored in it, plain or
-deflated; what would open other files or load plug-ins is refused.
+Only what MATLAB writes is followed: hard links and references, and numbers stored plain or deflated; what would load
+plug-ins is refused here, and what would open other files by `ehamj.plain.hdf5`.
 """
 
 from pathlib import Path
@@ -111,10 +111,8 @@ def _refers(item: Any) -> bool:
 
 
 def _check_stored(item: Any, name: str) -> None:
-    """Raise ValueError where a dataset's numbers are not in the file, or need more than MATLAB's own filters."""
+    """Raise ValueError where a dataset is too large, or needs more than MATLAB's own filters."""
     bounded(name, item.shape or ())
-    if item.is_virtual or item.external:
-        raise ValueError(f"the numbers of {name} are in other files; only what is in the file is read")
     plan = item.id.get_create_plist()
     for number in range(plan.get_nfilters()):
         code, _, _, words = plan.get_filter(number)

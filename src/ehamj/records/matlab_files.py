@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ehamj.plain.hdf5 import check_hdf5
 from ehamj.records.components import existing, reading
 from ehamj.records.matlab5 import HEADER, variables
 from ehamj.records.matlab73 import Hdf5
@@ -29,6 +30,7 @@ def opened(path: Path) -> Iterator[dict[str, Value]]:
         import h5py
 
         with reading(path, " as a MATLAB file"):
+            check_hdf5(path)
             content = h5py.File(path, "r")
         with content:
             with reading(path, " as a MATLAB file"):

@@ -3,10 +3,15 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from ehamj import plots
+from ehamj.criteria.curves import Norm
+from ehamj.errors import InputError
 from ehamj.evaluation import Evaluation, evaluate
+from ehamj.judge.verdicts import ByNorm
+from ehamj.plant.axes import AXES
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
@@ -51,6 +56,18 @@ class Shown:
         """That of the first result."""
         return self.first.scenario
 
+    @cached_property
+    def norms(self) -> dict[str, Norm]:
+        """Those that judged the first result, by name; a file that is not there any more leaves its classes alone."""
+        criteria, found = self.scenario.criteria, {}
+        for entry in criteria.norms:
+            name = Path(entry).name
+            try:
+                found[name] = criteria.norm(entry)
+            except InputError:
+                found[name] = _remembered(self.first.summary.criteria[name])
+        return found
+
     @property
     def alone(self) -> bool:
         """Whether there is one result only."""
@@ -75,6 +92,13 @@ class Shown:
                 floors.append(repr(floor))
                 yield "floor" if len(floors) == 1 else f"floor of {label}", plots.FLOOR_COLOR, floor
             yield label, self.colors[label], found.get("machine", {})
+
+
+def _remembered(judged: ByNorm) -> Norm:
+    """A norm of which only what it said is known: its title, and the classes that it named, without limits."""
+    verdicts = [verdict for place in judged.places.values() for verdict in place.along(AXES)]
+    classes = dict.fromkeys(name for v in verdicts for name in (v.met, v.next_class) if name is not None)
+    return Norm(judged.title, tuple(classes) or ("its coarsest class",))
 
 
 def ground_parts(scenario: Scenario) -> tuple[Any, ...]:

@@ -1,9 +1,26 @@
 """What the page says in words: verdict, class met, and what failed."""
 
+from typing import Final
+
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.pages.words import decibel
+from ehamj.judge.verdicts import AT_BEST
+from ehamj.pages.words import decibel, number, scaled
+from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results
 from ehamj.result import Result
+
+UNITS: Final = {
+    "displacement": ((1e6, "µm"), (1e3, "mm")),
+    "velocity": ((1e6, "µm/s"), (1e3, "mm/s")),
+    "acceleration": ((1e3, "mm/s²"), (1.0, "m/s²")),
+}
+"""Factor and unit of each quantity that a norm limits, for small and for large values."""
+
+
+def unit_of(quantity: str, value: float) -> tuple[float, str]:
+    """Factor and unit in which a value [SI] of a quantity has few digits."""
+    small, large = UNITS[quantity]
+    return small if abs(value) * small[0] < 1e3 else large
 
 
 def verdict(result: Result) -> list[tuple[str, str]]:
@@ -19,16 +36,29 @@ def verdict(result: Result) -> list[tuple[str, str]]:
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:
-    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class."""
+    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class.
+
+    A class is met at best where bands are not known in which the norm has limits.
+    """
     if verdict.deciding_band is None:
         return "not judged"
-    decided_by = where([verdict.deciding_band])
+    decided_by = where([verdict.deciding_band]) if verdict.peak is None else peak_in_words(verdict, norm)
     decided_by = f"{axis} {decided_by}" if axis else decided_by.removeprefix("at ")
     if verdict.met is None:
         return f"{worse} {norm.classes[0]} ({decided_by})"
+    met = verdict.met if verdict.decided else f"{AT_BEST} {verdict.met}"
     if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{verdict.met} (at rest)"
-    return f"{verdict.met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+        return f"{met} (at rest)"
+    return f"{met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+
+
+def peak_in_words(verdict: Verdict, norm: Norm) -> str:
+    """The peak that decided, with its unit, and the frequency of its swing where that counts."""
+    limits = (norm.limit(name, axis, None) for name in norm.classes for axis in AXES)
+    limit = next((limit for limit in limits if limit is not None), None)
+    factor, unit = unit_of(limit.quantity if limit is not None else "velocity", verdict.peak or 0.0)
+    at = "" if verdict.peak_hz is None else f" at {number(verdict.peak_hz)} Hz"
+    return f"peak {number(scaled(verdict.peak, factor))} {unit}{at}"
 
 
 def failures(results: Results) -> list[tuple[str, str]]:

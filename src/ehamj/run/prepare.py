@@ -63,6 +63,7 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
+    scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
     if controller is None:
         controller = scenario.controller()

@@ -19,6 +19,7 @@ from ehamj.linear.margins import report
 from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
+from ehamj.run.reserves import reserves
 from ehamj.scenario.model import Scenario
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
@@ -37,11 +38,11 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         failure: what went wrong, in words; None where nothing did.
     """
     scenario, plant, steps = prepared.scenario, prepared.scenario.plant, driven.stopped.steps
-    rate, usable_to = scenario.record_rate, prepared.motion.usable_to
+    rate, usable_to, usable_from = scenario.record_rate, prepared.motion.usable_to, prepared.motion.usable_from
     # Counted: one state before each step and, at the end of a complete run, the last one.
     states = max(steps + (failure is None), 1)
     shares = saturation(driven.tally, states, plant.mounts)
-    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria)
+    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria, usable_from)
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []
     peak, rms = peak_and_rms(dataset)
@@ -56,7 +57,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares)],
+        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares), *reserves(dataset, plant)],
         peak=peak,
         rms=rms,
         saturation=shares,

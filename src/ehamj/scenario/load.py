@@ -2,14 +2,14 @@
 
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from ehamj.errors import InputError
+from ehamj.plain.text import text_of, toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
 from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
@@ -46,10 +46,10 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
     """
     path = _find(source)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = toml_of(text_of(path))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error
     table = anchored(table, Scenario, path.resolve().parent)
     for text in overrides:
@@ -101,8 +101,8 @@ def override(table: dict[str, Any], text: str) -> None:
 def written(text: str) -> Any:
     """The value of what a user wrote: TOML, or else a string."""
     try:
-        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
-    except tomllib.TOMLDecodeError:
+        return toml_of(f"value = {text}")["value"] if "\n" not in text else text.strip()
+    except ValueError:
         return text.strip()
 
 
@@ -155,6 +155,8 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     if origin is Annotated and FILE in kind.__metadata__:
         is_name = isinstance(value, str) and value and not value.startswith("example:")
         return str(folder / value) if is_name else value
+    if origin is not Annotated and any(get_origin(part) is Literal and value in get_args(part) for part in parts):
+        return value  # a name that is no file's
     if origin in (Annotated, Union, UnionType):
         for part in parts[:1] if origin is Annotated else parts:
             value = anchored(value, part, folder)

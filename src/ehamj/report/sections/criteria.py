@@ -11,25 +11,29 @@ from ehamj.criteria.curves import CANDIDATES, Norm, where
 from ehamj.judge.verdicts import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
-from ehamj.plots import Levels
+from ehamj.plots import Levels, Line
 from ehamj.report.shown import Shown, known
-from ehamj.report.verdict import class_met
+from ehamj.report.verdict import class_met, unit_of
 from ehamj.result import Result
 
 EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
 VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
+CURVE_COLOR: Final = "#4B5563"
+SWINGS: Final = "The swing of each that comes nearest to a limit, along the worst axis."
 WORSE: Final = "The worse of x and y in each band."
 
 
 def criteria(shown: Shown) -> Section:
     """Levels of floor and machines beside the norms that judge the first result."""
-    norms = shown.scenario.criteria.chosen()
+    norms = shown.norms
     figures = [picture for name, norm in norms.items() for picture in _figures(shown, name, norm)]
     return Section("criterion", "Criteria", figures, [_at_places(shown, norms)], _notes(shown))
 
 
 def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
     """Floor and machines against the curves of a norm, if it has curves; VC curves along each axis."""
+    if norm.swinging:
+        yield from _swings(shown, name, norm)
     if not any(norm.needed(axis) for axis in CRITERION_AXES):
         return
     usable = {result.summary.analysis.usable_to_hz for result in shown.results.values()}
@@ -49,6 +53,32 @@ def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
         figure = plots.criterion(f"{title}, {words}", curves, limits, known_to, quantity)
         caption = " ".join(text for text in (WORSE if len(view) > 1 else "", norm.note) if text)
         yield Picture(f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", figure, caption)
+
+
+def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
+    """Peaks at the frequency of their swing, against limits that depend on it."""
+    for view, words in VIEWS.items():
+        of_classes = {own: norm.limit(own, view[0], None) for own in norm.classes}
+        limits = {own: limit for own, limit in of_classes.items() if limit is not None and limit.corners}
+        if not limits:
+            continue
+        first = next(iter(limits.values()))
+        factor, unit = unit_of(first.quantity, first.value)
+        points = []
+        for label, color, place in shown.with_floors(lambda result: result.summary.criteria[name].places):
+            verdict = min((place[axis] for axis in view), key=norm.rank)
+            if verdict.peak and verdict.peak_hz:
+                points.append(Line(label, [verdict.peak_hz], [factor * verdict.peak], color, marker="o"))
+        if not points:
+            continue
+        frequency = np.geomspace(1.0, 200.0, 200)
+        lines = [
+            Line(own, frequency, factor * limit.over(frequency), CURVE_COLOR, dash=k)
+            for k, (own, limit) in enumerate(limits.items())
+        ]
+        title = f"{norm.title}, {words}"
+        figure = plots.lines_chart(title, "frequency of the swing [Hz]", {f"peak [{unit}]": [*lines, *points]}, "xy")
+        yield Picture(f"criterion-{name}-{view}", figure, f"{SWINGS} {norm.note}")
 
 
 def _notes(shown: Shown) -> list[str]:

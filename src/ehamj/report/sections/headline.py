@@ -34,7 +34,7 @@ def headline(shown: Shown) -> Section:
 def classes(shown: Shown) -> Section:
     """Vibration class per axis of the floor and of each machine, with margin and band."""
     columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.criterion)}
-    norm = next(iter(shown.scenario.criteria.chosen().values()))
+    norm = next(iter(shown.norms.values()))
     rows = [
         [AXIS_NAMES[axis], *(class_met(place[axis], norm, "worse than") for place in columns.values())]
         for axis in CRITERION_AXES

@@ -1,0 +1,49 @@
+"""Peaks of a run beyond those of velocity, and the swings that they belong to, as far as norms limit them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from ehamj.arrays import Array
+from ehamj.criteria.curves import Kind, Norm, Quantity
+from ehamj.estimate.swings import Swings
+from ehamj.judge.levels import LEAST_ROWS, motions_of
+from ehamj.plant.axes import AXES
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Largest values and swings of each place; of floor and feet those of the worst mount, and of all mounts."""
+
+    levels: dict[str, dict[Kind, Array]] = field(default_factory=dict)
+    """By kind, (1, axis) [SI]."""
+    swings: dict[str, dict[str, dict[Quantity, Swings]]] = field(default_factory=dict)
+    """By axis."""
+
+
+def peaks_of(dataset: xr.Dataset, rate: float, norms: Iterable[Norm]) -> Peaks:
+    """What the norms limit of peaks; displacements count from their mean.
+
+    Args:
+        dataset: of a result, without its beginning.
+        rate: recording rate [Hz].
+        norms: which judge.
+    """
+    chosen = list(norms)
+    wanted = {quantity for norm in chosen for quantity, statistic in norm.kinds if statistic == "peak"}
+    swinging = frozenset[Quantity]().union(*(norm.swinging for norm in chosen))
+    found = Peaks()
+    for quantity in sorted(wanted):
+        for place, motion in motions_of(dataset, quantity).items():
+            moved = motion - motion.mean(axis=0) if quantity == "displacement" and len(motion) else motion
+            columns = moved.reshape(len(moved), -1, len(AXES))
+            enough = len(columns) >= LEAST_ROWS
+            level = np.abs(columns).max(axis=(0, 1)) if enough else np.full(len(AXES), np.nan)
+            found.levels.setdefault(place, {})[quantity, "peak"] = level[None]
+            if quantity in swinging and enough:
+                by_axis = found.swings.setdefault(place, {})
+                for k, axis in enumerate(AXES):
+                    by_axis.setdefault(axis, {})[quantity] = Swings.of(columns[:, :, k], rate)
+    return found
