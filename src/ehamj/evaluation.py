@@ -15,7 +15,6 @@ import xarray as xr
 from ehamj.control import LinearController
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
-from ehamj.judge.spectrogram import Spectrogram, spectrogram
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import Mode, modes
@@ -142,12 +141,6 @@ class Evaluation:
                 if np.isfinite(within.estimate.response).any():
                     found[one.inputs[0]] = within
         return found
-
-    @Once
-    def spectrogram(self) -> Spectrogram | None:
-        """Levels over time of floor and machine; None of a run that is too short."""
-        result = self.result
-        return spectrogram(result.dataset, result.scenario.record_rate, result.summary.analysis)
 
 
 def evaluate(results: Mapping[str, Result]) -> dict[str, Evaluation]:

@@ -86,14 +86,10 @@ def spectrogram(
         one.grid(False)
         linear_axis(one.xaxis, 6)
     style.share(axes)
-    style.arrange(figure, [(one, ROW * len(bands)) for one in axes], {}, right=66.0, gap=20.0, head=4.0)
+    entries = {"not known: windows are not full, or the run is too short": style.patch_key(color=UNKNOWN)}
+    style.arrange(figure, [(one, ROW * len(bands)) for one in axes], entries, right=66.0, gap=20.0, head=10.0)
     top, bottom = axes[0].get_position(), axes[-1].get_position()
-    beside = figure.add_axes((top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0))
+    beside = figure.add_axes((top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0), label="<colorbar>")
     bar = figure.colorbar(image, cax=beside, label=quantity)
     log_axis(bar.ax.yaxis)
-    if np.isnan(np.concatenate([np.ravel(levels) for levels in panels.values()])).any():
-        axes[0].annotate(
-            "grey: not known yet", (1.0, 1.0), (0, 3), xycoords="axes fraction", textcoords="offset points",
-            ha="right", va="bottom", fontsize=8.5, color=style.GREY,
-        )  # fmt: skip
     return figure

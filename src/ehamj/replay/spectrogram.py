@@ -8,8 +8,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from ehamj.judge.spectrogram import spectrogram
-from ehamj.plant.axes import AXES
+from ehamj.judge.spectrogram import Run, spectrogram
 from ehamj.plots.spectrograms import COLORS, NAMED, scale_of
 from ehamj.replay.recording import Array, Color, entity, fixed, moving
 from ehamj.result import Result
@@ -26,9 +25,7 @@ BAR: Final = (52, 12)
 MARGINS: Final = (48.0, 16.0, 24.0, 40.0)
 """Room left, right, above and below for numbers and names."""
 QUIETEST: Final = 1e-8
-"""Level below which nobody looks [m/s]."""
-LEAST_SHARE: Final = 1e-3
-"""Share of the loudest axis' level below which an axis is left out: it shows what others leak into it."""
+"""Lowest level that has a colour of its own [m/s]."""
 UNKNOWN: Final[Color] = (58, 62, 68)
 PAPER: Final[Color] = (13, 16, 17)
 TEXT: Final[Color] = (170, 175, 180)
@@ -65,22 +62,18 @@ class Heat:
 
 
 def heats_of(results: Mapping[str, Result]) -> dict[str, Heat]:
-    """Levels over time by axis, vertical first, of floor and each result; nothing of runs that are too short."""
-    found = {
-        label: spectrogram(result.dataset, result.scenario.record_rate, result.summary.analysis)
-        for label, result in results.items()
-    }
-    first = next((one for one in found.values() if one is not None), None)
-    if first is None:
+    """Levels over time by axis, vertical first, of floor and each result; nothing of a run that is too short."""
+    found = spectrogram(
+        {
+            label: Run(result.dataset, result.scenario.record_rate, result.summary.analysis)
+            for label, result in results.items()
+        }
+    )
+    if found is None:
         return {}
-    places = dict(first.beside(found))
-    loudest = max(_peak(levels) for levels in places.values())
-    heats = {}
-    for axis in ("z", "x", "y"):
-        panels = {name: levels[:, :, AXES.index(axis)] for name, levels in places.items()}
-        if max(map(_peak, panels.values())) > max(LEAST_SHARE * loudest, QUIETEST):
-            heats[axis] = Heat(first.time, first.step, tuple(band.name for band in first.bands), panels)
-    return heats
+    bands = tuple(band.name for band in found.bands)
+    by_axis = {axis: found.along(axis) for axis in ("z", "x", "y")}
+    return {axis: Heat(found.time, found.step, bands, panels) for axis, panels in by_axis.items() if panels}
 
 
 def log_heats(recording: rr.RecordingStream, heats: Mapping[str, Heat]) -> None:
@@ -157,7 +150,3 @@ def _log_cursor(recording: rr.RecordingStream, path: str, heat: Heat) -> None:
     fixed(recording, path, rr.Boxes2D.from_fields(half_sizes=half, colors=[CURSOR], draw_order=3.0))
     centers = np.column_stack([heat.across(time), np.full(time.size, 0.5 * (top + bottom))])
     moving(recording, path, time, rr.Boxes2D.columns(centers=centers))
-
-
-def _peak(levels: Array) -> float:
-    return float(np.nanmax(levels, initial=0.0))
