@@ -12,7 +12,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
-    ("errors", "arrays", "labels"),
+    ("errors", "arrays", "labels", "plain"),
     ("settings", "registry", "findings", "compiled", "signals", "plots"),
     ("isolator", "estimate"),
     ("plant",),

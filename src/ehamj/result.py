@@ -14,6 +14,9 @@ import xarray as xr
 from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
 from ehamj.judge.summary import Summary
+from ehamj.plain.hdf5 import check_hdf5
+from ehamj.plain.text import json_of, text_of
+from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
@@ -124,19 +127,34 @@ def load_result(folder: str | Path) -> Result:
     if missing:
         raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
     try:
-        with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as stored:
+        check_hdf5(folder / "result.nc")
+        with xr.open_dataset(folder / "result.nc", engine="h5netcdf", phony_dims="access") as stored:
             dataset = stored.load()
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        summary = json_of(folder / "summary.json")
+        model = _model_of(folder / "model.xml")
     except (OSError, ValueError) as error:
         raise InputError(f"result {str(folder)!r}: is damaged: {error}") from error
-    model = folder / "model.xml"
     return Result(
         scenario=load_scenario(folder / "scenario.toml"),
         dataset=dataset,
         summary=Summary.read(summary, f"result {str(folder)!r}: summary.json"),
-        model_xml=model.read_text(encoding="utf-8") if model.is_file() else "",
+        model_xml=model,
         controller=load_controller(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
     )
+
+
+def _model_of(path: Path) -> str:
+    """The stored model, if there is one; raises ValueError where it would draw in other files."""
+    if not path.is_file():
+        return ""
+
+    def alone(name: str, attributes: dict[str, str]) -> None:
+        if name in ("include", "plugin") or "file" in attributes:
+            raise ValueError(f"model.xml: <{name}> draws in another file")
+
+    text = text_of(path)
+    check_xml(text.encode(), alone)
+    return text
 
 
 @contextlib.contextmanager

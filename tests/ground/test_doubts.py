@@ -65,6 +65,29 @@ def test_scaling_on_purpose_is_no_matter_of_units(tmp_path: Path) -> None:
     assert not said(notes(tmp_path, 20.0 * NOISE, "um/s", scale=1e4), "which no floor does")
 
 
+def test_a_doubt_that_the_scale_resolves_is_not_raised(tmp_path: Path) -> None:
+    counts = np.rint(3000 * NOISE)
+    assert not said(notes(tmp_path, counts, "m/s", scale=2.5e-9), "which no floor does", "counts")
+    assert not said(notes(tmp_path, 1.0 + 3e-4 * NOISE, "m/s^2", scale=9.80665), "as gravity in g")
+
+
+def test_a_doubt_that_the_scale_leaves_is_raised_once_and_of_what_is_used(tmp_path: Path) -> None:
+    found = [
+        note for note in notes(tmp_path, np.rint(3000 * NOISE), "m/s", scale=1e-3) if "which no floor does" in note
+    ]
+    assert len(found) == 1
+    # 2.7 m/s: the noise, less what the high-pass and the fade take.
+    assert "z moves with 2." in found[0]
+    assert "in the unit stated, and is the scale right?" in found[0]
+    assert said(notes(tmp_path, np.rint(3000 * NOISE), "m/s", scale=1e-14), "quieter than any site on earth")
+
+
+def test_gravity_is_seen_behind_a_scale_too(tmp_path: Path) -> None:
+    counts = np.rint(16384 + 5 * NOISE)
+    assert said(notes(tmp_path, counts, "m/s^2", scale=9.80665 / 16384), "it senses gravity, which is taken off")
+    assert said(notes(tmp_path, counts, "m/s^2", scale=1 / 16384), "as gravity in g: is its unit g?")
+
+
 def test_an_acceleration_around_one_reads_like_g(tmp_path: Path) -> None:
     found = notes(tmp_path, 1.0 + 3e-4 * NOISE, "m/s^2")
     assert said(found, "z has a mean of 1 m/s², as gravity in g: is its unit g?")

@@ -268,6 +268,16 @@ def test_start_and_scale_shift_and_stretch(example: Motion) -> None:
     assert any("first 2 s" in note for note in moving.notes)
 
 
+def test_each_axis_may_have_a_scale_of_its_own() -> None:
+    plain = one_mount(motion(Path(), 20.0, EXAMPLE).sample(np.arange(2.0, 18.0, 0.01)))[1]
+    moving = motion(Path(), 20.0, EXAMPLE, scale={"z": 2.0, "BW.RJOB..EHE": -3.0})
+    found = one_mount(moving.sample(np.arange(2.0, 18.0, 0.01)))[1]
+    np.testing.assert_allclose(found, plain * [-3.0, 1.0, 2.0], atol=1e-12 * np.abs(plain).max())  # rounding
+    assert any("scaled by -3 (x), 1 (y), 2 (z)" in note or "2 (z), 1 (y), -3 (x)" in note for note in moving.notes)
+    with pytest.raises(ValueError, match=r"ground\.scale names 'w', which is none of .*EHZ \(z\)"):
+        motion(Path(), 20.0, EXAMPLE, scale={"w": 2.0})
+
+
 def test_a_section_of_a_long_record_equals_the_whole(tmp_path: Path) -> None:
     # Only the part that the high-pass remembers is transformed; what is left out must not matter.
     # Nothing at the Nyquist frequency, whose bin belongs to no side: two transforms of different size differ there.
@@ -608,7 +618,7 @@ SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
     "inventory junk": (
         [trace(WAVE, "HHZ")],
         {"inventory": "junk"},
-        r"ground\.inventory = 'junk' cannot be read by ObsPy",
+        r"ground\.inventory = 'junk' cannot be read as a file of responses",
     ),
     "other channel": (
         [trace(WAVE, "HHN")],
@@ -666,7 +676,7 @@ def test_files_that_are_missing_or_no_record_are_named(tmp_path: Path) -> None:
     for file, message in {
         "no.mseed": r"ground\.file = 'no\.mseed': there is no such file in ",
         "no.csv": r"ground\.file = 'no\.csv' cannot be read: No such file",
-        "junk.mseed": r"ground\.file = 'junk\.mseed' cannot be read, neither by ObsPy nor as \*\.csv",
+        "junk.mseed": r"ground\.file = 'junk\.mseed' cannot be read, neither as a seismic format nor as \*\.csv",
         "cut.sac": r"ground\.file = 'cut\.sac' cannot be read.*truncated",
     }.items():
         with pytest.raises(ValueError, match=message):

@@ -1,6 +1,5 @@
 """The command that answers questions about a machine: one command of its own for every registered study."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,6 +13,7 @@ from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, o
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_names, say
 from ehamj.errors import InputError
+from ehamj.plain.text import json_of
 from ehamj.scenario.load import load_scenario
 from ehamj.studies.catalogue import STUDIES
 from ehamj.studies.page import STUDY_FILES, to_dict, write_outcome
@@ -87,7 +87,7 @@ def _command(one: Study[Any]) -> Callable[..., None]:
 def _stored(path: Path, one: Study[Any]) -> dict[str, Any]:
     """Settings that a study's folder holds."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json_of(path)
         if found["study"] != one.name:
             raise InputError(f"--settings {str(path)!r}: is of study {found['study']!r}, not {one.name!r}")
         return dict(found["settings"])

@@ -21,6 +21,7 @@ from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
+from ehamj.plain.text import json_of
 from ehamj.plant.mounts import MOUNTS
 
 UNSTABLE = 1.0 + 1e-9
@@ -214,7 +215,7 @@ def read_table(path: Path) -> dict[str, Any]:
         InputError: if there is none.
     """
     try:
-        table = json.loads(path.read_text(encoding="utf-8"))
+        table = json_of(path)
     except (OSError, ValueError) as error:
         raise InputError(f"control.file = {str(path)!r}: cannot be read as a controller ({error})") from error
     if not isinstance(table, dict):

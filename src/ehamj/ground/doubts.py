@@ -36,25 +36,32 @@ def clipped_samples(samples: Array) -> int:
     return count
 
 
-def doubts(channel: Channel, velocity: Array) -> list[str]:
-    """What speaks against a channel.
+def doubts(channel: Channel, velocity: Array, scale: float = 1.0) -> list[str]:
+    """What speaks against a channel as it is used, scaled.
+
+    A speed that no floor has is doubted where no floor has it unscaled either: who scales a floor up means to.
 
     Args:
         channel: as recorded.
         velocity: what it became, unscaled [m/s], shape (n,).
+        scale: the user's factor on it [-].
     """
     found = []
     clipped = clipped_samples(channel.samples)
     if clipped:
         found.append(f"{channel.name} looks clipped: {clipped} samples stand at its extreme value")
-    speed = float(np.sqrt(np.mean(velocity**2)))
-    mean = abs(float(np.mean(channel.samples)))
+    unscaled = float(np.sqrt(np.mean(velocity**2)))
+    speed = abs(scale) * unscaled
+    mean = abs(scale * float(np.mean(channel.samples)))
     if channel.quantity == "acceleration" and channel.response is None:
         if abs(mean - 1.0) < NEAR_ONE:
             found.append(f"{channel.name} has a mean of {mean:.3g} m/s², as gravity in g: is its unit g?")
         elif abs(mean / GRAVITY - 1.0) < NEAR_ONE:
             found.append(f"{channel.name} has a mean of {mean:.3g} m/s²: it senses gravity, which is taken off")
-    question = f"are its samples really {channel.quantity} in the unit stated?"
+    if QUIETEST <= unscaled <= LOUDEST:
+        return found
+    also = "" if scale == 1.0 else ", and is the scale right"
+    question = f"are its samples really {channel.quantity} in the unit stated{also}?"
     if speed > LOUDEST:
         whole = channel.response is None and np.array_equal(channel.samples, np.rint(channel.samples))
         guess = " All are whole numbers: they look like counts of a converter." if whole else ""

@@ -31,13 +31,17 @@ class RecordGround(Choices, GroundSettings, Treatment):
         f"(the name may hold wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries",
     )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
-    scale: float = Field(1.0, description="factor on the motion [-]")
+    scale: float | dict[str, float] = Field(
+        1.0,
+        description="factor on the motion [-]; a table by axis, place or component, as in { z = 2.5e-9 }, gives each "
+        "its own, and 1 to those that it does not name",
+    )
     fade_in: float = Field(0.0, ge=0, description="time over which the simulation's motion fades in [s]; 0: as taper")
 
     @model_validator(mode="after")
     def _scale_wanted(self) -> Self:
         if self.full_scale is not None and self._ending != ".wav":
-            raise ValueError(f"full_scale = {self.full_scale:g} is for *.wav files only; leave it out")
+            raise ValueError(f"full_scale = {self.full_scale} is for *.wav files only; leave it out")
         return self
 
     @property
@@ -60,6 +64,7 @@ class RecordGround(Choices, GroundSettings, Treatment):
         """
         record = self.read()
         self._check(record, start.duration)
+        scales = self._scales(record)
         moving: dict[str, Signal] = {}
         notes = [*record.notes]
         for channel in record.channels:
@@ -68,8 +73,9 @@ class RecordGround(Choices, GroundSettings, Treatment):
                 moving[channel.axis] = Zero()
                 continue
             moved = displacement(channel, self, self.start, start.duration)
-            notes += doubts(channel, np.gradient(moved.values) * moved.rate)
-            scaled = Sampled(moved.rate, self.scale * moved.values, moved.start)
+            scale = scales[channel.axis]
+            notes += doubts(channel, np.gradient(moved.values) * moved.rate, scale)
+            scaled = Sampled(moved.rate, scale * moved.values, moved.start)
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(self.usable(channel) for channel in record.channels)
         notes += self._notes(record)
@@ -82,6 +88,20 @@ class RecordGround(Choices, GroundSettings, Treatment):
             usable_to=usable,
             usable_from=max(self.passes_from(channel) for channel in record.channels),
         )
+
+    def _scales(self, record: Record) -> dict[str, float]:
+        """Factor on each channel, by its place; raises ValueError where the table names none of them."""
+        if not isinstance(self.scale, dict):
+            return dict.fromkeys((channel.axis for channel in record.channels), self.scale)
+        names = {c.axis: (c.axis, c.name, c.axis.rpartition(" ")[2]) for c in record.channels}
+        unknown = [name for name in self.scale if not any(name in known for known in names.values())]
+        if unknown:
+            held = ", ".join(f"{name} ({place})" for place, (_, name, _) in names.items())
+            raise ValueError(f"ground.scale names {unknown[0]!r}, which is none of the components in use: {held}")
+        return {
+            place: next((self.scale[name] for name in known if name in self.scale), 1.0)
+            for place, known in names.items()
+        }
 
     def _check(self, record: Record, duration: float) -> None:
         if self.start + duration > record.duration + 1e-9:
@@ -113,8 +133,11 @@ class RecordGround(Choices, GroundSettings, Treatment):
         if times:
             steps.append(f"integrated {' or '.join(('once', 'twice')[n - 1] for n in times)} (in the frequency domain)")
         steps.append(f"resampled to at least {self.rate:g} Hz")
-        if self.scale != 1:
-            steps.append(f"scaled by {self.scale:g}")
+        scales = self._scales(record)
+        if len(set(scales.values())) == 1 and set(scales.values()) != {1.0}:
+            steps.append(f"scaled by {next(iter(scales.values())):g}")
+        elif set(scales.values()) != {1.0}:
+            steps.append("scaled by " + ", ".join(f"{scale:g} ({place})" for place, scale in scales.items()))
         notes = [f"record {record.name}, in this order: " + ", ".join(steps)]
         notes.append(
             f"the ground starts from rest: its motion fades in over the first {self.fade_in or self.taper:g} s"

@@ -23,8 +23,10 @@ class Choices(Settings):
     unit: str | None = Field(
         None, description=f"unit of the samples of a record that states none, in any spelling: {KNOWN}; default: SI"
     )
-    full_scale: Positive | None = Field(
-        None, description="motion that the largest sample of a WAV file stands for [unit]"
+    full_scale: Positive | dict[str, Positive] | None = Field(
+        None,
+        description="motion that the largest sample of a WAV file stands for [unit]; a table by component or axis, as "
+        "in { 1 = 2e-3, z = 5e-3 }, gives each its own",
     )
     inventory: FileName | None = Field(
         None, description="file with the instrument's response (StationXML, dataless SEED, …)"

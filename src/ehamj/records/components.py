@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ehamj.records.channel import Channel, Place, Record, Response
 from ehamj.records.choices import AxisChoice, Choices
 from ehamj.records.units import Quantity, is_silent, motion_unit, unit
@@ -21,7 +23,8 @@ def reading(path: Path, how: str, key: str = "ground.file") -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {error}") from error
+        said = " ".join(str(error).split())[:400]  # one line, whatever the library quotes
+        raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {said}") from error
 
 
 def existing(path: Path, key: str = "ground.file") -> Path:
@@ -91,7 +94,8 @@ def record_of(
         holds, size = agreed_unit(choices, one.unit, name, remedy)
         if one.calibration != 1.0:
             remarks.append(f"{name}: the file's calibration factor {one.calibration:g} is applied")
-        samples = one.samples * (size * one.calibration)
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by its place
+            samples = one.samples * (size * one.calibration)
         channels.append(Channel(chosen[k], name, one.rate, holds, samples, one.time - begin, one.response))
         remarks += one.notes
     record = recorded(label, channels, remarks, ", ".join(sources).strip("."))

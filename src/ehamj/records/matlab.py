@@ -1,5 +1,7 @@
-"""Records in MATLAB files, up to version 7.2 through SciPy and from 7.3 (HDF5) through h5py."""
+"""Records in MATLAB files: vectors, matrices and structs as loggers and their programs export them."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -8,79 +10,136 @@ import numpy as np
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, answers_of, record_of
+from ehamj.records.matlab_clock import Clock, clock_of, is_clock
+from ehamj.records.matlab_files import opened
+from ehamj.records.matlab_names import Scope, labels_of, unit_of
+from ehamj.records.matlab_values import Numbers, Opaque, Value
 from ehamj.signals import Array
 
-CLOCKS = ("time", "t")
-RATES = ("rate_hz", "fs", "Fs")
+WIDEST = 256
+"""Columns that a matrix of channels may have."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """An array that could hold components: where it is, and what tells its times."""
+
+    name: str
+    key: str
+    scopes: tuple[Scope, ...]
+    numbers: Numbers
+    clock: Clock | None
+
+    @property
+    def length(self) -> int:
+        return max(self.numbers.shape) if self.clock is None or self.clock.length is None else self._along
+
+    @property
+    def _along(self) -> int:
+        """Samples along the dimension that the times have, or along the longer one."""
+        wanted = self.clock.length if self.clock is not None else None
+        return wanted if wanted in self.numbers.shape and wanted is not None else max(self.numbers.shape)
+
+    @property
+    def columns(self) -> int:
+        return int(np.prod(self.numbers.shape)) // self.length
+
+    def column(self, number: int) -> np.ndarray:
+        values = self.numbers.read().reshape(self.numbers.shape)
+        return values[:, number] if values.shape[0] == self.length else values[number]
 
 
 def read_matlab(path: Path, choices: Choices = SILENT) -> Record:
-    """The numeric vectors of a MATLAB file.
+    """The numeric vectors of a MATLAB file, also inside structs.
 
-    A vector ``time`` or ``t`` [s], or a number ``rate_hz``, ``fs`` or ``Fs`` [Hz], gives the times; every other vector
-    as long as the longest is a component of its own name, and the columns of a matrix are called ``name(1)``,
-    ``name(2)``, … Quantity and unit are the user's to say. Raises ValueError where the file cannot be read, or where
-    clock or components are missing.
+    Times are a vector (``time``, ``t``), a rate (``fs``, ``SampleRate``, ``rate_hz``, …) or a step (``dt``, ``Ts``) in
+    the same struct or around it. A component is called by its path, ``data.z`` or ``s.signals(2).values``, the columns
+    of a matrix ``name(1)``, ``name(2)``, …; it answers to the last part and to a label beside it too. Without
+    ``choices.axes`` arrays of other lengths than the longest are passed over, and named. Raises ValueError where clock
+    or components are missing.
     """
-    arrays = _arrays(path)
     where = f"ground.file = {path.name!r}"
-    times = [name for name in CLOCKS if name in arrays and arrays[name].size > 1]
-    rates = [name for name in RATES if name in arrays and arrays[name].size == 1]
-    if len(times) + len(rates) != 1:
-        there = ", ".join(times + rates) or "none"
-        raise ValueError(
-            f"{where}: give a vector {' or '.join(CLOCKS)} [s] or a number {', '.join(RATES)} [Hz]; there is {there}"
-        )
-    columns: dict[str, Array] = {}
-    for name, array in arrays.items():
-        if name not in (*CLOCKS, *RATES) and array.size > 1 and array.ndim == 2:
-            long = array if array.shape[0] >= array.shape[1] else array.T
-            one = long.shape[1] == 1
-            columns |= {name if one else f"{name}({n + 1})": column for n, column in enumerate(long.T)}
-    length = max((column.size for column in columns.values()), default=0)
-    columns = {name: column for name, column in columns.items() if column.size == length}
-    if not columns:
-        raise ValueError(f"{where} holds no vector of numbers that could be a component")
-    notes: list[str] = []
-    if times:
-        time = arrays[times[0]].ravel()
-        if time.size != length:
-            raise ValueError(f"{where}: {times[0]} has {time.size} values and the components have {length}")
-        rate, index, notes = clock(time, path.name, choices.gaps)
-    else:
-        rate, index = float(arrays[rates[0]].ravel()[0]), np.arange(float(length))
-        if not 0 < rate < np.inf:
-            raise ValueError(f"{where}: {rates[0]} = {rate:g} must be a positive number, in Hz")
-    components = [
-        Component(name, partial(_loaded, index, rate, column), answers_of(name)) for name, column in columns.items()
-    ]
-    return record_of(path.name, components, choices, "write a format that states it", notes)
+    with opened(path) as tree:
+        found = list(_arrays(tree))
+        timed = [one for one in found if one.clock is not None]
+        if not timed:
+            raise ValueError(f"{where} {_missing(tree, found)}")
+        taken = (choices.axes is None and [one for one in timed if _fits(one, timed)]) or timed
+        components = [component for one in taken for component in _components(one, path.name, choices)]
+        over = [f"{one.name} ({' × '.join(map(str, one.numbers.shape))})" for one in found if one not in taken]
+        notes = [f"arrays that do not fit are passed over: {', '.join(over)}"] if over else []
+        return record_of(path.name, components, choices, "store a text units beside it", notes)
 
 
-def _loaded(index: Array, rate: float, column: Array) -> Loaded:
-    return Loaded(on_grid(index, column), rate)
+def _missing(tree: dict[str, Value], found: list[Found]) -> str:
+    """What a file lacks to be a record."""
+    opaque = [f"{name} ({value.kind})" for name, value in tree.items() if isinstance(value, Opaque)]
+    told = f"; only MATLAB can read {', '.join(opaque)}: save numbers or a struct instead" if opaque else ""
+    if not found:
+        return f"holds no vector of numbers that could be a component{told}"
+    return (
+        f"has no times for {', '.join(one.name for one in found[:5])}: give a vector time or t [s], a number fs or "
+        f"SampleRate [Hz], or a step dt [s]{told}"
+    )
 
 
-def _arrays(path: Path) -> dict[str, Array]:
-    """The file's real numeric variables, two-dimensional as MATLAB has them."""
-    from scipy.io import loadmat
+def _arrays(tree: dict[str, Value]) -> Iterator[Found]:
+    """Arrays that could hold components, in the file's order."""
 
-    existing(path)
-    with reading(path, " as a MATLAB file"):
-        try:
-            content = loadmat(str(path))
-        except NotImplementedError:
-            content = _hdf5(path)
-    return {
-        name: np.atleast_2d(np.asarray(value, float))
-        for name, value in content.items()
-        if not name.startswith("__") and isinstance(value, np.ndarray) and value.dtype.kind in "iuf"
-    }
+    def walk(scopes: tuple[Scope, ...], prefix: str) -> Iterator[Found]:
+        for key, value in scopes[0].items():
+            shown = "".join(letter if letter.isprintable() else "?" for letter in key)
+            yield from at(value, key, prefix + shown, scopes)
+
+    def at(value: Value, key: str, name: str, scopes: tuple[Scope, ...]) -> Iterator[Found]:
+        if isinstance(value, dict):
+            yield from walk((value, *scopes), f"{name}.")
+        elif isinstance(value, list):
+            for n, one in enumerate(value, 1):
+                yield from at(one, key, f"{name}({n})" if isinstance(one, dict) else f"{name}{{{n}}}", scopes)
+        elif isinstance(value, Numbers) and not is_clock(key, scopes[0]):
+            shape = tuple(n for n in value.shape if n != 1)
+            if 1 <= len(shape) <= 2 and min(shape) <= (WIDEST if len(shape) == 2 else np.inf):
+                flat = Numbers((*shape, 1)[:2], value.read, value.complex)
+                yield Found(name, key, scopes, flat, clock_of(key, shape, scopes))
+
+    yield from walk((tree,), "")
 
 
-def _hdf5(path: Path) -> dict[str, np.ndarray]:
-    import h5py
+def _fits(one: Found, others: list[Found]) -> bool:
+    """Whether an array is as long as its times, or as the longest of those that share its rate."""
+    assert one.clock is not None
+    if one.clock.length is not None:
+        return one.length == one.clock.length
+    return one.length == max(o.length for o in others if o.clock is not None and o.clock.scope is one.clock.scope)
 
-    with h5py.File(path) as file:
-        return {name: np.asarray(part).T for name, part in file.items() if isinstance(part, h5py.Dataset)}
+
+def _components(one: Found, label: str, choices: Choices) -> Iterator[Component]:
+    for number in range(one.columns):
+        alone = one.columns == 1
+        name = one.name if alone else f"{one.name}({number + 1})"
+        texts = labels_of(one.name, one.key, one.scopes, number, one.columns)
+        answers = [one.key if alone else f"{one.key}({number + 1})", *texts]
+        answers += [axis for text in (one.name, *texts) for axis in answers_of(text)] if alone or texts else []
+        load = partial(_load, one, name, number, label, choices)
+        yield Component(name, load, tuple(dict.fromkeys(answers)))
+
+
+def _load(one: Found, name: str, number: int, label: str, choices: Choices) -> Loaded:
+    where = f"ground.file = {label!r}: {name}"
+    assert one.clock is not None
+    if one.numbers.complex:
+        raise ValueError(f"{where} is complex; a time history must be real")
+    if one.clock.length is not None and one.length != one.clock.length:
+        raise ValueError(f"{where} has {one.length} values and {one.clock.name} has {one.clock.length}")
+    samples: Array = np.asarray(one.column(number), float)
+    stated = unit_of(name, one.key, one.scopes, number, one.columns, choices)
+    rates = one.clock.rates(where)
+    if one.clock.times is None:
+        return Loaded(samples, rates[0], stated, one.clock.begin())
+    time = one.clock.seconds(where)
+    rate, index, notes = clock(time, label, choices.gaps)
+    if any(abs(stored / rate - 1.0) > 1e-3 for stored in rates):
+        raise ValueError(f"{where}: {one.clock.name} has {rate:g} Hz, and {rates[0]:g} Hz is stated too; delete one")
+    return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))

@@ -6,9 +6,12 @@ from pathlib import Path
 
 from ehamj.records.channel import Record
 from ehamj.records.choices import Choices
+from ehamj.records.esm import looks_esm, read_esm
 from ehamj.records.matlab import read_matlab
+from ehamj.records.peer import looks_peer, read_peer
 from ehamj.records.seismic import read_seismic
 from ehamj.records.tables import read_csv
+from ehamj.records.tdms import read_tdms
 from ehamj.records.uff import read_uff
 from ehamj.records.wav import read_wav
 from ehamj.registry import Registry
@@ -36,6 +39,9 @@ READERS: Registry[Reader] = Registry("reader")
 READERS.add("table", Reader("text table", read_csv, (".csv",)))
 READERS.add("uff", Reader("universal file", read_uff, (".uff", ".unv")))
 READERS.add("matlab", Reader("MATLAB file", read_matlab, (".mat",)))
+READERS.add("tdms", Reader("TDMS file", read_tdms, (".tdms",)))
+READERS.add("peer", Reader("record of the PEER database", read_peer, (".at2", ".vt2", ".dt2"), looks_peer))
+READERS.add("esm", Reader("record of the ESM or ITACA database", read_esm, (".asc",), looks_esm))
 READERS.add("wav", Reader("WAV file", read_wav, (".wav",)))
 READERS.add("seismic", Reader("seismic formats, through ObsPy", read_seismic, responds=True))
 

@@ -12,6 +12,7 @@ from ehamj.records.channel import Record, Response
 from ehamj.records.choices import SILENT, Choices, GapChoice
 from ehamj.records.clock import filled
 from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.records.formats import read_inventory, read_record
 from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
@@ -76,16 +77,15 @@ def _open(source: Path, inventory: str | None) -> tuple["Stream", "Inventory | N
 
 
 def _open_file(path: Path) -> "Stream":
-    import obspy
     from obspy.io.mseed import InternalMSEEDWarning
     from obspy.io.mseed.util import get_record_information
 
-    with reading(path, ", neither by ObsPy nor as *.csv; it may be truncated or damaged"):
+    with reading(path, ", neither as a seismic format nor as *.csv; it may be truncated or damaged"):
         # ObsPy only warns of a record that breaks off or fails its checksum and leaves the rest out.
         with warnings.catch_warnings():
             warnings.simplefilter("error", InternalMSEEDWarning)
-            stream = obspy.read(str(path))
-        if stream[0].stats._format == "MSEED":
+            stream, form = read_record(path)
+        if form == "MSEED":
             # Some records that break off go without a warning, so see whether they fill the file.
             offset, size = 0, path.stat().st_size
             while size % 128 == 0 and offset < size:
@@ -102,11 +102,9 @@ def _open_file(path: Path) -> "Stream":
 
 
 def _open_inventory(name: str) -> "Inventory":
-    import obspy
-
     path = existing(Path(name), "ground.inventory")
-    with reading(path, " by ObsPy", "ground.inventory"):
-        return obspy.read_inventory(str(path))
+    with reading(path, " as a file of responses", "ground.inventory"):
+        return read_inventory(path)
 
 
 def _join(traces: "list[Trace]", label: str, gaps: GapChoice) -> "tuple[Trace, list[str]]":

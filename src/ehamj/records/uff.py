@@ -1,5 +1,9 @@
 """Records in universal files (UFF): time responses of dataset 58, through pyuff."""
 
+import re
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -7,68 +11,83 @@ from typing import Any
 import numpy as np
 
 from ehamj.records.channel import Place, Record
-from ehamj.records.choices import SILENT, Choices, GapChoice
+from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
 from ehamj.records.components import Component, Loaded, existing, reading, record_of
-from ehamj.records.units import KNOWN, ORDERS, Quantity, is_silent, unit
+from ehamj.records.units import Quantity, is_silent, motion_unit, time_unit, unit
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
 DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}
 TIME_RESPONSE = 1
 """Function type of a time response."""
 
+TIME_TYPES = (0, 1, 17)
+"""Data types that the abscissa of a time response may state: unknown, general, time."""
+
+LENGTHS = {1: 1.0, 2: 0.3048, 3: 1.0, 4: 0.3048, 5: 1e-3, 6: 1e-2, 7: 0.0254, 8: 1e-3, 10: 1e-3}
+"""Units of length by dataset 164's units code [m]; 9 is the user's own."""
+
+IEEE = 2
+"""Floating-point format of binary datasets that is read; 1 is DEC's, 3 IBM's."""
+
 
 def read_uff(path: Path, choices: Choices = SILENT) -> Record:
-    """The time responses of a universal file.
+    """The time responses of a universal file (datasets 58 and 58b; SDRC, revision of 30 June 1999).
 
-    A component is called by node and direction, ``12:+Z``, and answers to ``z`` as well; a negative direction turns its
-    sign. Its unit is the label of the ordinate (m/s, g, …); without a label it is SI of the data type, if the file's
-    dataset 164 does not say that its units are others. Raises ValueError where the file cannot be read, holds no time
-    response or is truncated, and see `clock`.
+    A component is called by node and direction, ``12:+Z``, and answers to ``z`` and to its number as well; a negative
+    direction turns its sign. Its unit is the label of the ordinate (m/s, g, …); without one it is of the data type, in
+    the unit of length that dataset 164 states, else SI. The abscissa's label is its unit of time. Raises ValueError
+    where the file cannot be read, holds no time response or is truncated, and see `clock`.
     """
-    sets, si = _sets(path)
-    found = {f"{s['rsp_node']}:{_direction(s['rsp_dir'])}": s for s in sets}
-    if len(found) < len(sets):
-        raise ValueError(f"ground.file = {path.name!r} holds several time responses of one node and direction")
-    components = [
-        Component(name, partial(_loaded, path, name, content, si, choices.gaps), _axis(content["rsp_dir"]))
-        for name, content in found.items()
-    ]
-    return record_of(path.name, components, choices, "label its ordinate with the unit")
+    existing(path)
+    heads, lengths, notes = _heads(path)
+    if not heads:
+        raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
+    components = []
+    for n, head in heads.items():
+        name = f"{head['rsp_node']}:{_direction(head['rsp_dir'])}"
+        axis = DIRECTIONS.get(abs(head["rsp_dir"]))
+        load = partial(_load, path, n, name, lengths[n], choices)
+        components.append(Component(name, load, () if axis is None else (axis,)))
+    return record_of(path.name, components, choices, "label its ordinate with the unit", notes)
 
 
-def _axis(direction: int) -> tuple[str, ...]:
-    return (DIRECTIONS[abs(direction)],) if abs(direction) in DIRECTIONS else ()
-
-
-def _loaded(path: Path, name: str, content: dict[str, Any], si: bool, gaps: GapChoice) -> Loaded:
-    samples, stated = np.asarray(content["data"]), int(content["num_pts"])
-    if samples.size < stated:
-        held = f"{name} holds {samples.size} of {stated} samples"
-        raise ValueError(f"ground.file = {path.name!r}: {held}; the file may be truncated")
-    if np.iscomplexobj(samples):
-        raise ValueError(f"ground.file = {path.name!r}: {name} is complex; a time response must be real")
-    time = np.asarray(content["x"], float)[:stated]
-    rate, index, notes = clock(time, path.name, gaps)
-    unit, remarks = _unit(content, name, si)
-    sign = -1.0 if content["rsp_dir"] < 0 else 1.0
-    return Loaded(on_grid(index, sign * samples[:stated]), rate, unit, float(time[0]), notes=(*notes, *remarks))
-
-
-def _sets(path: Path) -> tuple[list[dict[str, Any]], bool]:
-    """The file's time responses, and whether its units are SI as far as it says."""
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """pyuff's view of the file, its ASCII numbers with E as exponent where FORTRAN wrote D."""
     import pyuff
 
-    existing(path)
-    with reading(path, " as a universal file"):
-        file = pyuff.UFF(str(path))
-        kinds = file.get_set_types()
-        read = {n: file.read_sets(n) for n, kind in enumerate(kinds) if int(kind) in (58, 164)}
-    sets = [s for s in read.values() if s["type"] == 58 and s["func_type"] == TIME_RESPONSE]
-    if not sets:
-        raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
-    units = [s for s in read.values() if s["type"] == 164]
-    return sets, all(float(s["length"]) == 1.0 for s in units)
+    content = path.read_bytes()
+    if not content.rstrip(b"\0\x1a \t\r\n").endswith(b"    -1"):
+        raise ValueError("its last dataset does not end with -1; the file may be truncated")
+    double = re.compile(rb"(?<=[\d.])[Dd](?=[+-]?\d)")
+    if re.search(rb"^ {4}58b", content, re.MULTILINE | re.IGNORECASE) or not double.search(content):
+        yield pyuff.UFF(str(path))
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "copy.uff"
+        copy.write_bytes(double.sub(b"E", content))
+        yield pyuff.UFF(str(copy))
+
+
+def _heads(path: Path) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, Any] | None], list[str]]:
+    """Headers of time responses by their place in the file, the units (dataset 164) before each, and remarks."""
+    heads, lengths, notes = {}, {}, []
+    units: dict[str, Any] | None = None
+    with reading(path, " as a universal file"), _opened(path) as file:
+        for n, kind in enumerate(file.get_set_types()):
+            if int(kind) == 164:
+                units = file.read_sets(n)
+            if int(kind) != 58:
+                continue
+            try:
+                head = file.read_sets(n, header_only=True)
+            except Exception:  # pyuff raises Exception itself
+                notes.append(f"dataset {n + 1}, a 58, has a header that cannot be read: it is passed over")
+                continue
+            if head["func_type"] == TIME_RESPONSE:
+                heads[n], lengths[n] = head, units
+    return heads, lengths, notes
 
 
 def _direction(number: int) -> str:
@@ -76,23 +95,101 @@ def _direction(number: int) -> str:
     return str(number) if axis is None else f"{'-' if number < 0 else '+'}{axis.upper()}"
 
 
-def _unit(content: dict[str, Any], name: str, si: bool) -> tuple[str | tuple[Quantity, float] | None, list[str]]:
-    """What a time response holds: the label of its unit, or SI; None where it does not say; and a remark."""
-    label = str(content.get("ordinate_axis_units_lab") or "").strip()
-    holds = DATA_TYPES.get(int(content["ordinate_spec_data_type"]))
+def _load(path: Path, n: int, name: str, units: dict[str, Any] | None, choices: Choices) -> Loaded:
+    """One time response; raises ValueError where it is not what it says."""
+    where = f"ground.file = {path.name!r}: {name}"
+    with reading(path, f" as a universal file: {name}"), _opened(path) as file:
+        content = file.read_sets(n)
+    if abs(content["rsp_dir"]) in (4, 5, 6):
+        raise ValueError(f"{where} is a rotation (direction {content['rsp_dir']}); leave it out of ground.axes")
+    if "data" not in content:
+        raise ValueError(f"{where} is of ordinate data type {content['ord_data_type']}; known are 2 and 4")
+    samples, stated = np.asarray(content["data"]), int(content["num_pts"])
+    if np.iscomplexobj(samples):
+        raise ValueError(f"{where} is complex; a time response must be real")
+    if content["binary"] and content["fp_format"] != IEEE:
+        raise ValueError(f"{where} is in floating-point format {content['fp_format']}; only IEEE 754 (2) is read")
+    if samples.size < stated:
+        raise ValueError(f"{where} holds {samples.size} of {stated} samples; the file may be truncated")
+    if samples.size > stated:  # as when numbers of 8 bytes are declared as 4
+        raise ValueError(f"{where} holds {samples.size} samples where it states {stated}; export it as ASCII (58)")
+    size, remarks = _time_unit(content, name, where)
+    holds, remark = _unit(content, name, units, choices)
+    samples = -samples if content["rsp_dir"] < 0 else samples
+    if content["abscissa_spacing"] == 1:
+        begin, step = content["abscissa_min"], content["abscissa_inc"]
+        if not 0 < step * size < np.inf or not np.isfinite(begin):
+            raise ValueError(f"{where}: its abscissa starts at {begin:g} in steps of {step:g}; times must rise")
+        return Loaded(samples, _whole(step, size), holds, begin * size, notes=(*remarks, *remark))
+    time = size * np.asarray(content["x"], float)
+    rate, index, gaps = clock(time, path.name, choices.gaps)
+    return Loaded(on_grid(index, samples), rate, holds, float(time[0]), notes=(*gaps, *remarks, *remark))
+
+
+def _whole(step: float, size: float) -> float:
+    """Rate [Hz] of a step that the format rounds to six digits: a whole number of Hz where one is rounded to it."""
+    rate = 1.0 / (step * size)
+    whole = round(rate)
+    return float(whole) if whole and f"{1.0 / (whole * size):.5e}" == f"{step:.5e}" else rate
+
+
+def _label(content: dict[str, Any], axis: str) -> str:
+    """The label of an axis's units, or what stands in brackets behind the axis's own label."""
+    units, label = (str(content.get(f"{axis}_axis_{kind}") or "") for kind in ("units_lab", "lab"))
+    bracket = re.search(r"[\[(](.+)[\])]\s*$", label)
+    return units if not is_silent(units) or bracket is None else bracket[1]
+
+
+def _time_unit(content: dict[str, Any], name: str, where: str) -> tuple[float, list[str]]:
+    """SI value of the abscissa's unit [s], and a remark where none is stated."""
+    kind, label = int(content["abscissa_spec_data_type"]), _label(content, "abscissa")
+    if kind not in TIME_TYPES:
+        raise ValueError(f"{where}: its abscissa is of data type {kind}, not of time (17)")
+    if is_silent(label):
+        return 1.0, [f"{name} has no unit on its abscissa: taken as s, as a time response has it"]
+    try:
+        return time_unit(label), []
+    except ValueError as error:
+        raise ValueError(f"{where}: the unit of its abscissa: {error}; label it s or ms") from None
+
+
+def _unit(
+    content: dict[str, Any], name: str, units: dict[str, Any] | None, choices: Choices
+) -> tuple[str | tuple[Quantity, float] | None, list[str]]:
+    """The ordinate's unit as `record_of` takes it, and a remark where it is not written beside it."""
+    holds, label = DATA_TYPES.get(int(content["ordinate_spec_data_type"])), _label(content, "ordinate")
     if not is_silent(label):
         try:
-            kind = unit(label).kind
-        except ValueError as error:
-            raise ValueError(f"ground.file: the unit of UFF component {name!r}: {error}") from None
-        if holds is not None and kind in ORDERS and kind != holds:
+            known = unit(label).kind
+        except ValueError:
+            return label, []  # refused by record_of, in its words
+        if holds is not None and known in DATA_TYPES.values() and known != holds:
             raise ValueError(f"ground.file: UFF component {name} is {holds} by its data type, but in {label!r}")
         return label, []
+    if choices.unit is not None:
+        return None, []
+    length, words = _length(units, name)
+    if holds is None and choices.quantity != "auto":
+        return (choices.quantity, length), [f"{name} has no unit label: taken in {words}"]
     if holds is None:
         return None, []
-    if not si:
+    return (holds, length), [f"{name} has no unit label: taken as its data type ({holds}) has it, in {words}"]
+
+
+def _length(units: dict[str, Any] | None, name: str) -> tuple[float, str]:
+    """The file's unit of length [m], and words for it; dataset 164 says by what lengths are divided to be SI."""
+    if units is None:
+        return 1.0, "SI"
+    factor, code, words = float(units["length"]), int(units["units_code"]), str(units["units_description"]).strip()
+    expected = LENGTHS.get(code)
+    if code == 9:
+        try:
+            expected = motion_unit(words)[1]
+        except ValueError:
+            expected = None
+    if not 0 < factor < np.inf or (expected is not None and abs(expected * factor - 1.0) > 1e-3):
         raise ValueError(
-            f"ground.file: UFF component {name} has no unit label, and dataset 164 says that the file is not in SI; "
-            f"label the ordinate with its unit: {KNOWN}"
+            f"ground.file: UFF component {name} has no unit label, and dataset 164 contradicts itself: units code "
+            f"{code} ({words or 'no description'}), length factor {factor:g}; say which with ground.unit"
         )
-    return (holds, 1.0), [f"{name} has no unit label: taken as SI, as its data type ({holds}) has it"]
+    return 1.0 / factor, f"the length of {1.0 / factor:g} m that dataset 164 states"

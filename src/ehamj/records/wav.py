@@ -1,5 +1,6 @@
 """Records in WAV files, whose samples are shares of a full scale that the user states."""
 
+import struct
 import warnings
 from functools import partial
 from pathlib import Path
@@ -7,20 +8,26 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
+from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.signals import Array
 
 CLIPPED = 1.0 - 1e-4
 """Share of the full scale from which a sample counts as clipped."""
+
+READ = frozenset(("fmt ", "data", "fact", "ds64", "JUNK", "PAD ", "FLLR", "LIST", "PEAK"))
+"""Chunks that say nothing of what a sample means, or that are read."""
 
 
 def read_wav(path: Path, choices: Choices = SILENT) -> Record:
     """A WAV record: ``choices.full_scale`` is the motion that the largest possible sample stands for.
 
-    Integers count from -1 to 1 of the full scale, floating-point samples are shares of it already. Components are
-    called by their number, from ``1``. Raises ValueError where the file cannot be read or is truncated, and where the
-    full scale or the quantity is not given.
+    Integers count from -1 to 1 of the full scale, floating-point samples are shares of it already; files may be
+    extensible (WAVE_FORMAT_EXTENSIBLE), big-endian (RIFX) or large (RF64). Components are called by their number, from
+    ``1``. Raises ValueError where the file cannot be read or is truncated, and where the full scale or the quantity is
+    not given.
     """
     if choices.full_scale is None:
         raise ValueError(
@@ -28,31 +35,73 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
             "largest sample stands for, in ground.unit"
         )
     existing(path)
-    with reading(path, " as WAV"), warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        rate, data = wavfile.read(path)
-    cut = next((str(entry.message) for entry in said if "EOF" in str(entry.message)), None)
-    if cut is not None:
-        raise ValueError(f"ground.file = {path.name!r} is truncated: {cut}")
+    with reading(path, " as WAV"):
+        chunks = _chunks(path)
+    with reading(path, " as WAV"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of chunks that are not read: said below, by their names
+        with bounded(path) as file:
+            rate, data = wavfile.read(file)
     if rate <= 0:
         raise ValueError(f"ground.file = {path.name!r} states a sampling rate of {rate} Hz; it must be positive")
-    share = _share(data[:, None] if data.ndim == 1 else data)
-    full_scale = choices.full_scale
-
-    def load(column: int) -> Loaded:
-        samples = share[:, column]
-        over = int(np.sum(np.abs(samples) >= CLIPPED))
-        notes = [f"{column + 1} looks clipped: {over} samples stand at the WAV file's full scale"] if over else []
-        return Loaded(full_scale * samples, float(rate), notes=tuple(notes))
-
-    components = [Component(str(n + 1), partial(load, n)) for n in range(share.shape[1])]
-    return record_of(path.name, components, choices, "use a format that states it")
+    columns = data[:, None] if data.ndim == 1 else data
+    names = [str(n + 1) for n in range(columns.shape[1])]
+    components = [Component(name, partial(_load, columns, n, float(rate), choices)) for n, name in enumerate(names)]
+    skipped = ", ".join(sorted(set(chunks) - READ))
+    notes = [f"chunks {skipped} are not read: what they state of a scale is ground.full_scale's"] if skipped else []
+    return record_of(path.name, components, choices, "use a format that states it", notes)
 
 
-def _share(data: np.ndarray) -> np.ndarray:
+def _chunks(path: Path) -> list[str]:
+    """Names of the file's chunks, in order; raises ValueError where its data end before they should."""
+    size = path.stat().st_size
+    found = []
+    with path.open("rb") as file:
+        head = file.read(12)
+        big = head[:4] == b"RIFX"
+        large = 0
+        while len(part := file.read(8)) == 8:
+            length = struct.unpack(">I" if big else "<I", part[4:])[0]
+            name = part[:4].decode("latin-1")
+            if name == "ds64":
+                large = struct.unpack("<Q", file.read(16)[8:])[0]
+                file.seek(-16, 1)
+            if name == "data" and head[:4] == b"RF64":
+                length = large
+            left = size - file.tell()
+            if length > left and "data" not in found:
+                what = "samples" if name == "data" else f"chunk {name!r}"
+                raise ValueError(f"it is truncated: it states {length} bytes of {what} and holds {left}")
+            found.append(name)
+            file.seek(length + length % 2, 1)
+    if not {"fmt ", "data"} <= set(found):
+        raise ValueError("it has no chunks fmt and data")
+    return found
+
+
+def _load(columns: np.ndarray, n: int, rate: float, choices: Choices) -> Loaded:
+    share = _share(columns[:, n])
+    over = int(np.sum(np.abs(share) >= CLIPPED))
+    notes = [f"{n + 1} looks clipped: {over} samples stand at the WAV file's full scale"] if over else []
+    return Loaded(_full_scale(choices, str(n + 1)) * share, rate, notes=tuple(notes))
+
+
+def _full_scale(choices: Choices, name: str) -> float:
+    """Motion that the largest sample of a component stands for [unit]."""
+    found = choices.full_scale
+    if isinstance(found, dict):
+        axis = (choices.axes or {}).get(name, "")
+        if name not in found and axis not in found:
+            raise ValueError(f"ground.full_scale names {', '.join(found)}, but neither component {name} nor its axis")
+        return float(found[name] if name in found else found[axis])
+    assert found is not None
+    return float(found)
+
+
+def _share(data: np.ndarray) -> Array:
     """Samples as shares of the full scale."""
     if data.dtype.kind == "f":
-        return np.asarray(data, float)
+        with np.errstate(invalid="ignore"):  # what is not finite is refused by its place
+            return np.asarray(data, float)
     if data.dtype.kind == "u":  # 8 bit, around 128
         return (data.astype(float) - 128.0) / 128.0
     return data.astype(float) / -float(np.iinfo(data.dtype).min)

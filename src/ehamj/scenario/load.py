@@ -2,7 +2,6 @@
 
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
@@ -10,6 +9,7 @@ from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from ehamj.errors import InputError
+from ehamj.plain.text import text_of, toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
 from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
@@ -46,10 +46,10 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
     """
     path = _find(source)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = toml_of(text_of(path))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error
     table = anchored(table, Scenario, path.resolve().parent)
     for text in overrides:
@@ -101,8 +101,8 @@ def override(table: dict[str, Any], text: str) -> None:
 def written(text: str) -> Any:
     """The value of what a user wrote: TOML, or else a string."""
     try:
-        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text else text.strip()
-    except tomllib.TOMLDecodeError:
+        return toml_of(f"value = {text}")["value"] if "\n" not in text else text.strip()
+    except ValueError:
         return text.strip()
 
 

@@ -1,0 +1,134 @@
+"""Records in TDMS files (LabVIEW, FlexLogger, NI-DAQ), through npTDMS, which applies their scaling."""
+
+import logging
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ehamj.records.bounded import bounded
+from ehamj.records.channel import Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.clock import clock, on_grid
+from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
+from ehamj.records.units import is_silent, time_unit
+from ehamj.signals import Array
+
+if TYPE_CHECKING:
+    from nptdms import TdmsChannel, TdmsFile
+
+UNITS = ("unit_string", "NI_UnitDescription", "unit", "units")
+"""Properties that state a channel's unit, by their names in small letters after the first two."""
+
+
+def read_tdms(path: Path, choices: Choices = SILENT) -> Record:
+    """The channels of a TDMS file.
+
+    A component is called ``group/channel`` and answers to the channel's name too. The clock is the waveform's
+    (``wf_increment``, ``wf_start_offset``, ``wf_start_time``), or a channel ``time`` in the same group; the unit is the
+    property ``unit_string``. Raises ValueError where the file cannot be read or breaks off, and see `clock`.
+    """
+    existing(path)
+    passed = []
+    with reading(path, " as TDMS"), _opened(path) as file:
+        starts = (_start(channel) for group in file.groups() for channel in group.channels())
+        start = min((one for one in starts if one is not None), default=None)
+        components = []
+        for group in file.groups():
+            times = [c for c in group.channels() if _is_time(c)]
+            for channel in group.channels():
+                own = " ".join(channel.name.split())
+                name = " ".join(f"{channel.group_name}/{own}".split())
+                if channel.dtype.kind not in "iuf" or len(channel) < 2:
+                    passed.append(name)
+                elif channel not in times:
+                    load = partial(_load, path, channel.group_name, channel.name, start, choices)
+                    components.append(Component(name, load, (own, *answers_of(own))))
+    if not components:
+        raise ValueError(f"ground.file = {path.name!r} holds no channel of numbers")
+    notes = [f"channels without numbers are passed over: {', '.join(passed)}"] if passed else []
+    return record_of(path.name, components, choices, "set the channel's property unit_string", notes)
+
+
+@contextmanager
+def _opened(path: Path) -> "Iterator[TdmsFile]":
+    """The file's directory; raises ValueError where it states more values than there are."""
+    from nptdms import TdmsFile
+    from nptdms.log import log_manager
+
+    said: list[str] = []
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: said.append(record.getMessage()[:80])  # type: ignore[method-assign]
+    logger = logging.getLogger("nptdms")
+    logger.addHandler(handler)
+    log_manager.console_handler.setLevel(logging.CRITICAL)  # what it warns of is refused, in our words
+    try:
+        with bounded(path) as raw, TdmsFile.open(raw) as file:
+            most = path.stat().st_size
+            for channel in (channel for group in file.groups() for channel in group.channels()):
+                if len(channel) > most:
+                    raise ValueError(f"{channel.path} states {len(channel)} values, and the file has {most} bytes")
+            if file.file_status.incomplete_final_segment or said:
+                raise ValueError("; ".join(said) or "its last segment is cut off")
+            yield file
+    finally:
+        logger.removeHandler(handler)
+        log_manager.console_handler.setLevel(log_manager.log_level)
+
+
+def _is_time(channel: "TdmsChannel") -> bool:
+    return re.fullmatch(r"\s*(time|t)\s*([\[(].*)?", channel.name, re.IGNORECASE) is not None
+
+
+def _start(channel: "TdmsChannel") -> Any:
+    """When the waveform starts, None where it does not say."""
+    start = channel.properties.get("wf_start_time")
+    return start if isinstance(start, np.datetime64) and not np.isnat(start) else None
+
+
+def _stated(channel: "TdmsChannel") -> str | None:
+    """The channel's unit as written, None where it states none."""
+    small = {key.lower(): value for key, value in channel.properties.items()}
+    written = [str(small[key.lower()]) for key in UNITS if key.lower() in small]
+    return next((text for text in written if not is_silent(text)), None)
+
+
+def _load(path: Path, group: str, name: str, start: Any, choices: Choices) -> Loaded:
+    """One channel, scaled as its properties say."""
+    where = f"ground.file = {path.name!r}: channel {' '.join(name.split())}"
+    with reading(path, f" as TDMS: channel {name}"), _opened(path) as file:
+        channel = file[group][name]
+        samples = np.asarray(channel[:], float)
+        properties, stated = dict(channel.properties), _stated(channel)
+        times = next(((c, np.asarray(c[:], float)) for c in file[group].channels() if _is_time(c)), None)
+        time_label = None if times is None else _stated(times[0]) or times[0].name.partition("[")[2].rstrip(" ]")
+    step = properties.get("wf_increment")
+    if step is not None:
+        label = str(properties.get("wf_xunit_string") or "s")
+        size = _seconds(label, f"{where}: the unit of its abscissa (wf_xunit_string)")
+        rate = 1.0 / (step * size) if step * size > 0 else np.nan
+        if not np.isfinite(rate):
+            raise ValueError(f"{where} states wf_increment = {step:g}; the step of its samples must be positive")
+        offset = float(properties.get("wf_start_offset") or 0.0) * size
+        own = properties.get("wf_start_time")
+        late = 0.0 if start is None or own is None else float((own - start) / np.timedelta64(1, "ns")) * 1e-9
+        return Loaded(samples, rate, stated, offset + late)
+    if times is None:
+        raise ValueError(f"{where} states no wf_increment, and no channel of its group is named time; save a waveform")
+    time: Array = _seconds(time_label or "s", f"{where}: the unit of the channel {times[0].name}") * times[1]
+    if time.size != samples.size:
+        raise ValueError(f"{where} has {samples.size} values, and the channel {times[0].name} has {time.size}")
+    rate, index, notes = clock(time, path.name, choices.gaps)
+    return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))
+
+
+def _seconds(label: str, what: str) -> float:
+    """SI value of a unit of time [s]; raises ValueError naming ``what`` it is of."""
+    try:
+        return time_unit(label)
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from None
