@@ -12,7 +12,7 @@ from ehamj.criteria.norms import NORMS as REGISTERED
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
 from ehamj.estimate.bands import bands
-from ehamj.estimate.periodogram import band_rms
+from ehamj.estimate.reading import band_rms
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")

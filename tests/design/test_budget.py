@@ -8,7 +8,7 @@ import pytest
 from ehamj.control import LinearController
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.design.budget import BANDS, Budget, budget
-from ehamj.estimate.periodogram import band_rms
+from ehamj.estimate.reading import band_rms
 from ehamj.linear.machine import linear_model
 from ehamj.result import Result
 from ehamj.run.simulate import simulate

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from ehamj.criteria.vc import FLAT
 from ehamj.errors import InputError
 from ehamj.estimate.bands import bands
-from ehamj.estimate.periodogram import band_rms
+from ehamj.estimate.reading import band_rms
 from ehamj.ground import Motion
 from ehamj.ground.broadband import LEAST_REPEAT, Swell
 from ehamj.ground.floors import FLOORS, LINES

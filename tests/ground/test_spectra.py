@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
-from ehamj.estimate.periodogram import band_rms
+from ehamj.estimate.reading import band_rms
 from ehamj.ground import Motion
 from ehamj.ground.spectra import from_psd, from_third_octaves
 from ehamj.ground.targets import FileTarget, PetersonTarget

@@ -72,7 +72,7 @@ def whole(folder: Path) -> Any:
 def at_rest() -> Result:
     command = {"kind": "sine", "mounts": ("rear-left",), "amplitude": 0.5, "frequency": 13.0}
     control = {"kind": "open-loop", "signals": (command,)}
-    return simulate(parse_scenario({**BASE, "duration": 1.0, "ground": {"kind": "rest"}, "control": control}))
+    return simulate(parse_scenario({**BASE, "duration": 2.0, "ground": {"kind": "rest"}, "control": control}))
 
 
 @pytest.fixture(scope="module")

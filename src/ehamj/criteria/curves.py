@@ -151,11 +151,11 @@ class Norm:
         return found
 
     def by(self, statistic: BandStatistic) -> Self:
-        """The same norm, its limits of the RMS in bands held against another statistic of those levels."""
+        """The same norm, its limits of RMS in bands held against another statistic of those levels."""
 
         def rule(name: str, axis: str, band: Band) -> Limit | None:
             limit = self.rule(name, axis, band)
-            return replace(limit, statistic=statistic) if limit is not None and limit.statistic == "rms" else limit
+            return replace(limit, statistic=statistic) if limit is not None and limit.statistic != "peak" else limit
 
         return replace(self, rule=rule, practices={name: norm.by(statistic) for name, norm in self.practices.items()})
 

@@ -21,7 +21,7 @@ from ehamj.control import LinearController
 from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
 from ehamj.control.sensors import class_of
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
-from ehamj.estimate.periodogram import PowerSpectrum
+from ehamj.estimate.reading import band_rms
 from ehamj.ground.broadband import BroadbandGround
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel
@@ -147,8 +147,7 @@ def floor_levels(scenario: Scenario) -> Array:
     time = np.arange(0.0, min(FLOOR_TIME, scenario.duration), 1.0 / FLOOR_RATE)
     heave = motion.sample(time).velocity[:, :, AXES.index("z")].mean(axis=1)
     # A rough level of a low band is worth more than none: most of the voltage goes there.
-    levels = PowerSpectrum.of(heave[:, None], FLOOR_RATE).band_rms(BANDS, least_bins=1.0)
-    return np.asarray(np.nan_to_num(levels[:, 0]))
+    return np.nan_to_num(band_rms(heave, FLOOR_RATE, BANDS, least_bins=1.0))
 
 
 def _per_band(values: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +25,7 @@ class Band:
 
     index: int
 
-    @property
+    @cached_property
     def centre(self) -> float:
         """Exact mid-band frequency, 1000·G^(k/3) [Hz]."""
         return float(1000.0 * G ** (self.index / 3))
@@ -34,10 +35,16 @@ class Band:
         """Nominal centre frequency, as norms print their limits [Hz]."""
         return float(self.name)
 
-    @property
+    @cached_property
     def edges(self) -> tuple[float, float]:
         """Lower and upper edge [Hz]."""
         return self.centre * G ** (-1 / 6), self.centre * G ** (1 / 6)
+
+    @property
+    def width(self) -> float:
+        """Distance of the edges [Hz]."""
+        low, high = self.edges
+        return high - low
 
     @property
     def name(self) -> str:

@@ -1,14 +1,22 @@
 """How well a run is isolated: attenuation and levels in third-octaves, and what the norms say of every place."""
 
-import xarray as xr
+from typing import Any, Literal
 
-from ehamj.criteria.curves import ORDERS
+import xarray as xr
+from pydantic import Field
+
+from ehamj.criteria.curves import ORDERS, Kind, Quantity
 from ehamj.criteria.settings import CriteriaSettings
+from ehamj.estimate.counted import settled
+from ehamj.estimate.sliding import TIMES, averaging_time
+from ehamj.estimate.statistics import BandStatistic
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
-from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, levels_of, settled
+from ehamj.judge.levels import BANDS, ByBand, Levels, by_band, duration_of, levels_of
 from ehamj.judge.peaks import peaks_of
-from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, undecided, unheld
+from ehamj.judge.transience import Transience, transience
+from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
+from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 
 Places = dict[str, dict[str, ByBand]]
@@ -25,6 +33,21 @@ class Analysis(Finding):
     """From where on the ground is known [Hz]."""
 
 
+class Statistics(Finding):
+    """Levels of each place that are not the whole run's RMS."""
+
+    averaging_s: dict[BandStatistic, ByBand]
+    """Averaging time of each statistic per band [s]."""
+    velocity: dict[BandStatistic, Places]
+    """RMS [m/s]."""
+    displacement: dict[BandStatistic, Places] = Field(default_factory=dict)
+    """RMS [m], where a norm limits it."""
+    acceleration: dict[BandStatistic, Places] = Field(default_factory=dict)
+    """RMS [m/s²], where a norm limits it."""
+    peak: dict[str, dict[str, float | None]]
+    """Place → axis → peak velocity of the history, all frequencies together [m/s]."""
+
+
 class Isolation(Finding):
     """Attenuation and criteria of a run.
 
@@ -35,17 +58,32 @@ class Isolation(Finding):
     """Per axis and for rx, ry, of the CG: band → dB, positive: quieter than the floor, None: undecided."""
     attenuation_at_db: Places
     """The same for x, y, z at the feet (worst of foot over its own ground) and each point."""
+    statistic: Literal["rms"] = "rms"
+    """Of the levels that follow, and of those that attenuation is of: RMS over the whole run."""
     third_octave_velocity: Places
     """RMS [m/s]."""
     third_octave_displacement: Places | None = None
     """RMS [m], where a norm limits it."""
     third_octave_acceleration: Places | None = None
     """RMS [m/s²], where a norm limits it."""
+    levels: Statistics | None = None
+    """By other statistics; None in a result that is older."""
+    floor_transient: bool | None = None
+    """Whether the floor's largest second exceeds what stationary noise has by chance; None where nothing is known."""
+    transience: Transience | None = None
+    """Where that second is strongest; None where the floor is not transient."""
     criterion: Criterion
     """By the first norm."""
     criteria: dict[str, ByNorm]
     """By each norm."""
     analysis: Analysis
+
+    def in_bands(self, quantity: Quantity, statistic: BandStatistic = "rms") -> Places:
+        """Levels in bands of a quantity by a statistic; empty where these were not taken."""
+        if statistic == "rms":
+            return getattr(self, f"third_octave_{quantity}") or {}
+        tables: dict[BandStatistic, Places] = getattr(self.levels, quantity) if self.levels else {}
+        return tables.get(statistic, {})
 
 
 def isolation(
@@ -56,7 +94,9 @@ def isolation(
     criteria: CriteriaSettings | None = None,
     usable_from: float = 0.0,
 ) -> tuple[Isolation, list[str]]:
-    """Attenuation and criteria of a run, and in words the bands that a longer run or a higher rate would decide.
+    """Attenuation and criteria of a run, and in words what to know of its levels.
+
+    These words tell of bands that a longer run or a higher rate would decide, and of a floor that is transient.
 
     Args:
         dataset: of a result.
@@ -70,26 +110,50 @@ def isolation(
     end = duration_of(dataset)
     begin = settled(end)
     known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
-    levels = levels_of(dataset.sel(time=slice(begin, None)), plant, rate, known)
+    name, norm = next(iter(norms.items()))
+    second = strongest_second(norm)
+    limited: set[Kind] = set().union(*(one.kinds for one in norms.values()))
+    levels = levels_of(dataset, plant, rate, known, limited | (second.kinds if second else set()))
     peaks = peaks_of(dataset.sel(time=slice(begin, None)), rate, norms.values())
-    verdicts = {name: by_norm(norm, levels, peaks) for name, norm in norms.items()}
-    first = next(iter(verdicts.values()))
+    verdicts = {name: by_norm(one, levels, peaks) for name, one in norms.items()}
     # Velocity, and what else the norms limit in bands.
-    limited = {("velocity", "rms")}.union(*(norm.kinds for norm in norms.values()))
+    quantities = {"velocity"} | {quantity for quantity, statistic in limited if statistic != "peak"}
     tables = {
-        f"third_octave_{quantity}": {
-            place: by_band(levels.at(place)[quantity, "rms"], levels.bands) for place in levels.places
-        }
-        for quantity in ORDERS
-        if (quantity, "rms") in limited
+        f"third_octave_{quantity}": _table(levels, (quantity, "rms")) for quantity in ORDERS if quantity in quantities
     }
+    strongest = transience(dataset, levels, rate)
     found = Isolation(
         attenuation_db=attenuation_at_cg(levels, plant),
         attenuation_at_db=attenuation_at_places(levels),
-        criterion=Criterion(floor=first.places["floor"], machine=first.places["machine"], verdict=first.verdict),
+        statistic="rms",
+        levels=_statistics(levels),
+        floor_transient=strongest is not None,
+        transience=strongest,
+        criterion=criterion(norm, verdicts[name], levels, peaks),
         criteria=verdicts,
         analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to), usable_from_hz=usable_from),
         **tables,
     )
+    words = [strongest.in_words()] if strongest else []
     left_open = undecided(norms, end - begin, rate, usable_to, usable_from)
-    return found, [*left_open, *unheld(norms, verdicts, usable_to, usable_from)]
+    return found, [*words, *left_open, *unheld(norms, verdicts, usable_to, usable_from)]
+
+
+def _table(levels: Levels, kind: Kind) -> Places:
+    """Levels in bands of one kind."""
+    return {place: by_band(levels.at(place)[kind], levels.bands) for place in levels.places}
+
+
+def _statistics(levels: Levels) -> Statistics:
+    """Levels that are not the whole run's RMS."""
+    known = levels.at("floor").keys()
+    found: dict[str, Any] = {
+        quantity: {name: _table(levels, (quantity, name)) for name in TIMES if (quantity, name) in known}
+        for quantity in ORDERS
+    }
+    peaks = {place: levels.at(place)["velocity", "peak"][0] for place in levels.places}
+    return Statistics(
+        averaging_s={name: {band.name: averaging_time(band, name) for band in BANDS} for name in TIMES},
+        peak={place: dict(zip(AXES, map(finite, peak), strict=True)) for place, peak in peaks.items()},
+        **found,
+    )

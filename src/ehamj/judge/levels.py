@@ -1,6 +1,6 @@
-"""Third-octave levels of floor, feet, machine and points, from the spectra of the recorded velocities."""
+"""Third-octave levels of floor, feet, machine and points, from the recorded velocities."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -10,7 +10,9 @@ import xarray as xr
 from ehamj.arrays import Array
 from ehamj.criteria.curves import ORDERS, Kind
 from ehamj.estimate.bands import Band, bands
-from ehamj.estimate.periodogram import PowerSpectrum
+from ehamj.estimate.counted import Counted, by_column
+from ehamj.estimate.reading import Reading, band_rms
+from ehamj.estimate.sliding import TIMES, statistics
 from ehamj.findings import finite
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import plane_fit
@@ -26,11 +28,6 @@ SLAB: Final = DOFS[:5]
 """Motions of the floor as a whole, and of the machine that is held against it: x, y, z, rx, ry."""
 
 
-def settled(duration: float) -> float:
-    """Time from which levels are taken, so that the beginning does not count [s]: a tenth of the run, at most 2 s."""
-    return min(2.0, 0.1 * duration)
-
-
 def duration_of(dataset: xr.Dataset) -> float:
     """Time of the last row of a run [s]; 0 without any."""
     return float(dataset.time[-1]) if dataset.time.size else 0.0
@@ -42,36 +39,68 @@ class Levels:
 
     bands: tuple[Band, ...]
     floor: Array = field(repr=False)
-    """RMS velocity of the floor as a whole, (bands, `SLAB`) [m/s, rad/s]."""
+    """Whole-run RMS velocity of the floor as a whole, (bands, `SLAB`) [m/s, rad/s]."""
     machine: Array = field(repr=False)
     """The same of the machine."""
     places: dict[str, dict[Kind, Array]] = field(repr=False)
-    """By kind, SI: RMS (bands, …, axis), peaks (1, …, axis); floor and feet have one per mount, machine and points not.
-    """
+    """By kind, SI: in bands (bands, …, axis), peaks (1, …, axis); floor and feet have one per mount, machine and points
+    not."""
+    behind: Array = field(repr=False)
+    """RMS velocity of the floor over the whole run behind the filters of the sliding levels, (bands, mount, axis)."""
 
     def at(self, place: str) -> dict[Kind, Array]:
         """Levels of a place by kind, (n, axis); of floor and feet those of the worst mount."""
         return {kind: found.max(axis=1) if found.ndim > 2 else found for kind, found in self.places[place].items()}
 
 
-def levels_of(dataset: xr.Dataset, plant: Plant, rate: float, known: tuple[Band, ...]) -> Levels:
+def levels_of(
+    dataset: xr.Dataset, plant: Plant, rate: float, known: tuple[Band, ...], wanted: Collection[Kind] = ()
+) -> Levels:
     """Levels of a recorded motion in the bands that are known.
 
     Args:
-        dataset: of a result, without its beginning.
+        dataset: of a result, from time 0 on; its beginning does not count.
         plant: what was simulated; the mounts' positions count.
         rate: recording rate [Hz].
         known: bands.
+        wanted: kinds of levels behind filters that are wanted beside those of velocity, which are all taken.
     """
+    kinds: list[Kind] = [(q, "rms") for q in ORDERS]
+    kinds += [(q, name) for q in ORDERS for name in TIMES if q == "velocity" or (q, name) in wanted]
     places: dict[str, dict[Kind, Array]] = {}
+    behind = np.empty(0)
     for place, velocity in motions_of(dataset, "velocity").items():
-        found = rms_in_bands(velocity, rate, known, ORDERS.values())
-        places[place] = {(quantity, "rms"): levels for quantity, levels in zip(ORDERS, found, strict=True)}
-        enough = len(velocity) >= LEAST_ROWS
-        peak = np.abs(velocity).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
+        tables = _read(velocity, rate, known, kinds)
+        places[place] = dict(zip(kinds, tables, strict=False))
+        behind = tables[-1] if place == "floor" else behind
+        counted = velocity[Counted(len(velocity), rate).start :]
+        enough = len(counted) >= LEAST_ROWS
+        peak = np.abs(counted).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
         places[place]["velocity", "peak"] = peak[None]
-    (slabs,) = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
-    return Levels(known, slabs[:, 0], slabs[:, 1], places)
+    slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
+    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind)
+
+
+def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:
+    """Levels of a velocity (time, …) of each kind, and last its RMS behind the filters, (kinds + 1, bands, …)."""
+    counted = Counted(len(velocity), rate)
+
+    def of_one(samples: Array) -> Array:
+        reading = Reading.of(samples, counted, known)
+        found = np.full((len(kinds) + 1, len(known)), np.nan)
+        for quantity, order in ORDERS.items():
+            own = [name for name in TIMES if (quantity, name) in kinds]
+            rows = [kinds.index((quantity, name)) for name in own]
+            found[kinds.index((quantity, "rms"))] = reading.rms(known, order)
+            if own:
+                found[rows], behind = statistics(reading, known, own, order)
+                if quantity == "velocity":
+                    found[-1] = behind
+        return found
+
+    if counted.n - counted.start < LEAST_ROWS:
+        return np.full((len(kinds) + 1, len(known), *velocity.shape[1:]), np.nan)
+    return by_column(velocity, of_one)
 
 
 def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Array]:
@@ -95,13 +124,12 @@ def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Array, Array]:
     return np.hstack([ground.mean(axis=1), turning[:, 1:]]), np.hstack(machine)
 
 
-def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...], orders: Iterable[int] = (0,)) -> list[Array]:
-    """RMS in bands (bands, …) of the derivatives of each order of a signal (time, …); NaN of too few rows."""
-    shape = (len(known), *signal.shape[1:])
-    if len(signal) < LEAST_ROWS:
-        return [np.full(shape, np.nan) for _ in orders]
-    spectrum = PowerSpectrum.of(signal.reshape(len(signal), -1), rate)
-    return [spectrum.band_rms(known, order).reshape(shape) for order in orders]
+def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...]) -> Array:
+    """Whole-run RMS in bands (bands, …) of a signal (time, …), its beginning not counted; NaN of too few rows."""
+    counted = Counted(len(signal), rate)
+    if counted.n - counted.start < LEAST_ROWS:
+        return np.full((len(known), *signal.shape[1:]), np.nan)
+    return band_rms(signal, rate, known)
 
 
 def by_band(levels: Array, known: tuple[Band, ...], labels: Iterable[str] = AXES) -> dict[str, ByBand]:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ehamj.arrays import Array
 from ehamj.findings import Finding, finite
-from ehamj.judge.levels import BANDS, ByBand, by_band, duration_of, rms_in_bands, settled
+from ehamj.judge.levels import BANDS, ByBand, by_band, rms_in_bands
 from ehamj.plant.axes import AXES
 from ehamj.plant.points import Relative
 
@@ -25,7 +25,7 @@ class RelativeMotion(Finding):
     rms: dict[str, float | None]
     """About the first value, over the whole run [m]."""
     third_octave_displacement: dict[str, ByBand]
-    """RMS [m], from where levels are taken."""
+    """Whole-run RMS [m]."""
 
 
 def relative_motions(
@@ -37,8 +37,7 @@ def relative_motions(
     peak = np.abs(moved).max(axis=0, initial=0.0)
     rms = np.sqrt((moved**2).sum(axis=0) / (len(moved) or np.nan))
     known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
-    settled_part = displacement.sel(time=slice(settled(duration_of(dataset)), None)).values
-    levels = _with_total(rms_in_bands(settled_part, rate, known)[0])
+    levels = _with_total(rms_in_bands(displacement.values, rate, known))
     return {
         relative.name: RelativeMotion(
             origin=relative.origin,

@@ -5,8 +5,9 @@ import xarray as xr
 
 from ehamj.criteria.response_spectrum import frequencies, response_spectrum
 from ehamj.criteria.settings import ResponseSpectrumSettings
+from ehamj.estimate.counted import settled
 from ehamj.findings import Finding, finite
-from ehamj.judge.levels import LEAST_ROWS, duration_of, motions_of, settled
+from ehamj.judge.levels import LEAST_ROWS, duration_of, motions_of
 from ehamj.plant.axes import AXES
 
 Peaks = dict[str, dict[str, list[float | None]]]

@@ -5,9 +5,10 @@ from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
-from ehamj.estimate.periodogram import LEAST_BINS
+from ehamj.estimate.counted import settled
+from ehamj.estimate.sliding import least_length
 from ehamj.findings import Finding
-from ehamj.judge.levels import Levels, settled
+from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks
 from ehamj.plant.axes import AXES
 
@@ -45,27 +46,55 @@ class ByNorm(Finding):
     verdict: InWords
 
 
+class Beside(Finding):
+    """What the first norm says of floor and machine by another statistic of the levels."""
+
+    floor: AtPlace
+    machine: AtPlace
+
+
 class Criterion(Finding):
     """What the first norm says of floor and machine."""
 
     floor: AtPlace
     machine: AtPlace
     verdict: InWords
+    max_1s: Beside | None = None
+    """By the largest sliding 1 s RMS; None for a norm of peaks, and in a result that is older."""
+
+
+def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = None) -> Criterion:
+    """What a norm says of floor and machine, beside it by the largest 1 s RMS where it limits levels in bands."""
+    places = {place: judged.places[place] for place in ("floor", "machine")}
+    if beside := strongest_second(norm):
+        return Criterion(
+            **places,
+            verdict=judged.verdict,
+            max_1s=Beside(**{place: at_place(beside, levels, place, peaks) for place in places}),
+        )
+    return Criterion(**places, verdict=judged.verdict)
+
+
+def strongest_second(norm: Norm) -> Norm | None:
+    """A norm by the largest sliding 1 s RMS; None where all its limits are peaks."""
+    return norm.by("max_1s") if any(statistic != "peak" for _, statistic in norm.kinds) else None
+
+
+def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None) -> AtPlace:
+    """What a norm says of a place; ``peaks`` beside those of velocity."""
+    peaks = peaks or Peaks()
+    found, swings = levels.at(place) | peaks.levels.get(place, {}), peaks.swings.get(place, {})
+    verdicts = {
+        axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
+        for k, axis in enumerate(AXES)
+    }
+    worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
+    return AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
 
 
 def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
     """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
-    places = {}
-    peaks = peaks or Peaks()
-    for place in levels.places:
-        found = levels.at(place) | peaks.levels.get(place, {})
-        swings = peaks.swings.get(place, {})
-        verdicts = {
-            axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
-            for k, axis in enumerate(AXES)
-        }
-        worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
-        places[place] = AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
+    places = {place: at_place(norm, levels, place, peaks) for place in levels.places}
     words = InWords(
         vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
         horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
@@ -117,15 +146,16 @@ def undecided(
     """
     needed = {name: {band for axis in AXES for band in norm.needed(axis)} for name, norm in norms.items()}
     everything = sorted(set().union(*needed.values()), key=lambda band: band.index)
-    known = [(band, *band.edges) for band in everything if _held(band, usable_to, usable_from)]
-    short = [(band, high - low) for band, low, high in known if (high - low) * seconds < LEAST_BINS]
-    fast = [band for band, _, high in known if high > 0.5 * rate]
+    known = [band for band in everything if _held(band, usable_to, usable_from)]
+    taken = {statistic for norm in norms.values() for _, statistic in norm.kinds if statistic != "peak"}
+    least = {band: max(least_length(band, statistic) for statistic in taken) for band in known}
+    short = [band for band in known if seconds < least[band]]
+    fast = [band for band in known if band.edges[1] > 0.5 * rate]
     found = []
     if short:
-        wanted = LEAST_BINS / short[0][1]
+        wanted = max(least[band] for band in short)
         enough = next(whole for whole in range(1, 10**6) if whole - settled(whole) > wanted)
-        which = _which([band for band, _ in short], needed)
-        found.append(f"the run is too short to decide {which}; duration = {enough} s would")
+        found.append(f"the run is too short to decide {_which(short, needed)}; duration = {enough} s would")
     if fast:
         found.append(f"record_rate = {rate:g} Hz is too low to decide {_which(fast, needed)}")
     return found

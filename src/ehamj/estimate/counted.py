@@ -1,0 +1,110 @@
+"""What of a run counts for levels: from when on, and with what weight near its two ends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from ehamj.arrays import Array
+from ehamj.estimate.bands import Band
+from ehamj.signals import rise
+
+LONGEST_TAPER: Final = 0.5
+"""Time over which the weight rises and falls at most [s]."""
+
+
+LEAST_BINS: Final = 4
+"""Bandwidth times counted time that a band must have for its level to be stated."""
+
+
+def settled(duration: float) -> float:
+    """Time from which levels are taken, so that the beginning does not count [s].
+
+    A tenth of the run, at most 1 s; of runs beyond 20 s a twentieth, at most 2 s.
+    """
+    return min(2.0, max(min(1.0, 0.1 * duration), 0.05 * duration))
+
+
+@dataclass(frozen=True)
+class Counted:
+    """Samples ``n`` of a run from time 0 at ``rate`` [Hz], of which those count that come when it has `settled`.
+
+    All that counts has the weight one, but for the very end: there it falls to zero over ``taper`` [s], as it rises
+    from zero before ``begin`` (the quintic of `ehamj.signals.rise`).
+    """
+
+    n: int
+    rate: float
+
+    @property
+    def begin(self) -> float:
+        """Time from which levels are taken [s]."""
+        return settled(max(self.n - 1, 0) / self.rate)
+
+    @property
+    def taper(self) -> float:
+        """Time over which the weight rises and falls [s]; it fits into what is left out."""
+        return min(LONGEST_TAPER, self.begin)
+
+    @property
+    def end(self) -> float:
+        """Time of the last sample [s]."""
+        return (self.n - 1) / self.rate
+
+    @property
+    def first(self) -> int:
+        """The first sample that has a weight."""
+        return int(np.floor((self.begin - self.taper) * self.rate + 1e-6))
+
+    @property
+    def start(self) -> int:
+        """The first sample that counts."""
+        return int(np.ceil(self.begin * self.rate - 1e-6))
+
+    @property
+    def length(self) -> float:
+        """How long is counted, to the end [s]."""
+        return (self.n - self.start) / self.rate
+
+    def decides(self, band: Band, least_bins: float = LEAST_BINS) -> bool:
+        """Whether the record is long enough, and sampled fast enough, for a band's level to be stated."""
+        return band.width * self.length >= least_bins and band.edges[1] <= 0.5 * self.rate
+
+    @cached_property
+    def weight(self) -> Array:
+        """Of each sample, (n,)."""
+        if self.taper == 0.0:
+            return np.zeros(self.n)
+        time = np.arange(self.n) / self.rate
+        inside = np.minimum(time - (self.begin - self.taper), self.end - time)
+        return rise(inside / self.taper).value
+
+    @cached_property
+    def seconds(self) -> float:
+        """Time that the energy of a stationary signal is of: ∫ weight² dt [s]."""
+        return float((self.weight**2).sum()) / self.rate
+
+
+def by_column(samples: Array, compute: Callable[[Array], Array]) -> Array:
+    """What a function makes of each channel of samples (n, …); channels that are the same are computed once.
+
+    Args:
+        samples: at least one channel.
+        compute: from (n,) to an array of any shape S.
+
+    Returns:
+        (*S, …), the channels' shape last.
+    """
+    columns = samples.reshape(samples.shape[0], -1)
+    known: dict[bytes, Array] = {}
+    found = []
+    for column in columns.T:
+        whole = np.ascontiguousarray(column)
+        key = whole.tobytes()
+        if key not in known:
+            known[key] = compute(whole)
+        found.append(known[key])
+    together = np.stack(found, axis=-1)
+    return together.reshape(*together.shape[:-1], *samples.shape[1:])

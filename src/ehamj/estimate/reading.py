@@ -1,0 +1,92 @@
+"""A channel of a run, read once: its levels in bands, whatever else is strong in it.
+
+Energy between a band's edges is read without a window, so that all that counts has the same weight. The price is
+leakage: weights that fall to zero within half a second spread what is strong over a few hertz around, though little.
+Lines do not leak, as they are taken out before. What else is far stronger than a band leaks least in another order of
+differences: what lies below (microseism, creep, an offset with its drift) in second ones, what lies above in none.
+As leakage only adds, each band is read by first differences, and by another order where that reads clearly less.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, Self
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from ehamj.arrays import Array
+from ehamj.estimate.bands import Band
+from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
+from ehamj.estimate.spectrum import FADE, FILLING, RINGING, Spectrum
+from ehamj.estimate.steady import lines_of
+
+ORDERS: Final = (1, 0, 2)
+"""Of differences, in order of preference."""
+CLEARLY: Final = 10.0**-0.05
+"""Share of the level by first differences below which another order is taken: 0.5 dB, more than the three differ by
+chance."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One channel: its spectrum by differences of several orders, and which of them each band is read from."""
+
+    counted: Counted
+    spectra: dict[Band, Spectrum] = field(repr=False)
+    """Of each band that is decided."""
+
+    @classmethod
+    def of(cls, samples: Array, counted: Counted, chosen: Sequence[Band], least_bins: float = LEAST_BINS) -> Self:
+        """Of the samples (n,) of one channel, for levels in the bands ``chosen``; for ``least_bins`` see `band_rms`.
+
+        Spectra are padded with zeros for as long as filters of the narrowest band ring, so that what they make of the
+        end does not come round to the beginning.
+        """
+        decided = [band for band in chosen if counted.decides(band, least_bins)]
+        if not decided:
+            return cls(counted, {})
+        padding = (RINGING + FILLING) / min(band.width for band in decided) + FADE
+        size = next_fast_len(counted.n + int(np.ceil(padding * counted.rate)), real=True)
+        lines = lines_of(samples, counted)
+        spectra = [Spectrum.of(samples, lines, counted, size, order) for order in ORDERS]
+        first, *others = (spectrum.rms(decided, least_bins=least_bins) for spectrum in spectra)
+        levels = np.array([CLEARLY * first, *others])
+        return cls(counted, dict(zip(decided, (spectra[k] for k in np.argmin(levels, axis=0)), strict=True)))
+
+    def rms(self, chosen: Sequence[Band], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
+        """RMS of the whole run in each band, (bands,), NaN where undecided; see `band_rms`."""
+        tables: dict[int, Array] = {}
+        found = np.full(len(chosen), np.nan)
+        for row, band in enumerate(chosen):
+            if (spectrum := self.spectra.get(band)) is not None:
+                if id(spectrum) not in tables:
+                    tables[id(spectrum)] = spectrum.rms(chosen, order, least_bins)
+                found[row] = tables[id(spectrum)][row]
+        return found
+
+
+def band_rms(
+    signal: Array,
+    rate: float,
+    chosen: tuple[Band, ...],
+    order: int = 0,
+    least_bins: float = LEAST_BINS,
+) -> Array:
+    """RMS of the whole run of a signal, or of its derivative or integral, in each band.
+
+    The energy of all that counts, without window: see `Counted` for the weights near the two ends.
+
+    Args:
+        signal: samples from time 0 on, (n,) or (n, …).
+        rate: sampling rate [Hz].
+        chosen: bands.
+        order: of the time derivative.
+        least_bins: bandwidth times counted time that a band needs.
+
+    Returns:
+        (bands,) or (bands, …), in the signal's unit (times 1/s to the power of ``order``); NaN where the record is too
+        short or sampled too slowly for the band.
+    """
+    samples = np.asarray(signal, float)
+    counted = Counted(samples.shape[0], rate)
+    return by_column(samples, lambda one: Reading.of(one, counted, chosen, least_bins).rms(chosen, order, least_bins))
