@@ -19,7 +19,7 @@ from scipy.io import savemat, wavfile
 from ehamj.ground.records import RecordGround
 
 SAMPLES = np.random.default_rng(7).standard_normal(64)
-MANY = 200
+MANY = 160
 """Damaged files of each format."""
 
 LONGEST = 5.0
