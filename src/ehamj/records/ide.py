@@ -3,6 +3,7 @@
 import logging
 import os
 import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -85,7 +86,9 @@ def _opened(path: Path) -> Iterator[Any]:
     """The file's channels and data; raises ValueError for what idelib would guess, evaluate, or only warn of."""
     from idelib.importer import openFile, readData
 
-    with bounded(path) as file:
+    with bounded(path) as file, warnings.catch_warnings():
+        for kind in (UserWarning, UnicodeWarning):  # of formats that are missing, and names that cannot be read
+            warnings.simplefilter("error", kind)
         _check(file)
         file.seek(0)
         said: list[str] = []
