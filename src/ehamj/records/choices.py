@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.records.channel import Place
+from ehamj.records.table_choices import TableChoices
 from ehamj.records.units import KNOWN, Quantity, motion_unit
 from ehamj.settings import FileName, Positive, Settings
 
@@ -40,6 +41,10 @@ class Choices(Settings):
     )
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
+    )
+
+    table: TableChoices | None = Field(
+        None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
     )
 
     @model_validator(mode="after")
