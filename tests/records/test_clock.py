@@ -75,6 +75,10 @@ def test_times_as_coarse_as_steps_may_have_gaps_and_many_are_refused() -> None:
     found, index, _ = clock(whole, "a", "interpolate", 1e-3)
     assert found == 1000.0
     np.testing.assert_array_equal(index, np.delete(np.arange(2000), range(500, 600)))
+    # One missing sample, too: a clock of 99.95 Hz would explain the times without.
+    found, index, _ = clock(np.delete(np.arange(2000), 500) / 100.0, "a", "interpolate", 1e-2)
+    assert (found, index[-1]) == (100.0, 1999.0)
+    assert clock(rounded(np.arange(2000) / 990.0, 1e-3), "a", "error", 1e-3)[0] == pytest.approx(990.0, rel=1e-3)
     coarse = rounded(np.delete(np.arange(2000), range(500, 600)) / 800.0, 1e-3)
     with pytest.raises(
         ValueError, match=r"rounded to 0\.001 s, of steps of 0\.001\d* s.* gaps cannot be placed; resample"

@@ -297,7 +297,7 @@ FAULTS: dict[str, tuple[str, dict[str, Any], str]] = {
     ),
     "row cut in a cell": (f"time [s],z [m]\n{T}0.30,1", {}, r"line 32 ends without a line break, .*truncated"),
     "row too long": (f"time [s],z [m]\n{T}0.30,1.5,2\n{T}", {}, r"line 32 has 3 cells where the table has 2 columns"),
-    "words amid rows": (f"time [s],z [m]\n{T}-- restart --\n{T}", {}, r"line 32 has 1 cells .* correct it, state"),
+    "words amid rows": (f"time [s],z [m]\n{T}-- restart --\n{T}", {}, r"line 32 has 1 cells .* correct it, or state"),
     "two tables": (
         f"time [s],z [m]\n{T}time [s],z [m]\n{T}",
         {},
@@ -436,6 +436,15 @@ def test_marks_of_thousands_are_never_taken_for_decimals(tmp_path: Path, form: s
     rows = "".join(f"{k}{delimiter}{form}\n" for k in range(30))
     with pytest.raises(ValueError, match=r"ground\.table\.(decimal|thousands)"):
         read_text(tmp_path, f"t [s]{delimiter}z [m]\n{rows}")
+
+
+def test_damaged_rows_are_passed_over_where_the_user_says_so(tmp_path: Path) -> None:
+    text = "time [s],z [m]\n" + "".join("0.10,1,2\n" if k == 10 else f"{k / 100:.2f},{k}\n" for k in range(40)) + "0.4"
+    with pytest.raises(ValueError, match=r'line 12 has 3 cells .* set ground\.damaged = "skip" to pass over it'):
+        read_text(tmp_path, text, gaps="interpolate")
+    record = read_text(tmp_path, text, gaps="interpolate", damaged="skip")
+    np.testing.assert_allclose(record.channels[0].samples, np.arange(40.0), rtol=1e-12)
+    assert any("2 damaged rows were passed over" in note for note in record.notes)
 
 
 def test_other_readers_keep_their_texts(tmp_path: Path) -> None:

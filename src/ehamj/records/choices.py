@@ -43,6 +43,21 @@ class Choices(Settings):
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
     )
 
+    response: Literal["stages", "sensitivity"] | None = Field(
+        None,
+        description="which counts where the instrument's stages and its overall sensitivity disagree: the stages, or "
+        "the sensitivity, to which their shape is scaled; default: neither, the record is refused",
+    )
+    overlap: Literal["refuse", "first", "last"] = Field(
+        "refuse",
+        description="what to do where traces of a channel overlap and differ (seismic formats): refuse the record, or "
+        "take the trace that begins first, or last",
+    )
+    damaged: Literal["refuse", "skip"] = Field(
+        "refuse",
+        description="what to do about damaged records of miniSEED and broken rows of tables: refuse the file, or "
+        "leave them out, as gaps",
+    )
     table: TableChoices | None = Field(
         None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
     )

@@ -31,6 +31,9 @@ UNSURE = 0.01
 HOLED = 0.02
 """Gaps per sample up to which they are believed to be some, where times are as coarse as steps."""
 
+FEW = 2
+"""Gaps that are believed to be some even where a slower clock, rounded, would explain the times without."""
+
 ORDER = 5
 """Of the splines through the samples of a wandering clock: a sine loses 2e-6 of its amplitude at a tenth of the rate,
 2.5e-4 at 0.2, and 6e-3 at 0.3 (measured on a clock that wanders by 2 %)."""
@@ -74,19 +77,7 @@ def clock(
         raise ValueError(f"{told}: time must rise from row to row; it does not at {where(wrong)}")
     # Halves are rounded up or down, and digits that binary numbers cannot hold count as rounded, too.
     printed, resolution = resolution, 1.01 * resolution + 8.0 * float(np.spacing(np.abs(time).max()))
-    index = np.arange(float(time.size))
-    steps = explaining(time, index, resolution)
-    if steps is None:
-        index = _places(time, resolution, told, where, remedy)
-        step = (time[-1] - time[0]) / index[-1]
-        steps = explaining(time, index, 2.0 * JITTER * step)
-        coarse = resolution > 0.5 * step
-        if coarse and (steps is None or np.sum(np.diff(index) > 1) > HOLED * time.size):
-            raise ValueError(
-                f"{told}: times are rounded to {printed:.2g} s, of steps of {step:.2g} s, and no even rate explains "
-                f"all of them: gaps cannot be placed; {remedy}"
-            )
-        steps = steps or explaining(time, index, resolution)
+    index, steps = _grid(time, resolution, told, where, remedy)
     notes = _gap_notes(time, index, name, gaps, where)
     if steps is None:
         rate, note = _mean_rate(time, index, resolution, told, where, remedy)
@@ -101,6 +92,33 @@ def clock(
     if spread * rate > 2.0 * JITTER:
         notes.insert(0, f"record {name}: times are rounded to {printed:.3g} s; {rate:.10g} Hz explains all of them")
     return rate, index, notes
+
+
+def _grid(
+    time: Array, resolution: float, told: str, where: Callable[[int], str], remedy: str
+) -> tuple[Array, tuple[float, float] | None]:
+    """Places of times on a grid, and between which steps [s] it explains them; None where no even one does.
+
+    Times that lie on a grid are on it, even with a gap or two; else they may be rounded; else there are gaps.
+    """
+    every = np.arange(float(time.size))
+    step = (time[-1] - time[0]) / every[-1]
+    exact, even = explaining(time, every, 2.0 * JITTER * step), explaining(time, every, resolution)
+    if exact is not None:
+        return every, exact
+    if even is not None and not (np.diff(time) > 0).all():
+        return every, even
+    index = _places(time, resolution, told, where, remedy)
+    step, holes = (time[-1] - time[0]) / index[-1], int(np.sum(np.diff(index) > 1))
+    exact = explaining(time, index, 2.0 * JITTER * step)
+    if even is not None and (exact is None or holes > FEW):
+        return every, even
+    if resolution > 0.5 * step and (exact is None or holes > HOLED * time.size + FEW):
+        raise ValueError(
+            f"{told}: times are rounded to {resolution:.2g} s, of steps of {step:.2g} s, and no even rate explains all "
+            f"of them: gaps cannot be placed; {remedy}"
+        )
+    return index, exact or explaining(time, index, resolution)
 
 
 def explaining(time: Array, index: Array, tolerance: float) -> tuple[float, float] | None:

@@ -30,7 +30,7 @@ def read_table_record(path: Path, choices: Choices = SILENT) -> Record:
     Columns of words, counters and times are passed over and named; others answer to their names, and to ``column 3``.
     Raises ValueError where the table cannot be read, or in several ways; the message names the choice that tells.
     """
-    skip = getattr(choices, "damaged", "refuse") == "skip"
+    skip = choices.damaged == "skip"
     table = read_table(path, "ground.file", choices.table, skip)
     clock = row_clock(table, choices)
     passed = _passed(table, clock) if choices.axes is None else _wordy(table)

@@ -196,10 +196,10 @@ def _even(
             what = f"{line} ends without a line break, and its last cell is shorter than in other rows"
         else:
             what = f"{line} has {count} cells where the table has {width} columns ({dialect})"
-        raise ValueError(
-            f"{told}: {what}; the file may be truncated or damaged: "
-            f'correct it, state {key}.first_row or {key}.last_row, or set damaged = "skip" to pass over it'
-        )
+        way = f"correct it, or state {key}.first_row or {key}.last_row"
+        if key == choices_key("ground.file"):
+            way += ', or set ground.damaged = "skip" to pass over it'
+        raise ValueError(f"{told}: {what}; the file may be truncated or damaged: {way}")
     blank = "nan " * width if dialect.delimiter == " " else dialect.delimiter * (width - 1)
     for n in wrong:
         rows[n] = blank
