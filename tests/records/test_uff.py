@@ -108,6 +108,15 @@ def test_every_unit_of_ordinate_and_abscissa(
     np.testing.assert_allclose(channel.samples, unit[1] * NOISE[0, :20], rtol=1e-11)
 
 
+@pytest.mark.parametrize(("label", "step"), [("ms", 1.0), ("s", 1e-3)])
+def test_milliseconds_are_a_thousand_hertz_and_not_one(tmp_path: Path, label: str, step: float) -> None:
+    samples = 3.9478e-3 * np.sin(20 * np.pi * np.arange(0, 4, 1e-3))
+    (tmp_path / "a.uff").write_text(written(samples, step, time_unit=label))
+    (channel,) = read(tmp_path / "a.uff").channels
+    assert (channel.rate, channel.samples.size, channel.quantity, channel.axis) == (1000.0, 4000, "acceleration", "z")
+    assert np.abs(channel.samples).max() == pytest.approx(3.9478e-3, rel=1e-9)
+
+
 def test_a_rate_that_is_no_whole_number_stays_what_the_step_says(tmp_path: Path) -> None:
     (tmp_path / "a.uff").write_text(written(NOISE[0], 3.14159e-3))
     assert read(tmp_path / "a.uff").channels[0].rate == pytest.approx(1 / 3.14159e-3, rel=1e-12)
@@ -147,6 +156,12 @@ def test_dataset_164_says_by_what_lengths_are_divided(
 def test_a_label_comes_before_dataset_164(tmp_path: Path) -> None:
     path = uff(tmp_path, units_164(5, "mm", 1000.0), response(NOISE[0], 3, "m/s"))
     np.testing.assert_array_equal(by_axis(read(path))["z"], NOISE[0])
+
+
+def test_a_unit_that_is_not_known_is_what_the_user_says(tmp_path: Path) -> None:
+    record = read(uff(tmp_path, response(NOISE[0], 3, "furlong")), unit="um/s")
+    np.testing.assert_allclose(by_axis(record)["z"], 1e-6 * NOISE[0], rtol=1e-14)
+    assert "1:+Z: its unit 'furlong' is taken as ground.unit = 'um/s'" in record.notes
 
 
 def test_several_nodes_and_repeated_responses_are_picked_by_name_and_by_number(tmp_path: Path) -> None:
@@ -198,7 +213,7 @@ FAULTS: dict[str, tuple[list[dict[str, Any]] | str, dict[str, Any], str]] = {
     ),
     "scalar": ([response(NOISE[0], 0)], {}, r"ground\.axes does not say which axis '1:0' is"),
     "rotation": ([response(NOISE[0], 4)], {"axes": {"1": "z"}}, r"1:4 is a rotation \(direction 4\); leave it out"),
-    "unknown unit": ([response(NOISE[0], 3, "furlong")], {}, r"unit of '1:\+Z': 'furlong' is not a unit that is known"),
+    "unknown unit": ([response(NOISE[0], 3, "furlong")], {}, r"unit of '1:\+Z': 'furlong' is not .*; ground\.unit can"),
     "contradiction": (
         [response(NOISE[0], 3, "g")],
         {},
