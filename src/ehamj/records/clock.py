@@ -103,14 +103,17 @@ def _grid(
     """
     every = np.arange(float(time.size))
     step = (time[-1] - time[0]) / every[-1]
-    exact, even = explaining(time, every, 2.0 * JITTER * step), explaining(time, every, resolution)
+    near = 2.0 * JITTER * step
+    exact = explaining(time, every, min(resolution, near)) or explaining(time, every, near)
     if exact is not None:
         return every, exact
+    even = explaining(time, every, resolution)
     if even is not None and not (np.diff(time) > 0).all():
         return every, even
     index = _places(time, resolution, told, where, remedy)
     step, holes = (time[-1] - time[0]) / index[-1], int(np.sum(np.diff(index) > 1))
-    exact = explaining(time, index, 2.0 * JITTER * step)
+    near = 2.0 * JITTER * step
+    exact = explaining(time, index, min(resolution, near)) or explaining(time, index, near)
     if even is not None and (exact is None or holes > FEW):
         return every, even
     if resolution > 0.5 * step and (exact is None or holes > HOLED * time.size + FEW):
