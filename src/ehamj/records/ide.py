@@ -17,7 +17,7 @@ from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
 from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
-from ehamj.records.units import is_silent, unit
+from ehamj.records.units import is_motion
 
 PLAIN = {
     "SampleRate": r"\s*[\d.]+\s*(/\s*[\d.]+\s*)?",
@@ -30,17 +30,12 @@ MICROSECOND = 1e-6
 
 
 class Held(NamedTuple):
-    """A subchannel: its places in the file, the names of its channel and its own, and its unit as written."""
+    """A subchannel and its channel, as idelib has them, its full name, and its unit as written."""
 
-    channel: int
-    subchannel: int
-    around: str
-    own: str
+    channel: Any
+    subchannel: Any
+    name: str
     unit: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.around}/{self.own}"
 
 
 def read_ide(path: Path, choices: Choices = SILENT) -> Record:
@@ -51,34 +46,28 @@ def read_ide(path: Path, choices: Choices = SILENT) -> Record:
     file cannot be read, breaks off, or lists no channels.
     """
     existing(path)
-    with reading(path, " as an IDE file"), _opened(path) as content:
+    with _opened(path) as content:
         held = [
-            Held(key, sub.id, shown(channel.name), shown(sub.name), str(sub.units[1] or ""))
-            for key, channel in content.channels.items()
+            Held(channel, sub, f"{_shown(channel.name)}/{_shown(sub.name)}", str(sub.units[1] or ""))
+            for channel in content.channels.values()
             for sub in channel.subchannels
         ]
-    taken = held if choices.axes is not None else [one for one in held if _is_motion(one.unit)]
-    if not taken:
-        told = ", ".join(f"{one.name} [{one.unit}]" for one in held)
-        raise ValueError(f"ground.file = {path.name!r} holds no channel of motion; it holds {told or 'none'}")
-    components = [
-        Component(one.name, partial(_load, path, one, choices), (one.own, *answers_of(one.own))) for one in taken
-    ]
-    over = ", ".join(f"{one.name} [{one.unit}]" for one in held if one not in taken)
-    notes = [f"channels that hold no motion are passed over: {over}"] if over else []
-    return record_of(path.name, components, choices, "set the channel's unit", notes)
+        taken = held if choices.axes is not None else [one for one in held if is_motion(one.unit)]
+        if not taken:
+            told = ", ".join(f"{one.name} [{one.unit}]" for one in held)
+            raise ValueError(f"ground.file = {path.name!r} holds no channel of motion; it holds {told or 'none'}")
+        components = []
+        for one in taken:
+            own = _shown(one.subchannel.name)
+            components.append(Component(one.name, partial(_load, path, one, choices), (own, *answers_of(own))))
+        over = ", ".join(f"{one.name} [{one.unit}]" for one in held if one not in taken)
+        notes = [f"channels that hold no motion are passed over: {over}"] if over else []
+        return record_of(path.name, components, choices, "set the channel's unit", notes)
 
 
-def shown(name: Any) -> str:
+def _shown(name: Any) -> str:
     """A name on one line."""
     return " ".join(str(name).split())
-
-
-def _is_motion(written: str) -> bool:
-    try:
-        return not is_silent(written) and unit(written).kind in ("displacement", "velocity", "acceleration")
-    except ValueError:
-        return False
 
 
 @contextmanager
@@ -89,8 +78,6 @@ def _opened(path: Path) -> Iterator[Any]:
     with bounded(path) as file, warnings.catch_warnings():
         for kind in (UserWarning, UnicodeWarning):  # of formats that are missing, and names that cannot be read
             warnings.simplefilter("error", kind)
-        _check(file)
-        file.seek(0)
         said: list[str] = []
         handler = logging.Handler(logging.WARNING)
         handler.emit = lambda record: said.append(record.getMessage()[:80])  # type: ignore[method-assign]
@@ -98,10 +85,13 @@ def _opened(path: Path) -> Iterator[Any]:
         logger.addHandler(handler)
         quiet, logger.propagate = logger.propagate, False
         try:
-            content = openFile(file, quiet=True)
-            readData(content)
-            if content.fileDamaged or said:
-                raise ValueError("; ".join(said) or "it breaks off; save it again from the logger's program")
+            with reading(path, " as an IDE file"):
+                _check(file)
+                file.seek(0)
+                content = openFile(file, quiet=True)
+                readData(content)
+                if content.fileDamaged or said:
+                    raise ValueError("; ".join(said) or "it breaks off; save it again from the logger's program")
             yield content
         finally:
             logger.removeHandler(handler)
@@ -140,12 +130,10 @@ def _texts(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 
 def _load(path: Path, one: Held, choices: Choices) -> Loaded:
     """One subchannel, calibrated."""
-    with reading(path, f" as an IDE file: {one.name}"), _opened(path) as content:
-        channel = content.channels[one.channel]
-        sub = next(part for part in channel.subchannels if part.id == one.subchannel)
-        if sub.transform is None and channel.transform is None:
+    with reading(path, f" as an IDE file: {one.name}"):
+        if one.subchannel.transform is None and one.channel.transform is None:
             raise ValueError(f"it states {one.unit!r}, and the file has no calibration that makes its numbers that")
-        times, samples = np.asarray(sub.getSession().arraySlice(), float)
+        times, samples = np.asarray(one.subchannel.getSession().arraySlice(), float)
     if samples.size < 2:
         raise ValueError(f"ground.file = {path.name!r}: {one.name} holds {samples.size} samples")
     rate, index, notes = clock(times * MICROSECOND, path.name, choices.gaps)
