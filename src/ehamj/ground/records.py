@@ -30,7 +30,8 @@ class RecordGround(Choices, GroundSettings, Treatment):
         description="record, relative to the scenario's folder: "
         f"{', '.join(f'*{ending}' for reader in READERS.values() for ending in reader.endings)}, other tables "
         "of text, texts of ESM and ITACA, seismic formats told by their content (miniSEED, SAC, SEG-Y, SEG-2, …); "
-        f"the name may hold wildcards, for a file per component: seismic, PEER, ESM; or {EXAMPLE!r}, a real record that ObsPy carries",
+        "the name may hold wildcards, for a file per component: seismic, PEER, ESM; "
+        f"or {EXAMPLE!r}, a real record that ObsPy carries",
     )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
     scale: float | dict[str, float] = Field(
