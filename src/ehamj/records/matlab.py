@@ -89,8 +89,7 @@ def _arrays(tree: dict[str, Value]) -> Iterator[Found]:
 
     def walk(scopes: tuple[Scope, ...], prefix: str) -> Iterator[Found]:
         for key, value in scopes[0].items():
-            shown = "".join(letter if letter.isprintable() else "?" for letter in key)
-            yield from at(value, key, prefix + shown, scopes)
+            yield from at(value, key, prefix + _shown(key), scopes)
 
     def at(value: Value, key: str, name: str, scopes: tuple[Scope, ...]) -> Iterator[Found]:
         if isinstance(value, dict):
@@ -107,6 +106,11 @@ def _arrays(tree: dict[str, Value]) -> Iterator[Found]:
     yield from walk((tree,), "")
 
 
+def _shown(name: str) -> str:
+    """A name on one line, whatever a damaged file has made of it."""
+    return "".join(letter if letter.isprintable() else "?" for letter in name)
+
+
 def _fits(one: Found, others: list[Found]) -> bool:
     """Whether an array is as long as its times, or as the longest of those that share its rate."""
     assert one.clock is not None
@@ -120,7 +124,8 @@ def _components(one: Found, label: str, choices: Choices) -> Iterator[Component]
         alone = one.columns == 1
         name = one.name if alone else f"{one.name}({number + 1})"
         texts = labels_of(one.name, one.key, one.scopes, number, one.columns)
-        answers = [one.key if alone else f"{one.key}({number + 1})", *texts]
+        own = _shown(one.key)
+        answers = [own if alone else f"{own}({number + 1})", *map(_shown, texts)]
         answers += [axis for text in (one.name, *texts) for axis in answers_of(text)] if alone or texts else []
         load = partial(_load, one, name, number, label, choices)
         yield Component(name, load, tuple(dict.fromkeys(answers)))
