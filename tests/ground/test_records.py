@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import obspy
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from obspy import Stream, Trace, UTCDateTime
 from obspy.core.inventory import Channel as SeismicChannel
 from obspy.core.inventory import Inventory, Network, Response, Site, Station
@@ -35,7 +33,6 @@ from ehamj.plant.mounts import MOUNTS
 from ehamj.records.channel import Channel
 from ehamj.records.choices import Choices
 from ehamj.records.seismic import EXAMPLE, read_seismic
-from ehamj.records.tables import Column, parse_header, read_csv
 from ehamj.records.units import motion_unit
 from ehamj.scenario.load import anchored
 
@@ -443,55 +440,7 @@ def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
         read_seismic(path, Choices(quantity="velocity", remove_response=False))
 
 
-# --- CSV ----------------------------------------------------------------------------------------------------------
-
-names = st.text(st.characters(categories=["Ll", "Lu", "Nd"], include_characters=" _-."), min_size=1, max_size=12)
-spaces = st.text(" ", max_size=3)
-
-
-@given(
-    st.lists(
-        st.tuples(names.map(str.strip).filter(bool), st.sampled_from([None, "mm", "m/s", "g"]), spaces, spaces),
-        min_size=1,
-        max_size=6,
-        unique_by=lambda cell: cell[0],
-    ),
-    st.sampled_from([",", ";", "\t"]),
-)
-def test_header_comes_back_whatever_its_names_units_and_spaces(cells: Any, delimiter: str) -> None:
-    written = [f"{a}{name}{b}" + (f"[{a}{unit}{b}]{a}" if unit else "") for name, unit, a, b in cells]
-    columns = parse_header(delimiter.join(written), delimiter)
-    assert columns == [Column(name, unit) for name, unit, _, _ in cells]
-
-
-def test_csv_dialects_give_the_same_record(tmp_path: Path) -> None:
-    values = noise(100)
-    times = 5.0 + np.arange(100) / 50.0
-    texts = {
-        "comma.csv": "time [s], z [um/s]\n" + "\n".join(f"{t!r}, {v!r}" for t, v in zip(times, values, strict=True)),
-        "semicolon.csv": "# a remark\n\n# time [ms]; z [µm/s]\r\n"
-        + "\r\n".join(f"{1e3 * t!r};{v!r}" for t, v in zip(times, values, strict=True)),
-        "rate.csv": "# rate_hz = 50\nz [um/s]\n" + "\n".join(map(repr, values)) + "\n",
-    }
-    for name, text in texts.items():
-        encoding = "latin-1" if name == "semicolon.csv" else "utf-8-sig"
-        (tmp_path / name).write_bytes(text.replace("np.float64(", "").replace(")", "").encode(encoding))
-        record = read_csv(tmp_path / name)
-        (channel,) = record.channels
-        assert (channel.axis, channel.quantity) == ("z", "velocity")
-        assert channel.rate == pytest.approx(50.0, rel=1e-12)  # rounding of the times
-        np.testing.assert_allclose(channel.samples, 1e-6 * values, rtol=1e-12)  # decimal to binary
-
-
-def test_csv_gap_is_refused_or_filled(tmp_path: Path) -> None:
-    t = np.arange(2000) / 100.0
-    keep = (t < 5.0) | (t >= 5.3)
-    file = csv(tmp_path, "time [s], z [m]", [t[keep], t[keep]])
-    with pytest.raises(ValueError, match=r"has 1 gap, 0\.3 s in total; set ground\.gaps"):
-        read_csv(tmp_path / file)
-    record = read_csv(tmp_path / file, Choices(gaps="interpolate"))
-    np.testing.assert_allclose(record.channels[0].samples, t, atol=1e-9)  # a line filled with a line; rounding
-    assert any("1 gap, 0.3 s in total, filled" in note for note in record.notes)
+# --- settings --------------------------------------------------------------------------------------------------------
 
 
 def test_a_displacement_record_may_go_without_highpass(tmp_path: Path) -> None:
@@ -529,83 +478,41 @@ def test_clipping_is_reported(tmp_path: Path) -> None:
 
 TIMES = np.arange(1000) / 100.0
 WAVE = np.sin(TAU * TIMES)
-UNEVEN = TIMES + 5e-4 * np.cos(np.arange(1000))  # 5 % of a step
 
-CSV_FAULTS = {
-    "cell that is no number": ("time [s], z [m]\n0, 1\n0.01, two\n", {}, r"line 3 holds 'two', which is not a number"),
-    "row cut short": (
-        "time [s], z [m]\n0, 1\n0.01, 2\n0.0",
-        {},
-        r"line 4 has 1 cells where the header has 2.*truncated",
+FAULTS = {
+    "inventory": ("m/s", {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a text table has units"),
+    "table": (
+        "m/s",
+        {"file": "b.mseed", "table": {}},
+        r"ground\.table is for tables of text, and 'b\.mseed' is a seism",
     ),
-    "no rows": ("time [s], z [m]\n", {}, r"'a\.csv': it holds no samples"),
-    "empty": ("", {}, r"first line must name columns and units"),
-    "no header": ("0, 1\n0.1, 2\n", {}, r"first line must name columns and units"),
-    "no name": ("time [s], [m]\n0, 1\n", {}, r"header cell '\[m\]' is not of the form 'name \[unit\]'"),
-    "name twice": ("time [s], z [m], z [m]\n0, 1, 2\n", {}, r"names 'z' more than once"),
-    "unknown unit": (
-        (TIMES, "z [lb/s]"),
-        {},
-        r"the unit of 'z': 'lb/s' is not a unit that is known .*; known are m, m/s",
-    ),
-    "no unit": ((TIMES, "z"), {}, r"ground\.quantity = 'auto', but the file does not say what 'z' holds"),
-    "other unit": (
-        (TIMES, "z [m/s]"),
-        {"quantity": "acceleration"},
-        r"ground\.quantity = 'acceleration', but .* velocity",
-    ),
-    "unknown column": ((TIMES, "up [m/s]"), {}, r"ground\.axes does not say which axis 'up' is"),
-    "axis not there": ((TIMES, "z [m/s]"), {"axes": {"up": "z"}}, r"ground\.axes names 'up', .* it holds 'z'"),
-    "unknown time unit": ("time [m], z [m]\n0, 1\n1, 2\n", {}, r"'time': 'm' is of displacement; known are s, ms"),
-    "time is infinite": (
-        "time [s], z [m]\n0, 1\ninf, 2\n",
-        {},
-        r"time must rise from row to row; it does not at sample 2",
-    ),
-    "time stands": (
-        "time [s], z [m]\n0, 1\n0, 2\n1, 3\n",
-        {},
-        r"time must rise from row to row; it does not at sample 2",
-    ),
-    "uneven": ((UNEVEN, "z [m/s]"), {}, r"sampling is not uniform: sample \d+ is 0\.\d+ steps off its place, 0\.001"),
-    "no clock": ("z [m]\n1\n2\n", {}, r"'time \[s\]' or a line '# rate_hz = …', not neither"),
-    "two clocks": ("# rate_hz = 9\ntime [s], z [m]\n0, 1\n", {}, r"not both"),
-    "negative rate": ("# rate_hz = -9\nz [m]\n0, 1\n", {}, r"rate_hz = -9 must be a positive number"),
-    "rate that is no number": ("# rate_hz = fast\nz [m]\n1\n", {}, r"rate_hz = fast must be a positive number"),
-    "inventory": ((TIMES, "z [m/s]"), {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a text table has units"),
     "pre_filter": (
-        (TIMES, "z [m/s]"),
+        "m/s",
         {"pre_filter": (0, 1, 9, 10)},
         r"ground\.pre_filter = .* only allowed where a resp",
     ),
     "too short": (
-        (TIMES, "z [m/s]"),
+        "m/s",
         {"start": 7.5},
         r"ground\.start = 7\.5 s and the duration, 5 s, .* a\.csv lasts 10 s",
     ),
-    "long taper": ((TIMES, "z [m/s]"), {"taper": 6}, r"ground\.taper = 6 s must be at most half of the record, 5 s"),
+    "long taper": ("m/s", {"taper": 6}, r"ground\.taper = 6 s must be at most half of the record, 5 s"),
     "no highpass": (
-        (TIMES, "z [m/s^2]"),
+        "m/s^2",
         {"highpass": 0},
         r"ground\.highpass = 0 Hz is allowed for displacement .* accel",
     ),
-    "low highpass": ((TIMES, "z [m/s]"), {"highpass": 1e-3}, r"ground\.highpass = 0\.001 Hz must be at least 0\.01 Hz"),
-    "high highpass": ((TIMES, "z [m/s]"), {"highpass": 45}, r"ground\.highpass = 45 Hz must be .* below 40 Hz"),
-    "nan": ("# rate_hz = 9\nz [m]\n" + "1\n" * 20 + "nan\n", {}, r"channel z holds 1 values .* sample 21 .* = nan"),
-    "mostly gap": ("time [s], z [m]\n0, 1\n1, 2\n2, 3\n9, 1\n", {"gaps": "interpolate"}, r"6 s in total, more than it"),
-    "few samples": ("# rate_hz = 9\nz [m]\n1\n2\n", {}, r"channel z holds 2 samples; at least 16"),
+    "low highpass": ("m/s", {"highpass": 1e-3}, r"ground\.highpass = 0\.001 Hz must be at least 0\.01 Hz"),
+    "high highpass": ("m/s", {"highpass": 45}, r"ground\.highpass = 45 Hz must be .* below 40 Hz"),
 }
 
 
-@pytest.mark.parametrize("fault", CSV_FAULTS)
-def test_csv_faults_are_named(tmp_path: Path, fault: str) -> None:
-    content, settings, message = CSV_FAULTS[fault]
-    if isinstance(content, str):
-        (tmp_path / "a.csv").write_text(content)
-    else:
-        csv(tmp_path, f"time [s], {content[1]}", [content[0], WAVE], "a.csv")
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_of_settings_are_named(tmp_path: Path, fault: str) -> None:
+    unit, settings, message = FAULTS[fault]
+    csv(tmp_path, f"time [s], z [{unit}]", [TIMES, WAVE], "a.csv")
     with pytest.raises(ValueError, match=message) as caught:
-        motion(tmp_path, 5.0, "a.csv", **settings)
+        motion(tmp_path, 5.0, **{"file": "a.csv", **settings})
     assert "\n" not in str(caught.value)  # one message, one line
 
 

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.records.channel import Place
+from ehamj.records.table_choices import TableChoices
 from ehamj.records.units import KNOWN, Quantity, motion_unit
 from ehamj.settings import FileName, Positive, Settings
 
@@ -54,7 +55,11 @@ class Choices(Settings):
     )
     damaged: Literal["refuse", "skip"] = Field(
         "refuse",
-        description="what to do about damaged records of miniSEED: refuse the file, or leave them out, as gaps",
+        description="what to do about damaged records of miniSEED and broken rows of tables: refuse the file, or "
+        "leave them out, as gaps",
+    )
+    table: TableChoices | None = Field(
+        None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
     )
 
     @model_validator(mode="after")

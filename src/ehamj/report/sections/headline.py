@@ -12,7 +12,7 @@ HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
 PROCESSING: Final = re.compile(
     r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
-    r"|mounts move with Luco-Wong"
+    r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
 )
 """Warnings that only say how a record was processed."""
 
