@@ -143,8 +143,8 @@ def _load(one: Found, name: str, number: int, label: str, choices: Choices) -> L
     rates = one.clock.rates(where)
     if one.clock.times is None:
         return Loaded(samples, rates[0], stated, one.clock.begin())
-    time = one.clock.seconds(where)
-    rate, index, notes = clock(time, label, choices.gaps)
+    time, resolution = one.clock.seconds(where)
+    rate, index, notes = clock(time, label, choices.gaps, resolution, rates[0] if rates else None)
     if any(abs(stored / rate - 1.0) > 1e-3 for stored in rates):
         raise ValueError(f"{where}: {one.clock.name} has {rate:g} Hz, and {rates[0]:g} Hz is stated too; delete one")
     return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))
