@@ -172,7 +172,7 @@ def _open_file(path: Path, choices: Choices) -> tuple["Stream", list[str]]:
             stream, notes = read_skipping(path)
         else:
             try:
-                stream = read_strictly(str(path))
+                stream = read_strictly(path.read_bytes())
                 check_whole(path)
             except Exception as error:
                 raise ValueError(f'{error}; ground.damaged = "skip" leaves damaged records out') from error
