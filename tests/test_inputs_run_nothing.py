@@ -12,7 +12,6 @@ import resource
 import shutil
 import time
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,6 @@ from scipy.io import savemat
 from ehamj.plain.hdf5 import check_hdf5
 from ehamj.plain.text import json_of, toml_of
 from ehamj.plain.xml import check_xml, is_xml
-from ehamj.records import matlab5
 
 SECRET = "the-secret-of-another-file"
 RECORD = ("run", "recorded", "--no-replay", "--no-report", "--set", "compare=[]", "--set", "duration=0.05")
@@ -240,8 +238,9 @@ def test_records(cli: Cli, folder: Path, ending: str) -> None:
         ("ground={{kind='record', file='example:BW.RJOB', inventory='{}'}}", "x.pz"),
         ("ground={{kind='broadband', target={{kind='file', file='{}'}}}}", "x.csv"),
         ("control={{kind='law', file='{}'}}", "x.json"),
+        ("criteria={{norms=['{}']}}", "x.csv"),
     ],
-    ids=["inventory", "poles and zeros", "target", "law"],
+    ids=["inventory", "poles and zeros", "target", "law", "limits"],
 )
 def test_files_that_a_scenario_names(cli: Cli, folder: Path, key: str, name: str) -> None:
     for what in HOSTILE if "inventory" in key else TEXTS:
@@ -322,20 +321,6 @@ def test_hdf5_may_lead_around_in_itself(folder: Path) -> None:
     check_hdf5(folder / "x.h5")
 
 
-@pytest.mark.parametrize("compressed", [True, False])
-def test_matlab_is_counted_as_it_unfolds(folder: Path, monkeypatch: pytest.MonkeyPatch, compressed: bool) -> None:
-    savemat(folder / "x.mat", {"z": np.zeros(2**18)}, do_compression=compressed)
-    content = (folder / "x.mat").read_bytes()
-    assert matlab5.LARGEST == 2**31
-    assert set(matlab5.variables(content)) == {"z"}
-    monkeypatch.setattr(matlab5, "LARGEST", 2**20)
-    if compressed:  # 2 MiB in 2 KiB; what is not compressed is as large as its file
-        with pytest.raises(ValueError, match="unfold to more than"):
-            matlab5.variables(content)
-    else:
-        matlab5.variables(content)
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"])
 def test_a_document_type_is_found_in_every_encoding(encoding: str) -> None:
     text = '<?xml version="1.0"?>\n<!DOCTYPE a [<!ENTITY e "x">]><a>&e;</a>'.encode(encoding)
@@ -364,11 +349,3 @@ def test_json_and_toml_have_bounds(folder: Path) -> None:
     assert toml_of(f"a = [{', '.join(['0.1'] * 200)}]\n b.c.d = 1.5")["b"] == {"c": {"d": 1.5}}
     with pytest.raises(OSError, match="no such file"):
         json_of(Path(os.devnull))  # a device is no file
-
-
-def test_bombs_in_matlab_are_damaged_or_counted(folder: Path) -> None:
-    head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
-    for body in (zlib.compress(b"\0" * 1000)[:-4] + b"junk", b"\0" * 20):
-        (folder / "x.mat").write_bytes(head + (15).to_bytes(4, "little") + len(body).to_bytes(4, "little") + body)
-        with pytest.raises(ValueError, match="damaged"):
-            matlab5.variables((folder / "x.mat").read_bytes())

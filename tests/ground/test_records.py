@@ -306,7 +306,9 @@ def geophone() -> Response:
     """4.5 Hz, damping 0.6, 28.8 V/(m/s), 1e6 counts/V: counts = G s²/(s² + 2ζω₀s + ω₀²) velocity."""
     omega = TAU * 4.5
     poles = omega * np.roots([1.0, 1.2, 1.0])
-    response = Response.from_paz([0j, 0j], list(poles), stage_gain=28.8e6, stage_gain_frequency=50.0)
+    response = Response.from_paz(
+        [0j, 0j], list(poles), stage_gain=28.8e6, stage_gain_frequency=50.0, output_units="COUNTS"
+    )
     return response
 
 
@@ -625,7 +627,11 @@ SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
         {"inventory": "z.xml"},
         r"ground\.inventory has no response of XX\.ONE\.\.HHN",
     ),
-    "no units": ([trace(WAVE, "HHZ")], {"inventory": "empty.xml"}, r"XX\.ONE\.\.HHZ senses ''; known are M, M/S and"),
+    "no units": (
+        [trace(WAVE, "HHZ")],
+        {"inventory": "empty.xml"},
+        r"XX\.ONE\.\.HHZ have neither stages nor",
+    ),
     "wrong quantity": (
         [trace(WAVE, "HHZ")],
         {"inventory": "z.xml", "quantity": "acceleration"},

@@ -19,7 +19,7 @@ from scipy.io import savemat, wavfile
 from ehamj.ground.records import RecordGround
 
 SAMPLES = np.random.default_rng(7).standard_normal(64)
-MANY = 200
+MANY = 160
 """Damaged files of each format."""
 
 LONGEST = 5.0
@@ -89,6 +89,28 @@ def esm(path: Path) -> None:
     path.write_text("\n".join([*lines, *(f"{v:.6e}" for v in SAMPLES)]))
 
 
+def ide(path: Path) -> None:
+    from ebmlite import loadSchema
+
+    sub = {"SubChannelID": 0, "SubChannelName": "Z", "SubChannelUnits": "g", "SubChannelCalibrationIDRef": 1}
+    channel = {"ChannelID": 8, "ChannelName": "a", "ChannelFormat": "<h", "TimeCodeScale": "1/1000000"}
+    channel |= {"SampleRate": "500", "SubChannel": [sub]}
+    head = {
+        "EBML": {"DocType": "mide", "DocTypeVersion": 2, "DocTypeReadVersion": 2},
+        "CalibrationList": {"UnivariatePolynomial": [{"CalID": 1, "PolynomialCoef": [1e-3, 0.5]}]},
+        "RecordingProperties": {
+            "SensorList": {"Sensor": [{"SensorID": 0, "SensorName": "a"}]},
+            "ChannelList": {"Channel": [channel]},
+        },
+    }
+    payload = (1000 * SAMPLES).astype("<i2").tobytes()
+    block = {"ChannelIDRef": 8, "StartTimeCodeAbs": 0, "EndTimeCodeAbs": 126_000, "ChannelDataPayload": payload}
+    schema = loadSchema("mide_ide.xml")
+    path.write_bytes(
+        b"".join(bytes(schema[name].encode(value)) for name, value in (*head.items(), ("ChannelDataBlock", block)))
+    )
+
+
 FORMATS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "UFF": ("a.uff", lambda path: uff(path, 0)),
     "binary UFF": ("a.unv", lambda path: uff(path, 1)),
@@ -97,6 +119,7 @@ FORMATS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "MATLAB 7.3": ("a.mat", hdf5),
     "TDMS": ("a.tdms", tdms),
     "WAV": ("a.wav", wav),
+    "IDE": ("a.ide", ide),
     "PEER": ("a.at2", peer),
     "ESM": ("a.asc", esm),
 }
@@ -162,7 +185,7 @@ def test_damaged_files_are_refused_or_read(tmp_path: Path, name: str) -> None:
     assert refused > MANY / 10  # the damage does some
 
 
-@pytest.mark.parametrize("ending", ["uff", "unv", "wav", "mat", "tdms", "at2", "asc"])
+@pytest.mark.parametrize("ending", ["uff", "unv", "wav", "mat", "tdms", "ide", "at2", "asc"])
 @given(st.binary(max_size=400))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
 def test_any_bytes_are_refused_by_name(tmp_path: Path, ending: str, content: bytes) -> None:
@@ -171,7 +194,7 @@ def test_any_bytes_are_refused_by_name(tmp_path: Path, ending: str, content: byt
         motion(tmp_path, f"a.{ending}", quantity="velocity", **({"full_scale": 1.0} if ending == "wav" else {}))
 
 
-@pytest.mark.parametrize("ending", ["uff", "wav", "mat", "tdms", "at2", "asc"])
+@pytest.mark.parametrize("ending", ["uff", "wav", "mat", "tdms", "ide", "at2", "asc"])
 def test_files_that_are_missing_are_named(tmp_path: Path, ending: str) -> None:
     with pytest.raises(ValueError, match=rf"^ground\.file = 'no\.{ending}'.*(no such file|No such file)"):
         motion(tmp_path, f"no.{ending}", quantity="velocity", **({"full_scale": 1.0} if ending == "wav" else {}))

@@ -149,6 +149,12 @@ def test_a_label_comes_before_dataset_164(tmp_path: Path) -> None:
     np.testing.assert_array_equal(by_axis(read(path))["z"], NOISE[0])
 
 
+def test_a_unit_that_is_not_known_is_what_the_user_says(tmp_path: Path) -> None:
+    record = read(uff(tmp_path, response(NOISE[0], 3, "furlong")), unit="um/s")
+    np.testing.assert_allclose(by_axis(record)["z"], 1e-6 * NOISE[0], rtol=1e-14)
+    assert "1:+Z: its unit 'furlong' is taken as ground.unit = 'um/s'" in record.notes
+
+
 def test_several_nodes_and_repeated_responses_are_picked_by_name_and_by_number(tmp_path: Path) -> None:
     path = uff(tmp_path, response(NOISE[0], 3), response(NOISE[1], 3, node=7), response(NOISE[2], 3))
     np.testing.assert_array_equal(by_axis(read(path, axes={"7:+Z": "z"}))["z"], NOISE[1])
@@ -198,7 +204,7 @@ FAULTS: dict[str, tuple[list[dict[str, Any]] | str, dict[str, Any], str]] = {
     ),
     "scalar": ([response(NOISE[0], 0)], {}, r"ground\.axes does not say which axis '1:0' is"),
     "rotation": ([response(NOISE[0], 4)], {"axes": {"1": "z"}}, r"1:4 is a rotation \(direction 4\); leave it out"),
-    "unknown unit": ([response(NOISE[0], 3, "furlong")], {}, r"unit of '1:\+Z': 'furlong' is not a unit that is known"),
+    "unknown unit": ([response(NOISE[0], 3, "furlong")], {}, r"unit of '1:\+Z': 'furlong' is not .*; ground\.unit can"),
     "contradiction": (
         [response(NOISE[0], 3, "g")],
         {},

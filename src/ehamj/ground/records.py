@@ -1,4 +1,4 @@
-"""Ground motion from a record: CSV, UFF 58, WAV and MATLAB files, and seismic formats through ObsPy."""
+"""Ground motion from a record in any format that `ehamj.records.readers` knows."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
 from ehamj.records.channel import USABLE, Record
 from ehamj.records.choices import Choices
-from ehamj.records.readers import reader_of
+from ehamj.records.readers import READERS, reader_of
 from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
 from ehamj.settings import FileName
@@ -27,8 +27,10 @@ class RecordGround(Choices, GroundSettings, Treatment):
     kind: Literal["record"]
     file: FileName = Field(
         min_length=1,
-        description="record, relative to the scenario's folder: *.csv, *.uff, *.unv, *.wav, *.mat, what ObsPy reads "
-        f"(the name may hold wildcards, for one file per component), or {EXAMPLE!r}, a real record that ObsPy carries",
+        description="record, relative to the scenario's folder: "
+        f"{', '.join(f'*{ending}' for reader in READERS.values() for ending in reader.endings)}, texts of ESM and "
+        "ITACA, what ObsPy reads (the name may hold wildcards, for a file per component: seismic, PEER, ESM), or "
+        f"{EXAMPLE!r}, a real record that ObsPy carries",
     )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
     scale: float | dict[str, float] = Field(

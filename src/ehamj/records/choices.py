@@ -42,6 +42,21 @@ class Choices(Settings):
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
     )
 
+    response: Literal["stages", "sensitivity"] | None = Field(
+        None,
+        description="which counts where the instrument's stages and its overall sensitivity disagree: the stages, or "
+        "the sensitivity, to which their shape is scaled; default: neither, the record is refused",
+    )
+    overlap: Literal["refuse", "first", "last"] = Field(
+        "refuse",
+        description="what to do where traces of a channel overlap and differ (seismic formats): refuse the record, or "
+        "take the trace that begins first, or last",
+    )
+    damaged: Literal["refuse", "skip"] = Field(
+        "refuse",
+        description="what to do about damaged records of miniSEED: refuse the file, or leave them out, as gaps",
+    )
+
     @model_validator(mode="after")
     def _agreeing(self) -> Self:
         if self.inventory is not None and not self.remove_response:

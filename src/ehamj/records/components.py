@@ -5,13 +5,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from math import isclose
 from pathlib import Path
 
 import numpy as np
 
 from ehamj.records.channel import Channel, Place, Record, Response
 from ehamj.records.choices import AxisChoice, Choices
-from ehamj.records.units import Quantity, is_silent, motion_unit, unit
+from ehamj.records.units import Quantity, is_motion, is_silent, motion_unit, unit
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
@@ -92,6 +93,9 @@ def record_of(
     for k, one in loaded.items():
         name = components[k].name or f"component {k + 1}"
         holds, size = agreed_unit(choices, one.unit, name, remedy)
+        foreign = isinstance(one.unit, str) and not is_silent(one.unit) and not is_motion(one.unit)
+        if choices.unit is not None and foreign:
+            remarks.append(f"{name}: its unit {one.unit!r} is taken as ground.unit = {choices.unit!r}")
         if one.calibration != 1.0:
             remarks.append(f"{name}: the file's calibration factor {one.calibration:g} is applied")
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by its place
@@ -172,8 +176,8 @@ def agreed_unit(
 ) -> tuple[Quantity, float]:
     """What a component holds, and its unit's SI value: as the file says (``stated``), or as the user says.
 
-    Where the file says counts or volts, the user says what one of them is. Raises ValueError where neither says it, or
-    the two disagree.
+    Where the file says counts, volts or what is not known, the user says what one of them is. Raises ValueError where
+    neither says it, or the two disagree.
     """
     wanted, users = choices.quantity, choices.user_unit
     found = None if isinstance(stated, str) and is_silent(stated) else stated
@@ -181,8 +185,10 @@ def agreed_unit(
         try:
             found = None if users and unit(found).kind in ("counts", "voltage") else motion_unit(found)
         except ValueError as error:
-            raise ValueError(f"ground.file: the unit of {name!r}: {error}") from None
-    if users is not None and found is not None and users != found:
+            if users is None:
+                raise ValueError(f"ground.file: the unit of {name!r}: {error}; ground.unit can say it") from None
+            found = None
+    if users is not None and found is not None and (users[0] != found[0] or not isclose(users[1], found[1])):
         raise ValueError(
             f"ground.unit = {choices.unit!r}, but the file states another unit of {name!r} itself; leave ground.unit "
             "out"

@@ -100,23 +100,24 @@ PACKED = {
 """How archives begin. They are not unpacked: a small one may hold more than any disk."""
 
 
-def read_record(path: Path) -> tuple["Stream", str]:
-    """The traces of a file, and the name of its format.
-
-    Raises:
-        ValueError: if it is none that is known; what ObsPy raises is the caller's to translate.
-    """
-    from obspy import Stream
-
+def record_format(path: Path) -> Format:
+    """The format of a file by its content; raises ValueError if it is none that is known."""
     found = _format_of(str(path), "waveform", RECORDS)
     if found is None:
         raise ValueError(f"{_nature(path)}; known are {', '.join(one.title for one in RECORDS)}")
-    found.check(str(path))
-    return Stream(_function(found, "waveform", "readFormat")(str(path)).traces), found.name
+    return found
+
+
+def read_record(path: Path, form: Format) -> "Stream":
+    """The traces of a file; what ObsPy raises is the caller's to translate."""
+    from obspy import Stream
+
+    form.check(str(path))
+    return Stream(_function(form, "waveform", "readFormat")(str(path)).traces)
 
 
 def read_inventory(path: Path) -> "Inventory":
-    """The responses in a file; raises as `read_record`."""
+    """The responses in a file; raises ValueError if its format is none that is known."""
     if path.stat().st_size > LARGEST_INVENTORY:
         raise ValueError(f"it has more than {LARGEST_INVENTORY / 2**20:g} MiB; keep the stations that are needed")
     data = path.read_bytes()

@@ -7,6 +7,7 @@ from pathlib import Path
 from ehamj.records.channel import Record
 from ehamj.records.choices import Choices
 from ehamj.records.esm import looks_esm, read_esm
+from ehamj.records.ide import read_ide
 from ehamj.records.matlab import read_matlab
 from ehamj.records.peer import looks_peer, read_peer
 from ehamj.records.seismic import read_seismic
@@ -40,8 +41,9 @@ READERS.add("table", Reader("text table", read_csv, (".csv",)))
 READERS.add("uff", Reader("universal file", read_uff, (".uff", ".unv")))
 READERS.add("matlab", Reader("MATLAB file", read_matlab, (".mat",)))
 READERS.add("tdms", Reader("TDMS file", read_tdms, (".tdms",)))
+READERS.add("ide", Reader("IDE file", read_ide, (".ide",)))
 READERS.add("peer", Reader("record of the PEER database", read_peer, (".at2", ".vt2", ".dt2"), looks_peer))
-READERS.add("esm", Reader("record of the ESM or ITACA database", read_esm, (".asc",), looks_esm))
+READERS.add("esm", Reader("record of the ESM or ITACA database", read_esm, looks=looks_esm))
 READERS.add("wav", Reader("WAV file", read_wav, (".wav",)))
 READERS.add("seismic", Reader("seismic formats, through ObsPy", read_seismic, responds=True))
 
@@ -50,8 +52,10 @@ def reader_of(path: Path) -> Reader:
     """The reader of a file; the last one, of seismic formats, takes what no other does."""
     ending = path.suffix.lower()
     found = next((reader for reader in READERS.values() if ending in reader.endings), None)
-    if found is None and path.is_file():
-        with path.open("rb") as file:
+    several = sorted(path.parent.glob(path.name)) if set(path.name) & set("*?[") else []
+    files = [one for one in (path, *several) if one.is_file()]
+    if found is None and files:
+        with files[0].open("rb") as file:
             head = file.read(HEAD)
         found = next((reader for reader in READERS.values() if reader.looks is not None and reader.looks(head)), None)
     return found or READERS["seismic"]

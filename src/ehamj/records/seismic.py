@@ -1,156 +1,169 @@
 """Records in seismic formats, through ObsPy, with the instrument's response."""
 
-import re
 import warnings
+from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.records.channel import Record, Response
-from ehamj.records.choices import SILENT, Choices, GapChoice
-from ehamj.records.clock import filled
-from ehamj.records.components import Component, Loaded, existing, reading, record_of
-from ehamj.records.formats import read_inventory, read_record
+from ehamj.records.channel import Record
+from ehamj.records.choices import SILENT, Choices
+from ehamj.records.components import Component, Loaded, reading, record_of
+from ehamj.records.formats import read_record, record_format
+from ehamj.records.joining import alike, joined
+from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
+from ehamj.records.responses import Responses, open_responses, sensed_by
 from ehamj.records.units import Quantity
-from ehamj.signals import Array
 
 if TYPE_CHECKING:
-    from obspy import Inventory, Stream, Trace
+    from obspy import Stream, Trace, UTCDateTime
 
 EXAMPLE = "example:BW.RJOB"
 
-SENSED: dict[str, tuple[Quantity, str]] = {
-    "": ("displacement", "DISP"),
-    "/S": ("velocity", "VEL"),
-    "/S2": ("acceleration", "ACC"),
-}
-"""What an instrument senses by its unit over the metre, and what ObsPy calls that."""
+STATED: dict[str, tuple[Quantity, float]] = {"KNET": ("acceleration", 1.0)}
+"""Formats whose calibration factor leads to motion in SI: they need no response."""
+
+MOST_SAID = 5
+"""So many remarks of ObsPy on a file are passed on."""
 
 
 def read_seismic(path: Path, choices: Choices = SILENT) -> Record:
-    """A record in any format ObsPy reads; the last part of ``path`` may hold wildcards, or it is `EXAMPLE`.
+    """A record in one of `ehamj.records.formats`; the last part of ``path`` may hold wildcards, or it is `EXAMPLE`.
 
-    Counts stay counts: each channel carries the response that the processing divides by. Raises ValueError for a file
-    that is missing, truncated or damaged, for gaps, overlaps, several stations, and a missing response.
+    Counts stay counts: each channel carries the response that the processing divides by. Traces of one name are one
+    component; those without a name are components of their own, and so is, where they do not fit together, each trace
+    of a name, by its number. Only what is picked is judged. Raises ValueError for a file that is missing, truncated or
+    damaged, and for what is wrong with components that are picked.
     """
     label = path.name
-    stream, responses = _open(path, choices.inventory)
-    beginning = min(trace.stats.starttime for trace in stream)
-    by_name: dict[str, list[Trace]] = {}
-    for trace in stream:
-        by_name.setdefault(trace.id, []).append(trace)
+    stream, notes = _open(path, choices)
+    traces = [trace for trace in stream if trace.stats.npts]
+    if not traces:
+        raise ValueError(f"ground.file = {label!r} holds no samples")
+    groups: dict[str, list[Trace]] = {}
+    for number, trace in enumerate(traces):
+        groups.setdefault(trace.id if _named(trace) else f"{number}", []).append(trace)
+    singles = [(name, trace) for name, group in groups.items() if not _together(group) for trace in group]
+    held = None if choices.inventory is None else open_responses(choices.inventory)
+    beginning = min(trace.stats.starttime for trace in traces)
+    load = partial(_load, label, choices, held, beginning)
+    components = []
+    for name, group in groups.items():
+        if choices.axes is None and not _numeric(group[0]) and len(groups) > 1:
+            notes.append(f"{name} holds text: passed over")
+            continue
+        numbers = [len(groups) + 1 + k for k, (whose, _) in enumerate(singles) if whose == name]
+        components.append(_component(group[0], partial(load, group, _singly(group, numbers))))
+    if choices.axes is not None:
+        components += [
+            Component(f"{name} from {trace.stats.starttime}", partial(load, [trace], "")) for name, trace in singles
+        ]
+    return record_of(label, components, choices, "let ground.remove_response find out", notes)
 
-    def load(name: str) -> Loaded:
-        trace, notes = _join(by_name[name], label, choices.gaps)
-        unit, response = _response(trace, responses) if choices.remove_response else (None, None)
-        if not choices.remove_response and trace.stats.calib != 1:
-            notes.append(
-                f"{name} states a calibration factor of {trace.stats.calib:g}, which is not applied (ground.scale can)"
+
+def _component(trace: "Trace", load: partial[Loaded]) -> Component:
+    if not _named(trace):
+        return Component("", load)
+    channel = trace.stats.channel
+    return Component(trace.id, load, (channel, channel[-1:]) if channel else (), trace.id.rsplit(".", 2)[0])
+
+
+def _load(
+    label: str, choices: Choices, held: "Responses | None", beginning: "UTCDateTime", traces: "list[Trace]", singly: str
+) -> Loaded:
+    """One component: its traces joined, and its response."""
+    first = min(traces, key=lambda trace: trace.stats.starttime)
+    name = first.id if _named(first) else "the trace"
+    for trace in traces:
+        if not _numeric(trace):
+            raise ValueError(f"ground.file = {label!r}: channel {name} holds text or the like, not samples")
+        if not 0 < trace.stats.sampling_rate < np.inf:
+            raise ValueError(
+                f"ground.file = {label!r}: {name} states a sampling rate of {trace.stats.sampling_rate:g} Hz; it must "
+                "be positive"
             )
-        stated = None if unit is None else (unit, 1.0)
-        time = float(trace.stats.starttime - beginning)
-        samples = np.asarray(trace.data, float)
-        return Loaded(samples, trace.stats.sampling_rate, stated, time, response, tuple(notes))
+    samples, rate, notes = joined(label, name, traces, choices, singly)
+    time = float(first.stats.starttime - beginning)
+    factors = {float(trace.stats.calib) for trace in traces}
+    if len(factors) > 1:
+        several = ", ".join(f"{factor:g}" for factor in sorted(factors))
+        raise ValueError(f"ground.file = {label!r}: traces of {name} state several calibration factors: {several}")
+    factor = factors.pop()
+    form = str(first.stats.get("_format", ""))
+    if not choices.remove_response or (form in STATED and choices.inventory is None):
+        unit = STATED.get(form) if choices.user_unit is None and choices.quantity == "auto" else None
+        return Loaded(samples, rate, unit, time, None, tuple(notes), factor)
+    sensed = sensed_by(first, held, choices.response)
+    if factor != 1.0:
+        notes.append(f"{name}: the file's calibration factor {factor:g} is not applied, since the response is removed")
+    return Loaded(samples, rate, (sensed.quantity, 1.0), time, sensed.response, (*notes, *sensed.notes))
 
-    components = [
-        Component(name, partial(load, name), (channel, channel[-1:]), name.rsplit(".", 2)[0])
-        for name, channel in ((name, traces[0].stats.channel) for name, traces in by_name.items())
-    ]
-    return record_of(label, components, choices, "let ground.remove_response find out")
+
+def _named(trace: "Trace") -> bool:
+    return bool(trace.stats.station or trace.stats.channel)
 
 
-def _open(source: Path, inventory: str | None) -> tuple["Stream", "Inventory | None"]:
-    """The traces of all files and the responses."""
+def _numeric(trace: "Trace") -> bool:
+    return trace.data.dtype.kind in "iuf"
+
+
+def _together(traces: "Sequence[Trace]") -> bool:
+    """Whether traces of one name follow each other at one rate."""
+    ordered = sorted(traces, key=lambda trace: trace.stats.starttime)
+    return len(traces) == 1 or (
+        alike(traces)
+        and all(other.stats.starttime > one.stats.endtime + one.stats.delta / 2 for one, other in pairwise(ordered))
+    )
+
+
+def _singly(traces: "Sequence[Trace]", numbers: list[int]) -> str:
+    """How single traces of a channel are picked, for messages."""
+    if not numbers:
+        return ""
+    listed = "; ".join(
+        f"{number} ({trace.stats.starttime}, {trace.stats.npts} samples at {trace.stats.sampling_rate:g} Hz)"
+        for number, trace in zip(numbers, traces, strict=True)
+    )
+    return f"pick one of its traces in ground.axes by its number: {listed}"
+
+
+def _open(source: Path, choices: Choices) -> tuple["Stream", list[str]]:
+    """The traces of all files, and remarks on reading."""
     import obspy
 
     if str(source) == EXAMPLE:
-        return obspy.read(), obspy.read_inventory() if inventory is None else _open_inventory(inventory)
+        return obspy.read(), []
     paths = [source] if source.is_file() else sorted(source.parent.glob(source.name))
     if not paths:
         raise ValueError(f"ground.file = {source.name!r}: there is no such file in {source.parent}")
-    stream = obspy.Stream()
+    stream, notes = obspy.Stream(), []
     for path in paths:
-        stream += _open_file(path)
-    return stream, None if inventory is None else _open_inventory(inventory)
+        found, remarks = _open_file(path, choices)
+        stream += found
+        notes += remarks
+    return stream, notes
 
 
-def _open_file(path: Path) -> "Stream":
-    from obspy.io.mseed import InternalMSEEDWarning
-    from obspy.io.mseed.util import get_record_information
-
-    with reading(path, ", neither as a seismic format nor as *.csv; it may be truncated or damaged"):
-        # ObsPy only warns of a record that breaks off or fails its checksum and leaves the rest out.
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", InternalMSEEDWarning)
-            stream, form = read_record(path)
-        if form == "MSEED":
-            # Some records that break off go without a warning, so see whether they fill the file.
-            offset, size = 0, path.stat().st_size
-            while size % 128 == 0 and offset < size:
-                information = get_record_information(str(path), offset)
-                offset += information["record_length"] * (
-                    1 if information["excess_bytes"] else information["number_of_records"]
-                )
-            if size % 128 or offset > size:
-                raise ValueError("its last record is truncated")
+def _open_file(path: Path, choices: Choices) -> tuple["Stream", list[str]]:
+    how = ", neither as a seismic format nor as *.csv; it may be truncated or damaged"
+    with reading(path, how), warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        form = record_format(path)
+        notes: list[str] = []
+        if form.name != "MSEED":
+            stream = read_record(path, form)
+        elif choices.damaged == "skip":
+            stream, notes = read_skipping(path)
+        else:
+            try:
+                stream = read_strictly(str(path))
+                check_whole(path)
+            except Exception as error:
+                raise ValueError(f'{error}; ground.damaged = "skip" leaves damaged records out') from error
     for trace in stream:
-        if trace.data.dtype.kind not in "iuf":
-            raise ValueError(f"ground.file = {path.name!r}: channel {trace.id} holds text or the like, not samples")
-    return stream
-
-
-def _open_inventory(name: str) -> "Inventory":
-    path = existing(Path(name), "ground.inventory")
-    with reading(path, " as a file of responses", "ground.inventory"):
-        return read_inventory(path)
-
-
-def _join(traces: "list[Trace]", label: str, gaps: GapChoice) -> "tuple[Trace, list[str]]":
-    """One trace of the traces of a channel; remarks on gaps that were filled."""
-    import obspy
-
-    stream = obspy.Stream(traces)
-    try:
-        stream.merge(method=-1)
-        holes = stream.get_gaps()
-        overlaps = [hole for hole in holes if hole[6] < 0]
-        if overlaps:
-            raise ValueError(f"traces of {'.'.join(overlaps[0][:4])} overlap by {-overlaps[0][6]:.4g} s")
-        if not holes:
-            return stream[0], []
-    except Exception as error:  # ObsPy raises Exception itself, such as for rates that differ within a channel
-        raise ValueError(f"ground.file = {label!r}: {error}; each channel must be one trace") from error
-    recorded = sum(trace.stats.npts * trace.stats.delta for trace in stream)
-    note = filled(label, len(holes), sum(hole[6] for hole in holes), recorded, gaps)
-    stream.merge(method=1, fill_value="interpolate")
-    return stream[0], [note]
-
-
-def _response(trace: "Trace", inventory: "Inventory | None") -> tuple[Quantity, Response]:
-    """What the instrument senses, and its response in counts per SI unit of that."""
-    if inventory is None and "response" not in trace.stats:
-        raise ValueError(
-            f"ground.inventory is missing, and the file has no response of {trace.id}; give a file with it, or set "
-            "ground.remove_response = false and ground.quantity for samples in SI"
-        )
-    try:
-        found = trace.stats.response if inventory is None else inventory.get_response(trace.id, trace.stats.starttime)
-    except Exception as error:  # ObsPy raises Exception itself
-        raise ValueError(f"ground.inventory has no response of {trace.id} at {trace.stats.starttime}") from error
-    stated = (found.instrument_sensitivity, *found.response_stages)
-    units = next((str(part.input_units) for part in stated if part is not None and part.input_units), "")
-    per = re.sub(r"\*\*|\^|[()\s]", "", units.upper()).replace("SEC", "S").replace("S/S", "S2")
-    kind = re.fullmatch(r"[NUMC]?M(|/S|/S2)", per)
-    if kind is None:
-        raise ValueError(f"ground.inventory: {trace.id} senses {units!r}; known are M, M/S and M/S**2")
-    quantity, output = SENSED[kind[1]]
-
-    def evaluate(frequency: Array) -> np.ndarray:
-        try:
-            return found.get_evalresp_response_for_frequencies(frequency, output=output)
-        except Exception as error:  # evalresp raises what it likes
-            raise ValueError(f"ground.inventory: the response of {trace.id} cannot be evaluated: {error}") from error
-
-    return quantity, evaluate
+        trace.stats._format = form.name
+    texts = (" ".join(str(one.message).split()) for one in said if not issubclass(one.category, DeprecationWarning))
+    return stream, [*notes, *(f"{path.name}: ObsPy says: {text}" for text in list(dict.fromkeys(texts))[:MOST_SAID])]

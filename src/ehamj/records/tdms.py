@@ -34,7 +34,7 @@ def read_tdms(path: Path, choices: Choices = SILENT) -> Record:
     """
     existing(path)
     passed = []
-    with reading(path, " as TDMS"), _opened(path) as file:
+    with _opened(path) as file:
         starts = (_start(channel) for group in file.groups() for channel in group.channels())
         start = min((one for one in starts if one is not None), default=None)
         components = []
@@ -46,12 +46,12 @@ def read_tdms(path: Path, choices: Choices = SILENT) -> Record:
                 if channel.dtype.kind not in "iuf" or len(channel) < 2:
                     passed.append(name)
                 elif channel not in times:
-                    load = partial(_load, path, channel.group_name, channel.name, start, choices)
+                    load = partial(_load, path, channel, next(iter(times), None), start, choices)
                     components.append(Component(name, load, (own, *answers_of(own))))
-    if not components:
-        raise ValueError(f"ground.file = {path.name!r} holds no channel of numbers")
-    notes = [f"channels without numbers are passed over: {', '.join(passed)}"] if passed else []
-    return record_of(path.name, components, choices, "set the channel's property unit_string", notes)
+        if not components:
+            raise ValueError(f"ground.file = {path.name!r} holds no channel of numbers")
+        notes = [f"channels without numbers are passed over: {', '.join(passed)}"] if passed else []
+        return record_of(path.name, components, choices, "set the channel's property unit_string", notes)
 
 
 @contextmanager
@@ -67,13 +67,16 @@ def _opened(path: Path) -> "Iterator[TdmsFile]":
     logger.addHandler(handler)
     log_manager.console_handler.setLevel(logging.CRITICAL)  # what it warns of is refused, in our words
     try:
-        with bounded(path) as raw, TdmsFile.open(raw) as file:
-            most = path.stat().st_size
-            for channel in (channel for group in file.groups() for channel in group.channels()):
-                if len(channel) > most:
-                    raise ValueError(f"{channel.path} states {len(channel)} values, and the file has {most} bytes")
-            if file.file_status.incomplete_final_segment or said:
-                raise ValueError("; ".join(said) or "its last segment is cut off")
+        with bounded(path) as raw:
+            with reading(path, " as TDMS"):
+                file = TdmsFile.open(raw)
+                most = path.stat().st_size
+                for channel in (channel for group in file.groups() for channel in group.channels()):
+                    if len(channel) > most:
+                        raise ValueError(f"{channel.path} states {len(channel)} values, and the file has {most} bytes")
+                    channel.dtype.kind  # noqa: B018 - raises for types that npTDMS does not know
+                if file.file_status.incomplete_final_segment or said:
+                    raise ValueError("; ".join(said) or "its last segment is cut off")
             yield file
     finally:
         logger.removeHandler(handler)
@@ -97,15 +100,12 @@ def _stated(channel: "TdmsChannel") -> str | None:
     return next((text for text in written if not is_silent(text)), None)
 
 
-def _load(path: Path, group: str, name: str, start: Any, choices: Choices) -> Loaded:
-    """One channel, scaled as its properties say."""
-    where = f"ground.file = {path.name!r}: channel {' '.join(name.split())}"
-    with reading(path, f" as TDMS: channel {name}"), _opened(path) as file:
-        channel = file[group][name]
+def _load(path: Path, channel: "TdmsChannel", times: "TdmsChannel | None", start: Any, choices: Choices) -> Loaded:
+    """One channel, scaled as its properties say; ``times`` is the channel of times in its group."""
+    where = f"ground.file = {path.name!r}: channel {' '.join(channel.name.split())}"
+    with reading(path, f" as TDMS: {where.rpartition(': ')[2]}"):
         samples = np.asarray(channel[:], float)
-        properties, stated = dict(channel.properties), _stated(channel)
-        times = next(((c, np.asarray(c[:], float)) for c in file[group].channels() if _is_time(c)), None)
-        time_label = None if times is None else _stated(times[0]) or times[0].name.partition("[")[2].rstrip(" ]")
+    properties, stated = channel.properties, _stated(channel)
     step = properties.get("wf_increment")
     if step is not None:
         label = str(properties.get("wf_xunit_string") or "s")
@@ -119,9 +119,12 @@ def _load(path: Path, group: str, name: str, start: Any, choices: Choices) -> Lo
         return Loaded(samples, rate, stated, offset + late)
     if times is None:
         raise ValueError(f"{where} states no wf_increment, and no channel of its group is named time; save a waveform")
-    time: Array = _seconds(time_label or "s", f"{where}: the unit of the channel {times[0].name}") * times[1]
+    label = _stated(times) or times.name.partition("[")[2].rstrip(" ]") or "s"
+    with reading(path, f" as TDMS: channel {times.name}"):
+        time: Array = np.asarray(times[:], float)
     if time.size != samples.size:
-        raise ValueError(f"{where} has {samples.size} values, and the channel {times[0].name} has {time.size}")
+        raise ValueError(f"{where} has {samples.size} values, and the channel {times.name} has {time.size}")
+    time = time * _seconds(label, f"{where}: the unit of the channel {times.name}")
     rate, index, notes = clock(time, path.name, choices.gaps)
     return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))
 

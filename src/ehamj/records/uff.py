@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -40,16 +40,18 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
     where the file cannot be read, holds no time response or is truncated, and see `clock`.
     """
     existing(path)
-    heads, lengths, notes = _heads(path)
-    if not heads:
-        raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
-    components = []
-    for n, head in heads.items():
-        name = f"{head['rsp_node']}:{_direction(head['rsp_dir'])}"
-        axis = DIRECTIONS.get(abs(head["rsp_dir"]))
-        load = partial(_load, path, n, name, lengths[n], choices)
-        components.append(Component(name, load, () if axis is None else (axis,)))
-    return record_of(path.name, components, choices, "label its ordinate with the unit", notes)
+    with _opened(path) as file:
+        with reading(path, " as a universal file"):
+            heads, units, notes = _heads(file)
+        if not heads:
+            raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
+        components = []
+        for n, head in heads.items():
+            name = f"{head['rsp_node']}:{_direction(head['rsp_dir'])}"
+            axis = DIRECTIONS.get(abs(head["rsp_dir"]))
+            load = partial(_load, path, partial(file.read_sets, n), name, units[n], choices)
+            components.append(Component(name, load, () if axis is None else (axis,)))
+        return record_of(path.name, components, choices, "label its ordinate with the unit", notes)
 
 
 @contextmanager
@@ -57,37 +59,39 @@ def _opened(path: Path) -> Iterator[Any]:
     """pyuff's view of the file, its ASCII numbers with E as exponent where FORTRAN wrote D."""
     import pyuff
 
-    content = path.read_bytes()
-    if not content.rstrip(b"\0\x1a \t\r\n").endswith(b"    -1"):
-        raise ValueError("its last dataset does not end with -1; the file may be truncated")
-    double = re.compile(rb"(?<=[\d.])[Dd](?=[+-]?\d)")
-    if re.search(rb"^ {4}58b", content, re.MULTILINE | re.IGNORECASE) or not double.search(content):
-        yield pyuff.UFF(str(path))
-        return
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "copy.uff"
-        copy.write_bytes(double.sub(b"E", content))
-        yield pyuff.UFF(str(copy))
+        with reading(path, " as a universal file"):
+            content = path.read_bytes()
+            if not content.rstrip(b"\0\x1a \t\r\n").endswith(b"    -1"):
+                raise ValueError("its last dataset does not end with -1; the file may be truncated")
+            double = re.compile(rb"(?<=[\d.])[Dd](?=[+-]?\d)")
+            binary = re.search(rb"^ {4}58b", content, re.MULTILINE | re.IGNORECASE)
+            source = path
+            if not binary and double.search(content):
+                source = Path(folder) / "copy.uff"
+                source.write_bytes(double.sub(b"E", content))
+            del content
+            file = pyuff.UFF(str(source))
+        yield file
 
 
-def _heads(path: Path) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, Any] | None], list[str]]:
+def _heads(file: Any) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, Any] | None], list[str]]:
     """Headers of time responses by their place in the file, the units (dataset 164) before each, and remarks."""
-    heads, lengths, notes = {}, {}, []
+    heads, before, notes = {}, {}, []
     units: dict[str, Any] | None = None
-    with reading(path, " as a universal file"), _opened(path) as file:
-        for n, kind in enumerate(file.get_set_types()):
-            if int(kind) == 164:
-                units = file.read_sets(n)
-            if int(kind) != 58:
-                continue
-            try:
-                head = file.read_sets(n, header_only=True)
-            except Exception:  # pyuff raises Exception itself
-                notes.append(f"dataset {n + 1}, a 58, has a header that cannot be read: it is passed over")
-                continue
-            if head["func_type"] == TIME_RESPONSE:
-                heads[n], lengths[n] = head, units
-    return heads, lengths, notes
+    for n, kind in enumerate(file.get_set_types()):
+        if int(kind) == 164:
+            units = file.read_sets(n)
+        if int(kind) != 58:
+            continue
+        try:
+            head = file.read_sets(n, header_only=True)
+        except Exception:  # pyuff raises Exception itself
+            notes.append(f"dataset {n + 1}, a 58, has a header that cannot be read: it is passed over")
+            continue
+        if head["func_type"] == TIME_RESPONSE:
+            heads[n], before[n] = head, units
+    return heads, before, notes
 
 
 def _direction(number: int) -> str:
@@ -95,11 +99,13 @@ def _direction(number: int) -> str:
     return str(number) if axis is None else f"{'-' if number < 0 else '+'}{axis.upper()}"
 
 
-def _load(path: Path, n: int, name: str, units: dict[str, Any] | None, choices: Choices) -> Loaded:
+def _load(
+    path: Path, read: Callable[[], dict[str, Any]], name: str, units: dict[str, Any] | None, choices: Choices
+) -> Loaded:
     """One time response; raises ValueError where it is not what it says."""
     where = f"ground.file = {path.name!r}: {name}"
-    with reading(path, f" as a universal file: {name}"), _opened(path) as file:
-        content = file.read_sets(n)
+    with reading(path, f" as a universal file: {name}"):
+        content = read()
     if abs(content["rsp_dir"]) in (4, 5, 6):
         raise ValueError(f"{where} is a rotation (direction {content['rsp_dir']}); leave it out of ground.axes")
     if "data" not in content:

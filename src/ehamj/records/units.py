@@ -146,6 +146,15 @@ def motion_unit(text: str) -> tuple[Quantity, float]:
     raise ValueError(f"{text.strip()!r} is of {told.get(found.kind, found.kind)}; known are {KNOWN}")
 
 
+def is_motion(text: str) -> bool:
+    """Whether a text states a unit of motion."""
+    try:
+        motion_unit(text)
+    except ValueError:
+        return False
+    return True
+
+
 def time_unit(text: str) -> float:
     """SI value of a unit of time [s].
 

@@ -1,0 +1,122 @@
+"""miniSEED record by record: whether each is whole, and what is left where some are not."""
+
+import io
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from obspy import Stream, UTCDateTime
+
+SHORTEST = 128
+"""Least length of a miniSEED record [byte]; all are powers of two (FDSN, *SEED Reference Manual 2.4*)."""
+
+LONGEST = 2**20
+SECOND_WAYS = 8
+"""Into so many parts a run of records is cut where it cannot be read as one."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One record: its place in the file [byte], and what its header says, if it can be read."""
+
+    begin: int
+    end: int
+    name: str = ""
+    start: "UTCDateTime | None" = None
+
+
+def check_whole(path: Path) -> None:
+    """Raise ValueError where a file breaks off within a record; some that do go without a warning of ObsPy's."""
+    from obspy.io.mseed.util import get_record_information
+
+    offset, size = 0, path.stat().st_size
+    while size % SHORTEST == 0 and offset < size:
+        information = get_record_information(str(path), offset)
+        length = information["record_length"]
+        step = length * (1 if information["excess_bytes"] else information["number_of_records"])
+        if step < SHORTEST:
+            raise ValueError(f"its record at byte {offset} has no length")
+        offset += step
+    if size % SHORTEST or offset > size:
+        raise ValueError("its last record is truncated")
+
+
+def read_strictly(data: bytes | str) -> "Stream":
+    """The traces of records; ObsPy's warnings of damage are raised, since it leaves out what it warns of."""
+    from obspy import Stream
+    from obspy.io.mseed import InternalMSEEDWarning
+    from obspy.io.mseed.core import _read_mseed
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", InternalMSEEDWarning)
+        found = _read_mseed(data if isinstance(data, str) else io.BytesIO(data))
+    return Stream(found.traces)
+
+
+def read_skipping(path: Path) -> tuple["Stream", list[str]]:
+    """The traces of a file without its damaged records, and a remark that names those.
+
+    Raises ValueError where none is whole.
+    """
+    from obspy import Stream
+
+    data = path.read_bytes()
+    pieces = _pieces(data)
+    bad: list[Piece] = []
+    stream = Stream()
+    runs = [pieces]
+    while runs:
+        run = runs.pop()
+        try:
+            if any(piece.start is None for piece in run):
+                raise ValueError("no header")
+            stream += read_strictly(b"".join(data[piece.begin : piece.end] for piece in run))
+        except Exception:  # ObsPy raises what it likes
+            if len(run) == 1:
+                bad += run
+                continue
+            step = max(1, -(-len(run) // SECOND_WAYS))
+            runs += [run[k : k + step] for k in range(0, len(run), step)]
+    if not stream:
+        raise ValueError("none of its records is whole")
+    return stream, [_told(path.name, bad, len(pieces))] if bad else []
+
+
+def _pieces(data: bytes) -> list[Piece]:
+    """Places of the records: each by its own length, where its header can be read, else by that of the one before."""
+    from obspy.io.mseed.util import get_record_information
+
+    pieces, offset, length = [], 0, 0
+    while offset < len(data):
+        name, start = "", None
+        try:
+            information = get_record_information(io.BytesIO(data[offset : offset + LONGEST]))
+            own = int(information["record_length"])
+            if SHORTEST <= own <= LONGEST and offset + own <= len(data):
+                length = own
+                name = ".".join(str(information[key]) for key in ("network", "station", "location", "channel"))
+                start = information["starttime"]
+        except Exception:  # a header that cannot be read is what is looked for
+            pass
+        end = min(len(data), offset + (length or SHORTEST))
+        pieces.append(Piece(offset, end, name, start))
+        offset = end
+    return pieces
+
+
+def _told(label: str, bad: list[Piece], total: int) -> str:
+    bad = sorted(bad, key=lambda piece: piece.begin)
+    known = [piece for piece in bad if piece.start is not None]
+    whose = ", ".join(sorted({piece.name for piece in known}))
+    if known:
+        times = sorted(str(piece.start) for piece in known)
+        where = f" of {whose}, from {times[0]}" + (f" to {times[-1]}" if len(times) > 1 else "")
+    else:
+        where = ""
+    nameless = f"; {len(bad) - len(known)} have no header that can be read" if len(known) < len(bad) else ""
+    return (
+        f"{label}: {len(bad)} damaged record{'s' if len(bad) > 1 else ''} of {total} left out{where} (bytes "
+        f"{bad[0].begin} to {bad[-1].end}){nameless}"
+    )
