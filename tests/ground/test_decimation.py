@@ -43,6 +43,20 @@ def test_a_line_above_leaves_nothing_not_even_at_its_mirror(frequency: float) ->
     assert np.abs(velocity(line(frequency))).max() < 1e-6
 
 
+def test_the_response_of_a_fast_instrument_is_removed_too() -> None:
+    # Counts of a geophone-like pole at 2 Hz: what it felt was the line itself.
+    def response(frequency: np.ndarray) -> np.ndarray:
+        return np.asarray(1e6 * 1j * frequency / (1j * frequency + 2.0))
+
+    felt = response(np.array([50.0]))[0]
+    counts = np.abs(felt) * np.sin(TAU * 50.0 * np.arange(int(8 * RATE)) / RATE + np.angle(felt))
+    channel = Channel("z", "z", RATE, "velocity", counts, response=response)
+    moved = displacement(channel, Treatment(highpass=1.0), 0.0, 8.0)
+    query = np.arange(3.0, 5.0, 1 / 20_011)
+    # 50 Hz stands fifty times above the corner; the water level and the band leave it alone.
+    assert np.abs(moved.sample(query).slope - np.sin(TAU * 50.0 * query)).max() < 1e-5
+
+
 def test_every_nth_sample_of_a_slow_signal_comes_back_in_its_place() -> None:
     time = np.arange(50_003) / 1000.0
     slow = np.exp(-((time - 25.0) ** 2)) * np.cos(TAU * 7.0 * time)

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import obspy
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from obspy import Stream, Trace, UTCDateTime
 from obspy.core.inventory import Channel as SeismicChannel
 from obspy.core.inventory import Inventory, Network, Response, Site, Station
@@ -33,9 +31,7 @@ from ehamj.ground.treatment import (
 )
 from ehamj.plant.mounts import MOUNTS
 from ehamj.records.channel import Channel
-from ehamj.records.choices import Choices
-from ehamj.records.seismic import EXAMPLE, read_seismic
-from ehamj.records.tables import Column, parse_header, read_csv
+from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import motion_unit
 from ehamj.scenario.load import anchored
 
@@ -394,104 +390,7 @@ def test_channels_that_start_apart_and_differ_in_rate_keep_time(tmp_path: Path) 
     assert "ends at 50 Hz in y" in text
 
 
-def test_gaps_are_refused_or_filled_and_overlaps_refused(tmp_path: Path) -> None:
-    samples = np.sin(TAU * 2 * np.arange(4000) / 100.0)
-    si = {"remove_response": False, "quantity": "velocity"}
-    pieces = Stream([trace(samples[:2000], "HHZ"), trace(samples[2010:], "HHZ", begin=20.1)])
-    pieces.write(str(tmp_path / "gap.mseed"), format="MSEED")
-    with pytest.raises(
-        ValueError, match=r"'gap\.mseed' has 1 gap, 0\.1 s in total; set ground\.gaps = \"interpolate\""
-    ):
-        motion(tmp_path, 30.0, "gap.mseed", **si)
-    record = read_seismic(
-        tmp_path / "gap.mseed", Choices(quantity="velocity", gaps="interpolate", remove_response=False)
-    )
-    assert any("1 gap, 0.1 s in total, filled with straight lines" in note for note in record.notes)
-    filled = record.channels[0].samples
-    np.testing.assert_array_equal(np.delete(filled, range(2000, 2010)), np.delete(samples, range(2000, 2010)))
-    # A straight line from sample 1999 to sample 2010; rounding only.
-    np.testing.assert_allclose(filled[1999:2011], np.linspace(samples[1999], samples[2010], 12), atol=1e-12)
-
-    pieces = Stream([trace(samples[:2000], "HHZ"), trace(samples[1990:] + 1.0, "HHZ", begin=19.9)])
-    pieces.write(str(tmp_path / "overlap.mseed"), format="MSEED")
-    with pytest.raises(ValueError, match=r"traces of XX\.ONE\.\.HHZ overlap by 0\.1"):
-        motion(tmp_path, 30.0, "overlap.mseed", gaps="interpolate", **si)
-
-
-def test_truncated_miniseed_is_refused_wherever_it_breaks_off(tmp_path: Path) -> None:
-    path = tmp_path / "a.mseed"
-    Stream([trace(noise(3000, k), f"HH{c}") for k, c in enumerate("ENZ")]).write(str(path), format="MSEED", reclen=4096)
-    whole = path.read_bytes()
-    for size in (0, 1, 127, 130, 4095, *np.random.default_rng(3).integers(4097, len(whole), 40).tolist()):
-        if size % 4096 == 0 and size:
-            continue  # at the border of two records nothing in the file says that more should follow
-        path.write_bytes(whole[:size])
-        with pytest.raises(ValueError, match=r"ground\.file = 'a\.mseed' cannot be read"):
-            read_seismic(path, Choices(quantity="velocity", remove_response=False))
-    path.write_bytes(whole)
-    assert len(read_seismic(path, Choices(quantity="velocity", remove_response=False)).channels) == 3
-
-
-def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.mseed"
-    counts = (1000 * noise(3000)).astype(np.int32)
-    Stream([trace(counts, "HHZ")]).write(str(path), format="MSEED", reclen=512, encoding="STEIM2")
-    content = bytearray(path.read_bytes())
-    content[3 * 512 + 200 : 3 * 512 + 210] = b"\x55" * 10  # amid the samples of the fourth block
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read, .* damaged: .*integrity check"):
-        read_seismic(path, Choices(quantity="velocity", remove_response=False))
-
-
-# --- CSV ----------------------------------------------------------------------------------------------------------
-
-names = st.text(st.characters(categories=["Ll", "Lu", "Nd"], include_characters=" _-."), min_size=1, max_size=12)
-spaces = st.text(" ", max_size=3)
-
-
-@given(
-    st.lists(
-        st.tuples(names.map(str.strip).filter(bool), st.sampled_from([None, "mm", "m/s", "g"]), spaces, spaces),
-        min_size=1,
-        max_size=6,
-        unique_by=lambda cell: cell[0],
-    ),
-    st.sampled_from([",", ";", "\t"]),
-)
-def test_header_comes_back_whatever_its_names_units_and_spaces(cells: Any, delimiter: str) -> None:
-    written = [f"{a}{name}{b}" + (f"[{a}{unit}{b}]{a}" if unit else "") for name, unit, a, b in cells]
-    columns = parse_header(delimiter.join(written), delimiter)
-    assert columns == [Column(name, unit) for name, unit, _, _ in cells]
-
-
-def test_csv_dialects_give_the_same_record(tmp_path: Path) -> None:
-    values = noise(100)
-    times = 5.0 + np.arange(100) / 50.0
-    texts = {
-        "comma.csv": "time [s], z [um/s]\n" + "\n".join(f"{t!r}, {v!r}" for t, v in zip(times, values, strict=True)),
-        "semicolon.csv": "# a remark\n\n# time [ms]; z [µm/s]\r\n"
-        + "\r\n".join(f"{1e3 * t!r};{v!r}" for t, v in zip(times, values, strict=True)),
-        "rate.csv": "# rate_hz = 50\nz [um/s]\n" + "\n".join(map(repr, values)) + "\n",
-    }
-    for name, text in texts.items():
-        encoding = "latin-1" if name == "semicolon.csv" else "utf-8-sig"
-        (tmp_path / name).write_bytes(text.replace("np.float64(", "").replace(")", "").encode(encoding))
-        record = read_csv(tmp_path / name)
-        (channel,) = record.channels
-        assert (channel.axis, channel.quantity) == ("z", "velocity")
-        assert channel.rate == pytest.approx(50.0, rel=1e-12)  # rounding of the times
-        np.testing.assert_allclose(channel.samples, 1e-6 * values, rtol=1e-12)  # decimal to binary
-
-
-def test_csv_gap_is_refused_or_filled(tmp_path: Path) -> None:
-    t = np.arange(2000) / 100.0
-    keep = (t < 5.0) | (t >= 5.3)
-    file = csv(tmp_path, "time [s], z [m]", [t[keep], t[keep]])
-    with pytest.raises(ValueError, match=r"has 1 gap, 0\.3 s in total; set ground\.gaps"):
-        read_csv(tmp_path / file)
-    record = read_csv(tmp_path / file, Choices(gaps="interpolate"))
-    np.testing.assert_allclose(record.channels[0].samples, t, atol=1e-9)  # a line filled with a line; rounding
-    assert any("1 gap, 0.3 s in total, filled" in note for note in record.notes)
+# --- settings --------------------------------------------------------------------------------------------------------
 
 
 def test_a_displacement_record_may_go_without_highpass(tmp_path: Path) -> None:
@@ -529,150 +428,45 @@ def test_clipping_is_reported(tmp_path: Path) -> None:
 
 TIMES = np.arange(1000) / 100.0
 WAVE = np.sin(TAU * TIMES)
-UNEVEN = TIMES + 5e-4 * np.cos(np.arange(1000))  # 5 % of a step
 
-CSV_FAULTS = {
-    "cell that is no number": ("time [s], z [m]\n0, 1\n0.01, two\n", {}, r"line 3 holds 'two', which is not a number"),
-    "row cut short": (
-        "time [s], z [m]\n0, 1\n0.01, 2\n0.0",
-        {},
-        r"line 4 has 1 cells where the header has 2.*truncated",
+FAULTS = {
+    "inventory": ("m/s", {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a text table has units"),
+    "table": (
+        "m/s",
+        {"file": "b.mseed", "table": {}},
+        r"ground\.table is for tables of text, and 'b\.mseed' is a seism",
     ),
-    "no rows": ("time [s], z [m]\n", {}, r"'a\.csv': it holds no samples"),
-    "empty": ("", {}, r"first line must name columns and units"),
-    "no header": ("0, 1\n0.1, 2\n", {}, r"first line must name columns and units"),
-    "no name": ("time [s], [m]\n0, 1\n", {}, r"header cell '\[m\]' is not of the form 'name \[unit\]'"),
-    "name twice": ("time [s], z [m], z [m]\n0, 1, 2\n", {}, r"names 'z' more than once"),
-    "unknown unit": (
-        (TIMES, "z [lb/s]"),
-        {},
-        r"the unit of 'z': 'lb/s' is not a unit that is known .*; known are m, m/s",
-    ),
-    "no unit": ((TIMES, "z"), {}, r"ground\.quantity = 'auto', but the file does not say what 'z' holds"),
-    "other unit": (
-        (TIMES, "z [m/s]"),
-        {"quantity": "acceleration"},
-        r"ground\.quantity = 'acceleration', but .* velocity",
-    ),
-    "unknown column": ((TIMES, "up [m/s]"), {}, r"ground\.axes does not say which axis 'up' is"),
-    "axis not there": ((TIMES, "z [m/s]"), {"axes": {"up": "z"}}, r"ground\.axes names 'up', .* it holds 'z'"),
-    "unknown time unit": ("time [m], z [m]\n0, 1\n1, 2\n", {}, r"'time': 'm' is of displacement; known are s, ms"),
-    "time is infinite": (
-        "time [s], z [m]\n0, 1\ninf, 2\n",
-        {},
-        r"time must rise from row to row; it does not at sample 2",
-    ),
-    "time stands": (
-        "time [s], z [m]\n0, 1\n0, 2\n1, 3\n",
-        {},
-        r"time must rise from row to row; it does not at sample 2",
-    ),
-    "uneven": ((UNEVEN, "z [m/s]"), {}, r"sampling is not uniform: sample \d+ is 0\.\d+ steps off its place, 0\.001"),
-    "no clock": ("z [m]\n1\n2\n", {}, r"'time \[s\]' or a line '# rate_hz = …', not neither"),
-    "two clocks": ("# rate_hz = 9\ntime [s], z [m]\n0, 1\n", {}, r"not both"),
-    "negative rate": ("# rate_hz = -9\nz [m]\n0, 1\n", {}, r"rate_hz = -9 must be a positive number"),
-    "rate that is no number": ("# rate_hz = fast\nz [m]\n1\n", {}, r"rate_hz = fast must be a positive number"),
-    "inventory": ((TIMES, "z [m/s]"), {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a text table has units"),
     "pre_filter": (
-        (TIMES, "z [m/s]"),
+        "m/s",
         {"pre_filter": (0, 1, 9, 10)},
         r"ground\.pre_filter = .* only allowed where a resp",
     ),
     "too short": (
-        (TIMES, "z [m/s]"),
+        "m/s",
         {"start": 7.5},
         r"ground\.start = 7\.5 s and the duration, 5 s, .* a\.csv lasts 10 s",
     ),
-    "long taper": ((TIMES, "z [m/s]"), {"taper": 6}, r"ground\.taper = 6 s must be at most half of the record, 5 s"),
+    "long taper": ("m/s", {"taper": 6}, r"ground\.taper = 6 s must be at most half of the record, 5 s"),
     "no highpass": (
-        (TIMES, "z [m/s^2]"),
+        "m/s^2",
         {"highpass": 0},
         r"ground\.highpass = 0 Hz is allowed for displacement .* accel",
     ),
-    "low highpass": ((TIMES, "z [m/s]"), {"highpass": 1e-3}, r"ground\.highpass = 0\.001 Hz must be at least 0\.01 Hz"),
-    "high highpass": ((TIMES, "z [m/s]"), {"highpass": 45}, r"ground\.highpass = 45 Hz must be .* below 40 Hz"),
-    "nan": ("# rate_hz = 9\nz [m]\n" + "1\n" * 20 + "nan\n", {}, r"channel z holds 1 values .* sample 21 .* = nan"),
-    "mostly gap": ("time [s], z [m]\n0, 1\n1, 2\n2, 3\n9, 1\n", {"gaps": "interpolate"}, r"6 s in total, more than it"),
-    "few samples": ("# rate_hz = 9\nz [m]\n1\n2\n", {}, r"channel z holds 2 samples; at least 16"),
+    "low highpass": ("m/s", {"highpass": 1e-3}, r"ground\.highpass = 0\.001 Hz must be at least 0\.01 Hz"),
+    "high highpass": ("m/s", {"highpass": 45}, r"ground\.highpass = 45 Hz must be .* below 40 Hz"),
 }
 
 
-@pytest.mark.parametrize("fault", CSV_FAULTS)
-def test_csv_faults_are_named(tmp_path: Path, fault: str) -> None:
-    content, settings, message = CSV_FAULTS[fault]
-    if isinstance(content, str):
-        (tmp_path / "a.csv").write_text(content)
-    else:
-        csv(tmp_path, f"time [s], {content[1]}", [content[0], WAVE], "a.csv")
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_of_settings_are_named(tmp_path: Path, fault: str) -> None:
+    unit, settings, message = FAULTS[fault]
+    csv(tmp_path, f"time [s], z [{unit}]", [TIMES, WAVE], "a.csv")
     with pytest.raises(ValueError, match=message) as caught:
-        motion(tmp_path, 5.0, "a.csv", **settings)
+        motion(tmp_path, 5.0, **{"file": "a.csv", **settings})
     assert "\n" not in str(caught.value)  # one message, one line
 
 
 SI = {"remove_response": False, "quantity": "velocity"}
-SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
-    "no response": ([trace(WAVE, "HHZ")], {}, r"ground\.inventory is missing, .* no response of XX\.ONE\.\.HHZ"),
-    "inventory missing": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "no.xml"},
-        r"ground\.inventory = 'no\.xml': there is no such",
-    ),
-    "inventory junk": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "junk"},
-        r"ground\.inventory = 'junk' cannot be read as a file of responses",
-    ),
-    "other channel": (
-        [trace(WAVE, "HHN")],
-        {"inventory": "z.xml"},
-        r"ground\.inventory has no response of XX\.ONE\.\.HHN",
-    ),
-    "no units": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "empty.xml"},
-        r"XX\.ONE\.\.HHZ have neither stages nor",
-    ),
-    "wrong quantity": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "z.xml", "quantity": "acceleration"},
-        r"ground\.quantity = 'acceleration', but the file says that 'XX\.ONE\.\.HHZ' is velocity",
-    ),
-    "no quantity": (
-        [trace(WAVE, "HHZ")],
-        {"remove_response": False},
-        r"ground\.quantity = 'auto', but the file does not",
-    ),
-    "unknown component": (
-        [trace(WAVE, "HH1")],
-        SI,
-        r"ground\.axes does not say which axis 'XX\.ONE\.\.HH1' .* \{ 1 = \"x\"",
-    ),
-    "axis taken twice": (
-        [trace(WAVE, "HHZ"), trace(WAVE, "HNZ")],
-        SI,
-        r"HHZ', 'XX\.ONE\.\.HNZ' are all z; each axis takes one",
-    ),
-    "two stations": (
-        [trace(WAVE, "HHZ"), trace(WAVE, "HHN", station="TWO")],
-        SI,
-        r"several stations: XX\.ONE, XX\.TWO; choose with ground\.axes",
-    ),
-    "never together": ([trace(WAVE, "HHZ"), trace(WAVE, "HHN", begin=60)], SI, r"its channels have no time in common"),
-    "infinite": ([trace(np.append(WAVE, np.inf), "HHZ")], SI, r"HHZ holds 1 values that are not finite.* sample 1001 "),
-    "too short": ([trace(WAVE, "HHZ")], SI | {"start": 6.0}, r"ask for 11 s, but the record XX\.ONE lasts 10 s"),
-}
-
-
-@pytest.mark.parametrize("fault", SEISMIC_FAULTS)
-def test_seismic_faults_are_named(tmp_path: Path, fault: str) -> None:
-    traces, settings, message = SEISMIC_FAULTS[fault]
-    Stream(traces).write(str(tmp_path / "a.mseed"), format="MSEED")
-    (tmp_path / "junk").write_text("this is no inventory")
-    write_inventory(tmp_path / "z.xml", geophone(), ("HHZ",))
-    write_inventory(tmp_path / "empty.xml", Response(), ("HHZ",))
-    with pytest.raises(ValueError, match=message) as caught:
-        motion(tmp_path, 5.0, "a.mseed", **settings)
-    assert "\n" not in str(caught.value)
 
 
 def test_files_that_are_missing_or_no_record_are_named(tmp_path: Path) -> None:

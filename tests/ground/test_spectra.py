@@ -214,14 +214,14 @@ FILES = {
     "no band": ("band [Hz], z [um/s]\n8, 1\n9, 1\n", r"bands: 9 Hz is not the centre of a third-octave band"),
     "falling": ("frequency [Hz], z [m^2/Hz]\n8, 1\n7, 1\n", r"frequency must rise from row to row"),
     "zero": ("frequency [Hz], z [m^2/Hz]\n8, 1\n9, 0\n", r"every value must be positive and finite"),
-    "nan": ("frequency [Hz], z [m^2/Hz]\n8, 1\n9, nan\n", r"every value must be positive and finite"),
+    "nan": ("frequency [Hz], z [m^2/Hz]\n8, 1\n9, nan\n", r"column 'z' in line 3 is empty; it must be a number"),
     "one row": ("frequency [Hz], z [m^2/Hz]\n8, 1\n", r"must rise from row to row, in at least 2 rows"),
     "other axis": ("band [Hz], x [um/s]\n8, 1\n10, 1\n", r"it has 'x' only; set ground\.axes = \['x'\]"),
     "axis missing": (
         "band [Hz], x [um/s], y [um/s]\n8, 1, 1\n10, 1, 1\n",
         r"no column 'z' for ground\.axes; it has x, y",
     ),
-    "cell": ("band [Hz], z [um/s]\n8, 1\n10, loud\n", r"line 3 holds 'loud', which is not a number"),
+    "cell": ("band [Hz], z [um/s]\n8, 1\n10, loud\n", r"line 3 holds 'loud' in column 'z', which is not a number"),
 }
 
 

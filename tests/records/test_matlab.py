@@ -206,6 +206,16 @@ def test_integers_singles_and_sparse_arrays_are_numbers_too(tmp_path: Path, stor
     np.testing.assert_allclose(found, NOISE[0], rtol=0, atol=tolerance)
 
 
+@pytest.mark.parametrize("beside", [{}, {"fs": 25_600.0}])
+def test_times_in_single_precision_are_rounded_and_not_uneven(tmp_path: Path, beside: dict[str, float]) -> None:
+    # At 10 s single precision is 1e-6 s: a fortieth of a step.
+    times = np.float32(9.9 + np.arange(5000) / 25_600.0)
+    savemat(tmp_path / "a.mat", {"z": NOISE[0], "t": times, **beside})
+    channel = read(tmp_path / "a.mat", **VELOCITY).channels[0]
+    assert channel.rate == pytest.approx(25_600.0, rel=1e-6)
+    np.testing.assert_array_equal(channel.samples, NOISE[0])
+
+
 def test_unrelated_arrays_are_passed_over_and_named(tmp_path: Path) -> None:
     savemat(tmp_path / "a.mat", {"z": NOISE[0], "window": np.hanning(1024), "fs": RATE})
     record = read(tmp_path / "a.mat", **VELOCITY)
@@ -373,4 +383,49 @@ def test_sizes_that_a_header_only_claims_are_refused(tmp_path: Path) -> None:
     assert dimensions in content
     (tmp_path / "a.mat").write_bytes(content.replace(dimensions, struct.pack("<ii", 2**15, 2**30)))
     with pytest.raises(ValueError, match=r"z states 32768 × 1073741824 parts in 40048 bytes"):
+        read(tmp_path / "a.mat", **VELOCITY)
+
+
+def element(order: str, kind: int, data: bytes) -> bytes:
+    """An element of a file of version 5, in its short form where it has one."""
+    if 0 < len(data) <= 4 and kind != 14:
+        return struct.pack(f"{order}I", len(data) << 16 | kind) + data.ljust(4, b"\0")
+    return struct.pack(f"{order}II", kind, len(data)) + data + b"\0" * (-len(data) % 8)
+
+
+def by_hand(path: Path, order: str, *matrices: bytes) -> None:
+    """A file of version 5 of one byte order."""
+    mark = struct.pack(f"{order}HH", 0x0100, 0x4D49)
+    path.write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + mark + b"".join(element(order, 14, m) for m in matrices))
+
+
+def array(order: str, name: str, code: str, kind: int, values: np.ndarray) -> bytes:
+    """A column of doubles, stored as numbers of another kind, as MATLAB does where they fit."""
+    flags = element(order, 6, struct.pack(f"{order}II", 6, 0))
+    shape = element(order, 5, struct.pack(f"{order}ii", values.size, 1))
+    stored = values.astype(np.dtype(code).newbyteorder(order)).tobytes()
+    return flags + shape + element(order, 1, name.encode()) + element(order, kind, stored)
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize(
+    ("code", "kind"),
+    [("i1", 1), ("u1", 2), ("i2", 3), ("u2", 4), ("i4", 5), ("u4", 6), ("f4", 7), ("f8", 9), ("i8", 12), ("u8", 13)],
+)
+def test_doubles_that_are_stored_as_anything_are_read(tmp_path: Path, order: str, code: str, kind: int) -> None:
+    values = np.round(50 + 40 * np.sin(TIMES * 7.0))
+    rate = array(order, "fs", "u2", 4, np.array([500.0]))
+    by_hand(tmp_path / "a.mat", order, array(order, "z", code, kind, values), rate)
+    channel = read(tmp_path / "a.mat", **VELOCITY).channels[0]
+    np.testing.assert_array_equal(channel.samples, values)
+    assert channel.rate == RATE
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_a_timetable_is_refused_with_the_way_out(tmp_path: Path, order: str) -> None:
+    words = [element(order, 1, text.encode()) for text in ("tt", "MCOS", "timetable")]
+    inner = array(order, "", "u4", 6, np.arange(6.0))
+    opaque = element(order, 6, struct.pack(f"{order}II", 17, 0)) + b"".join(words) + element(order, 14, inner)
+    by_hand(tmp_path / "a.mat", order, opaque)
+    with pytest.raises(ValueError, match=r"only MATLAB can read tt \(timetable\): save numbers or a struct instead"):
         read(tmp_path / "a.mat", **VELOCITY)

@@ -108,6 +108,15 @@ def test_every_unit_of_ordinate_and_abscissa(
     np.testing.assert_allclose(channel.samples, unit[1] * NOISE[0, :20], rtol=1e-11)
 
 
+@pytest.mark.parametrize(("label", "step"), [("ms", 1.0), ("s", 1e-3)])
+def test_milliseconds_are_a_thousand_hertz_and_not_one(tmp_path: Path, label: str, step: float) -> None:
+    samples = 3.9478e-3 * np.sin(20 * np.pi * np.arange(0, 4, 1e-3))
+    (tmp_path / "a.uff").write_text(written(samples, step, time_unit=label))
+    (channel,) = read(tmp_path / "a.uff").channels
+    assert (channel.rate, channel.samples.size, channel.quantity, channel.axis) == (1000.0, 4000, "acceleration", "z")
+    assert np.abs(channel.samples).max() == pytest.approx(3.9478e-3, rel=1e-9)
+
+
 def test_a_rate_that_is_no_whole_number_stays_what_the_step_says(tmp_path: Path) -> None:
     (tmp_path / "a.uff").write_text(written(NOISE[0], 3.14159e-3))
     assert read(tmp_path / "a.uff").channels[0].rate == pytest.approx(1 / 3.14159e-3, rel=1e-12)
@@ -174,6 +183,14 @@ def test_uneven_times_have_a_unit_too(tmp_path: Path, binary: int) -> None:
     )
     channel = read(uff(tmp_path, content)).channels[0]
     assert channel.rate == pytest.approx(RATE, rel=1e-9)
+    np.testing.assert_allclose(channel.samples, NOISE[0], rtol=1e-11)
+
+
+def test_uneven_times_of_six_digits_are_rounded_and_not_uneven(tmp_path: Path) -> None:
+    times = np.arange(5000) / 3200.0  # 1.56219 s at the end: rounded to a thirtieth of a step
+    content = response(NOISE[0], 3, binary=0, abscissa_spacing=0, x=times)
+    channel = read(uff(tmp_path, content)).channels[0]
+    assert channel.rate == pytest.approx(3200.0, rel=1e-6)
     np.testing.assert_allclose(channel.samples, NOISE[0], rtol=1e-11)
 
 

@@ -147,9 +147,15 @@ def test_three_significant_digits(given: float | None, shown: str) -> None:
 
 
 def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
-    verdict = json.loads((folder / "summary.json").read_text())["criterion"]["verdict"]
+    criterion = json.loads((folder / "summary.json").read_text())["criterion"]
+    verdict, loudest = criterion["verdict"], criterion["max_1s"]["verdict"]
     lines = [" ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li')]
-    assert lines == [f"vertical {verdict['vertical']}", f"horizontal {verdict['horizontal']}"]
+    assert lines == [
+        f"vertical {verdict['vertical']}, by RMS over the whole run",
+        f"vertical, largest 1 s RMS {loudest['vertical']}",
+        f"horizontal {verdict['horizontal']}, by RMS over the whole run",
+        f"horizontal, largest 1 s RMS {loudest['horizontal']}",
+    ]
     assert "actuated" in verdict["vertical"]
 
 
@@ -168,11 +174,13 @@ def test_headline_attenuation_is_the_summarys(results: dict[str, Result], whole:
 def test_classes_are_the_summarys(results: dict[str, Result], whole: Any) -> None:
     head, *rows = rows_of(whole.xpath('//*[@id="classes"]//table')[0])
     assert head == ["", "floor", "feedforward", "passive"]
-    criteria = [results["feedforward"].summary["criterion"]["floor"]]
-    criteria += [result.summary["criterion"]["machine"] for result in results.values()]
-    for axis, row in zip(("z", "x", "y"), rows, strict=True):
-        for text, criterion in zip(row[1:], criteria, strict=True):
-            verdict = criterion[axis]
+    assert [row for row in rows if len(row) == 1] == [["by RMS over the whole run"], ["by largest sliding 1 s RMS"]]
+    by = [result.summary["criterion"] for result in results.values()]
+    criteria = [[by[0]["floor"], *(one["machine"] for one in by)]]
+    criteria.append([by[0]["max_1s"]["floor"], *(one["max_1s"]["machine"] for one in by)])
+    expected = [[one[axis] for one in part] for part in criteria for axis in ("z", "x", "y")]
+    for verdicts, row in zip(expected, [row for row in rows if len(row) > 1], strict=True):
+        for text, verdict in zip(row[1:], verdicts, strict=True):
             met = verdict["class"] and f"{'' if verdict['decided'] else 'at best '}{verdict['class']}"
             assert text.startswith(met or "worse than workshop")
             if found := re.search(r"\(([\d.]+) dB, ([\d.]+) Hz\)", text):

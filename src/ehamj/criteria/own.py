@@ -25,6 +25,7 @@ from ehamj.criteria.curves import Limit, Norm, Quantity
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.statistics import WORDS, BandStatistic, Statistic
+from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
 from ehamj.records.units import motion_unit
 
@@ -46,12 +47,13 @@ class Curve(NamedTuple):
     values: Array
 
 
-def own_norm(name: str, statistic: BandStatistic = "rms") -> Norm:
+def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices | None = None) -> Norm:
     """The norm that a file states.
 
     Args:
         name: of the file.
         statistic: of the levels that are compared, where the file states none.
+        written: what the user says about the table.
 
     Raises:
         InputError: naming the file, the place in it and what is allowed.
@@ -59,7 +61,8 @@ def own_norm(name: str, statistic: BandStatistic = "rms") -> Norm:
     path = Path(name)
     told = f"{KEY} = {path.name!r}"
     try:
-        columns, table, _ = read_table(path, KEY)
+        found = read_table(path, KEY, written)
+        columns, table = found.columns, found.values()
         stated = _stated(path)
         kind = _kind(columns)
         _check_rows(columns, table)

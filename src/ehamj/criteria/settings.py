@@ -11,6 +11,7 @@ from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
 from ehamj.criteria.own import ENDING, own_norm
 from ehamj.estimate.statistics import BandStatistic
+from ehamj.records.table_choices import TableChoices
 from ehamj.settings import FileName, Settings
 
 if TYPE_CHECKING:
@@ -70,6 +71,9 @@ class CriteriaSettings(Settings):
         "RMS, largest slow (1 s) or fast (0.125 s) weighted level, or the 1 s RMS exceeded for 10, 50 or 90 % of the "
         "time; limits of a peak keep the peak",
     )
+    table: TableChoices | None = Field(
+        None, description="how the files with own limits are written, where they do not show it; as ground.table"
+    )
     response_spectrum: ResponseSpectrumSettings | None = Field(
         None, description="response spectra (none where the table is left out)"
     )
@@ -95,6 +99,6 @@ class CriteriaSettings(Settings):
     def norm(self, name: str) -> Norm:
         """One of the norms, by its entry; see `chosen`."""
         if name not in NORMS:
-            return own_norm(name, self.statistic)
+            return own_norm(name, self.statistic, self.table)
         norm = NORMS[name].practices.get(self.low_frequency, NORMS[name])
         return norm if self.statistic == "rms" else norm.by(self.statistic)

@@ -28,9 +28,9 @@ class RecordGround(Choices, GroundSettings, Treatment):
     file: FileName = Field(
         min_length=1,
         description="record, relative to the scenario's folder: "
-        f"{', '.join(f'*{ending}' for reader in READERS.values() for ending in reader.endings)}, texts of ESM and "
-        "ITACA, what ObsPy reads (the name may hold wildcards, for a file per component: seismic, PEER, ESM), or "
-        f"{EXAMPLE!r}, a real record that ObsPy carries",
+        f"{', '.join(f'*{ending}' for reader in READERS.values() for ending in reader.endings)}, other tables "
+        "of text, texts of ESM and ITACA, what ObsPy reads (the name may hold wildcards, for a file per component: "
+        f"seismic, PEER, ESM), or {EXAMPLE!r}, a real record that ObsPy carries",
     )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
     scale: float | dict[str, float] = Field(
@@ -57,6 +57,8 @@ class RecordGround(Choices, GroundSettings, Treatment):
         if self.inventory is not None and not reader.responds:
             name = Path(self.inventory).name
             raise ValueError(f"ground.inventory = {name!r}: a {reader.title} has units; leave inventory out")
+        if self.table is not None and reader is not READERS["table"]:
+            raise ValueError(f"ground.table is for tables of text, and {path.name!r} is a {reader.title}; leave it out")
         return reader.read(path, self)
 
     def motion(self, start: Start) -> Motion:

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from ehamj.estimate.bands import band_numbers
 from ehamj.ground.spectra import Axis, Spectrum, from_psd, from_third_octaves
+from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
 from ehamj.records.units import Quantity, density_unit, motion_unit
 from ehamj.settings import FileName, Positive, Settings, one_of
@@ -85,7 +86,7 @@ class PetersonTarget(TargetSettings):
 
 
 class FileTarget(TargetSettings):
-    """Third-octave levels or a PSD from a CSV file.
+    """Third-octave levels or a PSD from a table of text.
 
     One header line names columns and units. The first column is ``band [Hz]`` (third-octave levels, units such as
     um/s) or ``frequency [Hz]`` (a PSD, units such as (m/s^2)^2/Hz, or m/s/sqrt(Hz) for its root). Columns x, y, z give
@@ -93,15 +94,19 @@ class FileTarget(TargetSettings):
     """
 
     kind: Literal["file"]
-    file: FileName = Field(description="CSV file, relative to the scenario's folder", min_length=1)
+    file: FileName = Field(description="table of text, relative to the scenario's folder", min_length=1)
+    table: TableChoices | None = Field(
+        None, description="how the table is written, where the file does not show it; as ground.table of records"
+    )
 
     def spectra(self, axes: tuple[Axis, ...]) -> Mapping[Axis, Spectrum]:
         path = Path(self.file)
-        columns, table, _ = read_table(path, "ground.target.file")
-        where = f"ground.target.file = {path.name!r}"
-        clock, *rest = columns
+        found = read_table(path, "ground.target.file", self.table)
+        where = found.told
+        clock, *rest = found.columns
         if clock.name not in ("band", "frequency") or clock.unit != "Hz" or not rest:
             raise ValueError(f"{where}: the first column must be 'band [Hz]' or 'frequency [Hz]', and levels follow")
+        table = found.values()
         if not (np.isfinite(table).all() and (table > 0).all()):
             raise ValueError(f"{where}: every value must be positive and finite")
         if not (np.diff(table[:, 0]) > 0).all() or len(table) < 2:

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.records.channel import Place
+from ehamj.records.table_choices import TableChoices
 from ehamj.records.units import KNOWN, Quantity, motion_unit
 from ehamj.settings import FileName, Positive, Settings
 
@@ -34,9 +35,9 @@ class Choices(Settings):
     remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
     axes: AxisChoice = Field(
         None,
-        description="axis of each component (E, EHE, BW.RJOB..EHE, CSV column, UFF direction z or node 12:+Z, WAV "
-        "channel 1, MATLAB variable), or axis of one mount ('front-left z'); the others are left out; default: E, N, Z "
-        "to x, y, z",
+        description="axis of each component, by its name or its number in the file (E, EHE, BW.RJOB..EHE, CSV column, "
+        "UFF direction z or node 12:+Z, WAV channel 1, MATLAB variable z or data.z, TDMS or IDE group/channel), or "
+        "axis of one mount ('front-left z'); the others are left out; default: E, N, Z to x, y, z",
     )
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
@@ -54,7 +55,11 @@ class Choices(Settings):
     )
     damaged: Literal["refuse", "skip"] = Field(
         "refuse",
-        description="what to do about damaged records of miniSEED: refuse the file, or leave them out, as gaps",
+        description="what to do about damaged records of miniSEED and broken rows of tables: refuse the file, or "
+        "leave them out, as gaps",
+    )
+    table: TableChoices | None = Field(
+        None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
     )
 
     @model_validator(mode="after")

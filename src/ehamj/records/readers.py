@@ -11,7 +11,7 @@ from ehamj.records.ide import read_ide
 from ehamj.records.matlab import read_matlab
 from ehamj.records.peer import looks_peer, read_peer
 from ehamj.records.seismic import read_seismic
-from ehamj.records.tables import read_csv
+from ehamj.records.tables import looks_like_table, read_table_record
 from ehamj.records.tdms import read_tdms
 from ehamj.records.uff import read_uff
 from ehamj.records.wav import read_wav
@@ -37,7 +37,6 @@ HEAD = 4096
 """Bytes of a file by which its format is told."""
 
 READERS: Registry[Reader] = Registry("reader")
-READERS.add("table", Reader("text table", read_csv, (".csv",)))
 READERS.add("uff", Reader("universal file", read_uff, (".uff", ".unv")))
 READERS.add("matlab", Reader("MATLAB file", read_matlab, (".mat",)))
 READERS.add("tdms", Reader("TDMS file", read_tdms, (".tdms",)))
@@ -45,6 +44,9 @@ READERS.add("ide", Reader("IDE file", read_ide, (".ide",)))
 READERS.add("peer", Reader("record of the PEER database", read_peer, (".at2", ".vt2", ".dt2"), looks_peer))
 READERS.add("esm", Reader("record of the ESM or ITACA database", read_esm, looks=looks_esm))
 READERS.add("wav", Reader("WAV file", read_wav, (".wav",)))
+TABLES = (".csv", ".tsv", ".tab", ".prn")
+"""Endings of names that only tables have; others are tables by how they begin."""
+READERS.add("table", Reader("text table", read_table_record, TABLES, looks_like_table))
 READERS.add("seismic", Reader("seismic formats, through ObsPy", read_seismic, responds=True))
 
 
