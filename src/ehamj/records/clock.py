@@ -44,6 +44,12 @@ def sample_number(k: int) -> str:
     return f"sample {k + 1}"
 
 
+def rounding(stored: np.ndarray) -> float:
+    """What times are rounded to by the kind of number that they are stored in; 0 where that is nothing to speak of."""
+    short = stored.dtype.kind == "f" and stored.dtype.itemsize < 8 and stored.size > 0
+    return float(np.spacing(np.abs(stored).max())) if short else 0.0
+
+
 def clock(
     time: Array,
     name: str,
@@ -224,10 +230,11 @@ def _gap_notes(time: Array, index: Array, name: str, gaps: GapChoice, where: Cal
 def on_grid(index: Array, samples: Array) -> Array:
     """Samples (n,) at places ``index`` of a uniform grid, from its place 0, with straight lines over what is missing.
 
-    Places between those of the grid are those of a wandering clock: a spline leads through its samples.
+    Places between those of the grid are those of a wandering clock: a spline leads through its samples. What is not
+    finite stays so.
     """
     grid = np.arange(int(index[-1] + 1e-9) + 1)
-    if np.array_equal(index, np.round(index)) or index.size <= ORDER:
+    if np.array_equal(index, np.round(index)) or index.size <= ORDER or not np.isfinite(samples).all():
         return np.interp(grid, index, samples)
     # A spline would swing over a gap: points on the straight line hold it there.
     gap = np.flatnonzero(np.diff(index) > 1.5)

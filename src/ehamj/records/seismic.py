@@ -16,6 +16,7 @@ from ehamj.records.formats import read_record, record_format
 from ehamj.records.joining import alike, joined
 from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
 from ehamj.records.responses import Responses, open_responses, sensed_by
+from ehamj.records.text import matching
 from ehamj.records.units import Quantity
 
 if TYPE_CHECKING:
@@ -148,11 +149,8 @@ def _open(source: Path, choices: Choices) -> tuple["Stream", list[str]]:
 
     if str(source) == EXAMPLE:
         return obspy.read(), []
-    paths = [source] if source.is_file() else sorted(source.parent.glob(source.name))
-    if not paths:
-        raise ValueError(f"ground.file = {source.name!r}: there is no such file in {source.parent}")
     stream, notes = obspy.Stream(), []
-    for path in paths:
+    for path in matching(source):
         found, remarks = _open_file(path, choices)
         stream += found
         notes += remarks
