@@ -10,9 +10,11 @@ import os
 import pickle
 import resource
 import shutil
+import threading
 import time
 import zipfile
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -263,6 +265,40 @@ def test_scenarios_and_settings(cli: Cli, folder: Path, command: tuple[str, ...]
         made = HOSTILE[what]
         (folder / "x.toml").write_bytes(made(folder))
         refused(cli(*command))
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "ground={kind='record', file='x.wav', unit='m', full_scale=1}",
+        *(f"ground={{kind='record', file='x.{end}', unit='m'}}" for end in (*ENDINGS, "a?c") if end != "wav"),
+        "ground={kind='record', file='example:BW.RJOB', inventory='x.'}",
+        "ground={kind='broadband', target={kind='file', file='x.csv'}}",
+        "control={kind='law', file='x.json'}",
+        "criteria={norms=['x.csv']}",
+    ],
+)
+def test_a_pipe_is_no_file(cli: Cli, folder: Path, key: str) -> None:
+    """Nobody would ever write to it: whoever opens it waits."""
+    for ending in {*ENDINGS, "abc", "json", "csv"}:
+        os.mkfifo(folder / f"x.{ending}")
+    waited = threading.Event()
+
+    def release() -> None:
+        if not waited.wait(5.0):
+            for path in folder.glob("x.*"):
+                with suppress(OSError):  # nobody reads this one
+                    os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
+
+    rescue = threading.Thread(target=release)
+    rescue.start()
+    began = time.perf_counter()
+    said = cli(*RECORD, "--set", key)
+    took = time.perf_counter() - began
+    waited.set()
+    rescue.join()
+    assert took < 5.0
+    refused(said)
 
 
 @pytest.fixture(scope="module")

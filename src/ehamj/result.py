@@ -132,7 +132,7 @@ def load_result(folder: str | Path) -> Result:
             dataset = stored.load()
         summary = json_of(folder / "summary.json")
         model = _model_of(folder / "model.xml")
-    except (OSError, ValueError) as error:
+    except Exception as error:  # h5py and xarray raise what they like at damage
         raise InputError(f"result {str(folder)!r}: is damaged: {error}") from error
     return Result(
         scenario=load_scenario(folder / "scenario.toml"),

@@ -31,8 +31,7 @@ from ehamj.ground.treatment import (
 )
 from ehamj.plant.mounts import MOUNTS
 from ehamj.records.channel import Channel
-from ehamj.records.choices import Choices
-from ehamj.records.seismic import EXAMPLE, read_seismic
+from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import motion_unit
 from ehamj.scenario.load import anchored
 
@@ -391,55 +390,6 @@ def test_channels_that_start_apart_and_differ_in_rate_keep_time(tmp_path: Path) 
     assert "ends at 50 Hz in y" in text
 
 
-def test_gaps_are_refused_or_filled_and_overlaps_refused(tmp_path: Path) -> None:
-    samples = np.sin(TAU * 2 * np.arange(4000) / 100.0)
-    si = {"remove_response": False, "quantity": "velocity"}
-    pieces = Stream([trace(samples[:2000], "HHZ"), trace(samples[2010:], "HHZ", begin=20.1)])
-    pieces.write(str(tmp_path / "gap.mseed"), format="MSEED")
-    with pytest.raises(
-        ValueError, match=r"'gap\.mseed' has 1 gap, 0\.1 s in total; set ground\.gaps = \"interpolate\""
-    ):
-        motion(tmp_path, 30.0, "gap.mseed", **si)
-    record = read_seismic(
-        tmp_path / "gap.mseed", Choices(quantity="velocity", gaps="interpolate", remove_response=False)
-    )
-    assert any("1 gap, 0.1 s in total, filled with straight lines" in note for note in record.notes)
-    filled = record.channels[0].samples
-    np.testing.assert_array_equal(np.delete(filled, range(2000, 2010)), np.delete(samples, range(2000, 2010)))
-    # A straight line from sample 1999 to sample 2010; rounding only.
-    np.testing.assert_allclose(filled[1999:2011], np.linspace(samples[1999], samples[2010], 12), atol=1e-12)
-
-    pieces = Stream([trace(samples[:2000], "HHZ"), trace(samples[1990:] + 1.0, "HHZ", begin=19.9)])
-    pieces.write(str(tmp_path / "overlap.mseed"), format="MSEED")
-    with pytest.raises(ValueError, match=r"traces of XX\.ONE\.\.HHZ overlap by 0\.1"):
-        motion(tmp_path, 30.0, "overlap.mseed", gaps="interpolate", **si)
-
-
-def test_truncated_miniseed_is_refused_wherever_it_breaks_off(tmp_path: Path) -> None:
-    path = tmp_path / "a.mseed"
-    Stream([trace(noise(3000, k), f"HH{c}") for k, c in enumerate("ENZ")]).write(str(path), format="MSEED", reclen=4096)
-    whole = path.read_bytes()
-    for size in (0, 1, 127, 130, 4095, *np.random.default_rng(3).integers(4097, len(whole), 40).tolist()):
-        if size % 4096 == 0 and size:
-            continue  # at the border of two records nothing in the file says that more should follow
-        path.write_bytes(whole[:size])
-        with pytest.raises(ValueError, match=r"ground\.file = 'a\.mseed' cannot be read"):
-            read_seismic(path, Choices(quantity="velocity", remove_response=False))
-    path.write_bytes(whole)
-    assert len(read_seismic(path, Choices(quantity="velocity", remove_response=False)).channels) == 3
-
-
-def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.mseed"
-    counts = (1000 * noise(3000)).astype(np.int32)
-    Stream([trace(counts, "HHZ")]).write(str(path), format="MSEED", reclen=512, encoding="STEIM2")
-    content = bytearray(path.read_bytes())
-    content[3 * 512 + 200 : 3 * 512 + 210] = b"\x55" * 10  # amid the samples of the fourth block
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read, .* damaged: .*integrity check"):
-        read_seismic(path, Choices(quantity="velocity", remove_response=False))
-
-
 # --- settings --------------------------------------------------------------------------------------------------------
 
 
@@ -517,69 +467,6 @@ def test_faults_of_settings_are_named(tmp_path: Path, fault: str) -> None:
 
 
 SI = {"remove_response": False, "quantity": "velocity"}
-SEISMIC_FAULTS: dict[str, tuple[list[Trace], dict[str, Any], str]] = {
-    "no response": ([trace(WAVE, "HHZ")], {}, r"ground\.inventory is missing, .* no response of XX\.ONE\.\.HHZ"),
-    "inventory missing": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "no.xml"},
-        r"ground\.inventory = 'no\.xml': there is no such",
-    ),
-    "inventory junk": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "junk"},
-        r"ground\.inventory = 'junk' cannot be read as a file of responses",
-    ),
-    "other channel": (
-        [trace(WAVE, "HHN")],
-        {"inventory": "z.xml"},
-        r"ground\.inventory has no response of XX\.ONE\.\.HHN",
-    ),
-    "no units": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "empty.xml"},
-        r"XX\.ONE\.\.HHZ have neither stages nor",
-    ),
-    "wrong quantity": (
-        [trace(WAVE, "HHZ")],
-        {"inventory": "z.xml", "quantity": "acceleration"},
-        r"ground\.quantity = 'acceleration', but the file says that 'XX\.ONE\.\.HHZ' is velocity",
-    ),
-    "no quantity": (
-        [trace(WAVE, "HHZ")],
-        {"remove_response": False},
-        r"ground\.quantity = 'auto', but the file does not",
-    ),
-    "unknown component": (
-        [trace(WAVE, "HH1")],
-        SI,
-        r"ground\.axes does not say which axis 'XX\.ONE\.\.HH1' .* \{ 1 = \"x\"",
-    ),
-    "axis taken twice": (
-        [trace(WAVE, "HHZ"), trace(WAVE, "HNZ")],
-        SI,
-        r"HHZ', 'XX\.ONE\.\.HNZ' are all z; each axis takes one",
-    ),
-    "two stations": (
-        [trace(WAVE, "HHZ"), trace(WAVE, "HHN", station="TWO")],
-        SI,
-        r"several stations: XX\.ONE, XX\.TWO; choose with ground\.axes",
-    ),
-    "never together": ([trace(WAVE, "HHZ"), trace(WAVE, "HHN", begin=60)], SI, r"its channels have no time in common"),
-    "infinite": ([trace(np.append(WAVE, np.inf), "HHZ")], SI, r"HHZ holds 1 values that are not finite.* sample 1001 "),
-    "too short": ([trace(WAVE, "HHZ")], SI | {"start": 6.0}, r"ask for 11 s, but the record XX\.ONE lasts 10 s"),
-}
-
-
-@pytest.mark.parametrize("fault", SEISMIC_FAULTS)
-def test_seismic_faults_are_named(tmp_path: Path, fault: str) -> None:
-    traces, settings, message = SEISMIC_FAULTS[fault]
-    Stream(traces).write(str(tmp_path / "a.mseed"), format="MSEED")
-    (tmp_path / "junk").write_text("this is no inventory")
-    write_inventory(tmp_path / "z.xml", geophone(), ("HHZ",))
-    write_inventory(tmp_path / "empty.xml", Response(), ("HHZ",))
-    with pytest.raises(ValueError, match=message) as caught:
-        motion(tmp_path, 5.0, "a.mseed", **settings)
-    assert "\n" not in str(caught.value)
 
 
 def test_files_that_are_missing_or_no_record_are_named(tmp_path: Path) -> None:

@@ -206,6 +206,16 @@ def test_integers_singles_and_sparse_arrays_are_numbers_too(tmp_path: Path, stor
     np.testing.assert_allclose(found, NOISE[0], rtol=0, atol=tolerance)
 
 
+@pytest.mark.parametrize("beside", [{}, {"fs": 25_600.0}])
+def test_times_in_single_precision_are_rounded_and_not_uneven(tmp_path: Path, beside: dict[str, float]) -> None:
+    # At 10 s single precision is 1e-6 s: a fortieth of a step.
+    times = np.float32(9.9 + np.arange(5000) / 25_600.0)
+    savemat(tmp_path / "a.mat", {"z": NOISE[0], "t": times, **beside})
+    channel = read(tmp_path / "a.mat", **VELOCITY).channels[0]
+    assert channel.rate == pytest.approx(25_600.0, rel=1e-6)
+    np.testing.assert_array_equal(channel.samples, NOISE[0])
+
+
 def test_unrelated_arrays_are_passed_over_and_named(tmp_path: Path) -> None:
     savemat(tmp_path / "a.mat", {"z": NOISE[0], "window": np.hanning(1024), "fs": RATE})
     record = read(tmp_path / "a.mat", **VELOCITY)

@@ -186,6 +186,14 @@ def test_uneven_times_have_a_unit_too(tmp_path: Path, binary: int) -> None:
     np.testing.assert_allclose(channel.samples, NOISE[0], rtol=1e-11)
 
 
+def test_uneven_times_of_six_digits_are_rounded_and_not_uneven(tmp_path: Path) -> None:
+    times = np.arange(5000) / 3200.0  # 1.56219 s at the end: rounded to a thirtieth of a step
+    content = response(NOISE[0], 3, binary=0, abscissa_spacing=0, x=times)
+    channel = read(uff(tmp_path, content)).channels[0]
+    assert channel.rate == pytest.approx(3200.0, rel=1e-6)
+    np.testing.assert_allclose(channel.samples, NOISE[0], rtol=1e-11)
+
+
 def test_channels_that_begin_apart_are_put_on_one_clock(tmp_path: Path) -> None:
     late = response(NOISE[1], 1, x=TIMES + 3.0)
     record = read(uff(tmp_path, response(NOISE[0], 3), late))

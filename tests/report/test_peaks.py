@@ -23,7 +23,8 @@ def result() -> Result:
 
 def test_peak_and_frequency_stand_in_the_tables(result: Result) -> None:
     seen = html.fromstring(render(report_page({"run": result})))
-    classes = seen.xpath('//section[@id="classes"]//tbody/tr[1]/td/text()')
+    assert "by peak of the whole history" in seen.xpath('//section[@id="classes"]//tbody/tr[1]')[0].text_content()
+    classes = seen.xpath('//section[@id="classes"]//tbody/tr[2]/td/text()')
     assert classes[0].startswith("dwelling (0.6 dB, peak 7.0")  # 20 lg(7.5/7)
     assert classes[0].endswith(" mm/s at 20.0 Hz)")
     rows = seen.xpath('//table[@aria-label="Criteria at every place"]//tr')

@@ -83,14 +83,14 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    timing, verdict = summary.timing, summary.criterion.verdict
+    timing = summary.timing
     state = "complete" if summary.complete else "INCOMPLETE"
     times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
     out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
     if summary.peak:
         _print_levels(summary, mount)
-    say(f"vibration class, vertical: {verdict.vertical}")
-    say(f"vibration class, horizontal: {verdict.horizontal}")
+    for direction, said in summary.criterion.lines().items():
+        say(f"vibration class, {direction}: {said}")
     quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
     if quiet:
         words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())

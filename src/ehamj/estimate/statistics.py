@@ -18,3 +18,15 @@ WORDS: Final[dict[Statistic, str]] = {
     "peak": "peak of the whole history",
 }
 """Every statistic in words."""
+
+SHORT: Final[dict[Statistic, str]] = {
+    "rms": "whole-run RMS",
+    "max_1s": "largest 1 s RMS",
+    "slow": "largest slow level",
+    "fast": "largest fast level",
+    "l10": "L10 of 1 s RMS",
+    "l50": "L50 of 1 s RMS",
+    "l90": "L90 of 1 s RMS",
+    "peak": "peak",
+}
+"""Every statistic in a few words, as they stand before the name of what is measured."""

@@ -29,8 +29,9 @@ class RecordGround(Choices, GroundSettings, Treatment):
         min_length=1,
         description="record, relative to the scenario's folder: "
         f"{', '.join(f'*{ending}' for reader in READERS.values() for ending in reader.endings)}, other tables "
-        "of text, texts of ESM and ITACA, what ObsPy reads (the name may hold wildcards, for a file per component: "
-        f"seismic, PEER, ESM), or {EXAMPLE!r}, a real record that ObsPy carries",
+        "of text, texts of ESM and ITACA, seismic formats told by their content (miniSEED, SAC, SEG-Y, SEG-2, …); "
+        "the name may hold wildcards, for a file per component: seismic, PEER, ESM; "
+        f"or {EXAMPLE!r}, a real record that ObsPy carries",
     )
     start: float = Field(0.0, ge=0, description="time in the record at which the simulation begins [s]")
     scale: float | dict[str, float] = Field(
@@ -59,6 +60,13 @@ class RecordGround(Choices, GroundSettings, Treatment):
             raise ValueError(f"ground.inventory = {name!r}: a {reader.title} has units; leave inventory out")
         if self.table is not None and reader is not READERS["table"]:
             raise ValueError(f"ground.table is for tables of text, and {path.name!r} is a {reader.title}; leave it out")
+        for key, value, plain, readers in (
+            ("response", self.response, None, ("seismic",)),
+            ("overlap", self.overlap, "refuse", ("seismic",)),
+            ("damaged", self.damaged, "refuse", ("seismic", "table")),
+        ):
+            if value != plain and reader not in [READERS[name] for name in readers]:
+                raise ValueError(f"ground.{key} = {value!r} is of no use with a {reader.title}; leave it out")
         return reader.read(path, self)
 
     def motion(self, start: Start) -> Motion:

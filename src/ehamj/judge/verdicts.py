@@ -7,6 +7,7 @@ from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
+from ehamj.estimate.statistics import SHORT, WORDS
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks
@@ -51,6 +52,7 @@ class Beside(Finding):
 
     floor: AtPlace
     machine: AtPlace
+    verdict: InWords
 
 
 class Criterion(Finding):
@@ -62,16 +64,28 @@ class Criterion(Finding):
     max_1s: Beside | None = None
     """By the largest sliding 1 s RMS; None for a norm of peaks, and in a result that is older."""
 
+    def lines(self) -> dict[str, str]:
+        """The verdict as a reader is told it, each class with the statistic of the levels that it is by."""
+        found: dict[str, str] = {}
+        for direction, axes in (("vertical", ("z",)), ("horizontal", ("x", "y"))):
+            parts = [*self.floor.along(axes), *self.machine.along(axes)]
+            if all(verdict.deciding_band is None for verdict in parts):
+                found[direction] = "not judged: the run is too short for any band of the criterion"
+                continue
+            by = dict.fromkeys(WORDS[v.statistic] for v in parts if v.statistic is not None)
+            said = getattr(self.verdict, direction)
+            found[direction] = f"{said}, by {' and '.join(by)}" if by else said
+            if self.max_1s is not None and any(v.statistic not in (None, "max_1s", "peak") for v in parts):
+                found[f"{direction}, {SHORT['max_1s']}"] = getattr(self.max_1s.verdict, direction)
+        return found
+
 
 def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = None) -> Criterion:
     """What a norm says of floor and machine, beside it by the largest 1 s RMS where it limits levels in bands."""
     places = {place: judged.places[place] for place in ("floor", "machine")}
     if beside := strongest_second(norm):
-        return Criterion(
-            **places,
-            verdict=judged.verdict,
-            max_1s=Beside(**{place: at_place(beside, levels, place, peaks) for place in places}),
-        )
+        loudest = {place: at_place(beside, levels, place, peaks) for place in places}
+        return Criterion(**places, verdict=judged.verdict, max_1s=Beside(**loudest, verdict=_in_words(loudest, beside)))
     return Criterion(**places, verdict=judged.verdict)
 
 
@@ -95,11 +109,7 @@ def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None)
 def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
     """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
     places = {place: at_place(norm, levels, place, peaks) for place in levels.places}
-    words = InWords(
-        vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
-        horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
-    )
-    return ByNorm(title=norm.title, places=places, verdict=words)
+    return ByNorm(title=norm.title, places=places, verdict=_in_words(places, norm))
 
 
 def worst_class(classes: Sequence[str | None], order: Sequence[str]) -> str | None:
@@ -114,6 +124,13 @@ def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
     """The axis with the coarsest class, and of those the one nearest to the limit; None where nothing is known."""
     known = [axis for axis, verdict in verdicts.items() if verdict.deciding_band is not None]
     return min(known, key=lambda axis: norm.rank(verdicts[axis]), default=None)
+
+
+def _in_words(places: Mapping[str, AtPlace], norm: Norm) -> InWords:
+    return InWords(
+        vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
+        horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
+    )
 
 
 def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:

@@ -9,10 +9,17 @@ MOST_PARTS = 100_000
 
 
 def check_hdf5(path: Path) -> None:
-    """Raise ValueError where a file draws in others, or unfolds to more than `LARGEST`; OSError where it is no HDF5.
+    """Raise ValueError where a file draws in others, is damaged, or unfolds to more than `LARGEST`.
 
     HDF5 knows three ways into another file: external links, external storage of an array, and virtual arrays.
     """
+    try:
+        _check(path)
+    except (OSError, KeyError, RuntimeError, TypeError) as error:  # h5py raises one or the other, as the damage lies
+        raise ValueError(str(error).strip("'\"")) from error
+
+
+def _check(path: Path) -> None:
     import h5py
 
     with h5py.File(path, "r") as file:

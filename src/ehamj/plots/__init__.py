@@ -11,6 +11,7 @@ from ehamj.plots.files import inline, svg
 from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
 from ehamj.plots.machine import Foot, Mark, machine_plan, machine_side
 from ehamj.plots.responses import Response, response, response_matrix
+from ehamj.plots.spectrograms import spectrogram
 
 from ehamj.plots.style import (  # isort: skip
     BLUE, FLOOR_COLOR, GREEN, GREY, INK, LIMIT_COLOR, ORANGE, PURPLE, SKY, STYLE, VERMILLION, Figure,
@@ -22,5 +23,5 @@ __all__ = [
     "STRETCHES", "STYLE", "VERMILLION", "Figure", "Foot", "Levels", "Limit", "Line", "Mark", "Response", "Trace",
     "attenuation", "colors_of", "criterion", "direction_chart", "envelope", "history", "inline", "levels",
     "lines_chart", "locus_chart", "machine_plan", "machine_side", "map_chart", "mount_styles", "response",
-    "response_matrix", "shown", "svg", "thinned",
+    "response_matrix", "shown", "spectrogram", "svg", "thinned",
 ]  # fmt: skip

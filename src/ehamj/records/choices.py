@@ -30,7 +30,9 @@ class Choices(Settings):
         "in { 1 = 2e-3, z = 5e-3 }, gives each its own",
     )
     inventory: FileName | None = Field(
-        None, description="file with the instrument's response (StationXML, dataless SEED, …)"
+        None,
+        description="file with the instrument's response: StationXML, dataless or XML SEED, RESP, SeisComP XML, "
+        "station text, or SAC poles and zeros",
     )
     remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
     axes: AxisChoice = Field(
@@ -42,7 +44,6 @@ class Choices(Settings):
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
     )
-
     response: Literal["stages", "sensitivity"] | None = Field(
         None,
         description="which counts where the instrument's stages and its overall sensitivity disagree: the stages, or "

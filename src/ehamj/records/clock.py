@@ -44,6 +44,12 @@ def sample_number(k: int) -> str:
     return f"sample {k + 1}"
 
 
+def rounding(stored: np.ndarray) -> float:
+    """What times are rounded to by the kind of number that they are stored in; 0 where that is nothing to speak of."""
+    short = stored.dtype.kind == "f" and stored.dtype.itemsize < 8 and stored.size > 0
+    return float(np.spacing(np.abs(stored).max())) if short else 0.0
+
+
 def clock(
     time: Array,
     name: str,

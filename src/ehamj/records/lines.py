@@ -35,6 +35,8 @@ def text_of(path: Path, key: str, encoding: str | None = None) -> Text:
     (latin-1 but for typographers' marks). Raises ValueError, naming ``key``, where it cannot be read or is binary.
     """
     told = f"{key} = {path.name!r}"
+    if path.exists() and not path.is_file():  # a pipe or a device may never end
+        raise ValueError(f"{told} is no file ({path})")
     try:
         raw = path.read_bytes()
     except OSError as error:

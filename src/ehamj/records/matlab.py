@@ -89,8 +89,7 @@ def _arrays(tree: dict[str, Value]) -> Iterator[Found]:
 
     def walk(scopes: tuple[Scope, ...], prefix: str) -> Iterator[Found]:
         for key, value in scopes[0].items():
-            shown = "".join(letter if letter.isprintable() else "?" for letter in key)
-            yield from at(value, key, prefix + shown, scopes)
+            yield from at(value, key, prefix + _shown(key), scopes)
 
     def at(value: Value, key: str, name: str, scopes: tuple[Scope, ...]) -> Iterator[Found]:
         if isinstance(value, dict):
@@ -107,6 +106,11 @@ def _arrays(tree: dict[str, Value]) -> Iterator[Found]:
     yield from walk((tree,), "")
 
 
+def _shown(name: str) -> str:
+    """A name on one line, whatever a damaged file has made of it."""
+    return "".join(letter if letter.isprintable() else "?" for letter in name)
+
+
 def _fits(one: Found, others: list[Found]) -> bool:
     """Whether an array is as long as its times, or as the longest of those that share its rate."""
     assert one.clock is not None
@@ -120,7 +124,8 @@ def _components(one: Found, label: str, choices: Choices) -> Iterator[Component]
         alone = one.columns == 1
         name = one.name if alone else f"{one.name}({number + 1})"
         texts = labels_of(one.name, one.key, one.scopes, number, one.columns)
-        answers = [one.key if alone else f"{one.key}({number + 1})", *texts]
+        own = _shown(one.key)
+        answers = [own if alone else f"{own}({number + 1})", *map(_shown, texts)]
         answers += [axis for text in (one.name, *texts) for axis in answers_of(text)] if alone or texts else []
         load = partial(_load, one, name, number, label, choices)
         yield Component(name, load, tuple(dict.fromkeys(answers)))
@@ -138,8 +143,8 @@ def _load(one: Found, name: str, number: int, label: str, choices: Choices) -> L
     rates = one.clock.rates(where)
     if one.clock.times is None:
         return Loaded(samples, rates[0], stated, one.clock.begin())
-    time = one.clock.seconds(where)
-    rate, index, notes = clock(time, label, choices.gaps)
+    time, resolution = one.clock.seconds(where)
+    rate, index, notes = clock(time, label, choices.gaps, resolution, rates[0] if rates else None)
     if any(abs(stored / rate - 1.0) > 1e-3 for stored in rates):
         raise ValueError(f"{where}: {one.clock.name} has {rate:g} Hz, and {rates[0]:g} Hz is stated too; delete one")
     return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))

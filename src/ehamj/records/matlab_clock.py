@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ehamj.records.clock import rounding
 from ehamj.records.matlab_names import HEADS, Scope, plain, unit_beside
 from ehamj.records.matlab_values import Numbers
 from ehamj.records.units import is_silent, unit
@@ -84,13 +85,15 @@ class Clock:
             raise ValueError(f"{where}: {told} contradict each other; delete all but one")
         return found
 
-    def seconds(self, where: str) -> Array:
-        """The times [s]; raises ValueError where they look like days."""
+    def seconds(self, where: str) -> tuple[Array, float]:
+        """The times and what they are rounded to [s]; raises ValueError where they look like days."""
         assert self.times is not None
-        time = np.asarray(self.times.read(), float).ravel()
+        stored = self.times.read()
+        time = np.asarray(stored, float).ravel()
         if time.size and DAYS[0] < time[0] < DAYS[1] and np.ptp(time) < 366:
             raise ValueError(f"{where}: {self.name} begins at {time[0]:g}, as MATLAB's day numbers do; save seconds")
-        return time * _size(self.unit, f"{where}: {self.name}", "time")
+        size = _size(self.unit, f"{where}: {self.name}", "time")
+        return time * size, rounding(stored) * size
 
     def begin(self) -> float:
         """Time of the first sample that is stated beside a step [in the step's unit], 0 where it is not."""

@@ -94,6 +94,9 @@ def _pieces(data: bytes) -> list[Piece]:
         try:
             information = get_record_information(io.BytesIO(data[offset : offset + LONGEST]))
             own = int(information["record_length"])
+            head = data[offset : offset + 7]
+            if not (head[:6].strip(b"0123456789 \0") == b"" and head[6:] in (b"D", b"R", b"Q", b"M")):
+                raise ValueError("no sequence number and quality")
             if SHORTEST <= own <= LONGEST and offset + own <= len(data):
                 length = own
                 name = ".".join(str(information[key]) for key in ("network", "station", "location", "channel"))

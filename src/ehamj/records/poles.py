@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 MOST_ROOTS = 1000
 CODES = ("NETWORK", "STATION", "LOCATION", "CHANNEL")
-_COMMENT = re.compile(r"\*\s*([A-Za-z][A-Za-z ]*?)\s*(?:\([^)]*\))?\s*:\s*(.*?)\s*")
+_COMMENT = re.compile(r"\*\s*([A-Za-z][A-Za-z0-9 ]*?)\s*(?:\([^)]*\))?\s*:\s*(.*?)\s*")
 _GROUP = re.compile(r"(ZEROS|POLES|CONSTANT)\s+(\S+)", re.IGNORECASE)
 
 

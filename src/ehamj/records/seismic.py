@@ -16,6 +16,7 @@ from ehamj.records.formats import read_record, record_format
 from ehamj.records.joining import alike, joined
 from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
 from ehamj.records.responses import Responses, open_responses, sensed_by
+from ehamj.records.text import matching
 from ehamj.records.units import Quantity
 
 if TYPE_CHECKING:
@@ -80,6 +81,11 @@ def _load(
     for trace in traces:
         if not _numeric(trace):
             raise ValueError(f"ground.file = {label!r}: channel {name} holds text or the like, not samples")
+        if trace.data.shape != (trace.stats.npts,):
+            raise ValueError(
+                f"ground.file = {label!r}: {name} states {trace.stats.npts} samples and holds {trace.data.size}; the "
+                "file may be truncated"
+            )
         if not 0 < trace.stats.sampling_rate < np.inf:
             raise ValueError(
                 f"ground.file = {label!r}: {name} states a sampling rate of {trace.stats.sampling_rate:g} Hz; it must "
@@ -100,6 +106,13 @@ def _load(
     if factor != 1.0:
         notes.append(f"{name}: the file's calibration factor {factor:g} is not applied, since the response is removed")
     return Loaded(samples, rate, (sensed.quantity, 1.0), time, sensed.response, (*notes, *sensed.notes))
+
+
+def _rate_of(interval: float) -> float:
+    """Rate [Hz] of an interval in single precision [s], of which ObsPy keeps whole microseconds: 300.03 Hz for 300."""
+    rate = 1.0 / float(str(np.float32(interval)))
+    even = float(f"{rate:.6g}")
+    return even if abs(even / rate - 1.0) < np.finfo(np.float32).eps else rate
 
 
 def _named(trace: "Trace") -> bool:
@@ -136,11 +149,8 @@ def _open(source: Path, choices: Choices) -> tuple["Stream", list[str]]:
 
     if str(source) == EXAMPLE:
         return obspy.read(), []
-    paths = [source] if source.is_file() else sorted(source.parent.glob(source.name))
-    if not paths:
-        raise ValueError(f"ground.file = {source.name!r}: there is no such file in {source.parent}")
     stream, notes = obspy.Stream(), []
-    for path in paths:
+    for path in matching(source):
         found, remarks = _open_file(path, choices)
         stream += found
         notes += remarks
@@ -165,5 +175,8 @@ def _open_file(path: Path, choices: Choices) -> tuple["Stream", list[str]]:
                 raise ValueError(f'{error}; ground.damaged = "skip" leaves damaged records out') from error
     for trace in stream:
         trace.stats._format = form.name
-    texts = (" ".join(str(one.message).split()) for one in said if not issubclass(one.category, DeprecationWarning))
+        if form.name in ("SAC", "SACXY"):
+            trace.stats.sampling_rate = _rate_of(trace.stats.sac.delta)
+    texts = [" ".join(str(one.message).split()) for one in said if not issubclass(one.category, DeprecationWarning)]
+    texts = [text for text in texts if not text.startswith("Sample spacing read from SAC")]
     return stream, [*notes, *(f"{path.name}: ObsPy says: {text}" for text in list(dict.fromkeys(texts))[:MOST_SAID])]

@@ -13,7 +13,7 @@ import numpy as np
 from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
-from ehamj.records.clock import clock, on_grid
+from ehamj.records.clock import clock, on_grid, rounding
 from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
 from ehamj.records.units import is_silent, time_unit
 from ehamj.signals import Array
@@ -121,11 +121,13 @@ def _load(path: Path, channel: "TdmsChannel", times: "TdmsChannel | None", start
         raise ValueError(f"{where} states no wf_increment, and no channel of its group is named time; save a waveform")
     label = _stated(times) or times.name.partition("[")[2].rstrip(" ]") or "s"
     with reading(path, f" as TDMS: channel {times.name}"):
-        time: Array = np.asarray(times[:], float)
+        stored = times[:]
+        time: Array = np.asarray(stored, float)
     if time.size != samples.size:
         raise ValueError(f"{where} has {samples.size} values, and the channel {times.name} has {time.size}")
-    time = time * _seconds(label, f"{where}: the unit of the channel {times.name}")
-    rate, index, notes = clock(time, path.name, choices.gaps)
+    size = _seconds(label, f"{where}: the unit of the channel {times.name}")
+    time = time * size
+    rate, index, notes = clock(time, path.name, choices.gaps, rounding(stored) * size)
     return Loaded(on_grid(index, samples), rate, stated, float(time[0]), notes=tuple(notes))
 
 

@@ -11,8 +11,9 @@ from ehamj.signals import Array
 
 def matching(path: Path) -> list[Path]:
     """The files that ``path`` names, whose last part may hold wildcards; raises ValueError where there is none."""
-    found = [path] if path.is_file() else sorted(path.parent.glob(path.name)) if set(path.name) & set("*?[") else []
-    return found or [existing(path)]
+    if path.is_file() or not set(path.name) & set("*?["):
+        return [existing(path)]
+    return sorted(one for one in path.parent.glob(path.name) if one.is_file()) or [existing(path)]
 
 
 def decoded(path: Path) -> list[str]:

@@ -128,8 +128,18 @@ def _load(
             raise ValueError(f"{where}: its abscissa starts at {begin:g} in steps of {step:g}; times must rise")
         return Loaded(samples, _whole(step, size), holds, begin * size, notes=(*remarks, *remark))
     time = size * np.asarray(content["x"], float)
-    rate, index, gaps = clock(time, path.name, choices.gaps)
+    rate, index, gaps = clock(time, path.name, choices.gaps, size * _rounding(content))
     return Loaded(on_grid(index, samples), rate, holds, float(time[0]), notes=(*gaps, *remarks, *remark))
+
+
+def _rounding(content: dict[str, Any]) -> float:
+    """What uneven abscissas are rounded to: six digits in ASCII, else as their kind of number."""
+    largest = float(np.abs(content["x"]).max(initial=0.0))
+    if not np.isfinite(largest) or largest == 0.0:
+        return 0.0
+    if not content["binary"]:
+        return float(10.0 ** (np.floor(np.log10(largest)) - 5.0))
+    return float(np.spacing(np.float32(largest))) if content["ord_data_type"] == 2 else 0.0
 
 
 def _whole(step: float, size: float) -> float:

@@ -22,6 +22,7 @@ from ehamj.replay.marks import arrow_scale, log_arrows, log_bar
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
 from ehamj.replay.recording import fixed, recorded, result_color
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
+from ehamj.replay.spectrogram import heats_of, log_heats
 from ehamj.result import Result
 
 __all__ = ["open_viewer", "write_replay"]
@@ -46,12 +47,12 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
         raise ValueError(f"exaggeration = {exaggeration!r}: must be a positive number or 'auto'")
     arrows = arrow_scale(results.values())
     speed = playback_speed(main_frequency(results.values()))
-    compared, curves = compared_plots(results), curves_of(results)
+    compared, curves, heats = compared_plots(results), curves_of(results), heats_of(results)
     isolators = {label: isolator_plots(label, result) for label, result in results.items()}
     title = next(iter(results.values())).scenario.name
 
     def layout() -> rrb.Blueprint:
-        return make_blueprint(results, compared, isolators, curves, factor, speed)
+        return make_blueprint(results, compared, isolators, curves, heats, factor, speed)
 
     with recorded(path, _application(title, results, factor), title, layout) as recording:
         fixed(recording, "about", rr.TextDocument(page(results, factor, arrows, speed), media_type="text/markdown"))
@@ -62,6 +63,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
         for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
             log_plot(recording, plot)
         log_attenuation(recording, curves, tuple(results))
+        log_heats(recording, heats)
 
 
 def _application(title: str, labels: Iterable[str], factor: float) -> str:

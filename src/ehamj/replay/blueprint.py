@@ -10,9 +10,10 @@ import rerun.blueprint as rrb
 from numpy.typing import ArrayLike
 
 from ehamj.plant.machine import Machine
-from ehamj.replay import attenuation
+from ehamj.replay import attenuation, spectrogram
 from ehamj.replay.plots import NEGLIGIBLE, Plot
 from ehamj.replay.recording import TIMELINE, entity
+from ehamj.replay.spectrogram import Heat
 from ehamj.result import Result
 
 VELOCITIES: Final = ("vertical", "along_x", "along_y")
@@ -42,6 +43,7 @@ def make_blueprint(
     compared: Mapping[str, Plot],
     isolators: Mapping[str, Mapping[str, Plot]],
     axes: Iterable[str],
+    heats: Mapping[str, Heat],
     factor: float,
     speed: float,
 ) -> rrb.Blueprint:
@@ -52,6 +54,7 @@ def make_blueprint(
         compared: the plots of floor and machine.
         isolators: the isolators' plots of each result.
         axes: axes that have a chart of attenuation.
+        heats: levels over time by axis.
         factor: exaggeration of the motions.
         speed: playback speed, simulated seconds per second.
     """
@@ -69,6 +72,8 @@ def make_blueprint(
     charts = [_chart(axis) for axis in axes]
     if charts:
         pages.append(rrb.Tabs(*charts, name="attenuation"))
+    if heats:
+        pages.append(rrb.Tabs(*(_heat(axis, heat) for axis, heat in heats.items()), name="levels over time"))
     pages += _page("velocity", velocities, "whole run") + _page("rotation", rotations, "whole run")
     for name, members in (("isolators", ("stroke", "pressure_1", "pressure_2")), ("valves", ("command", "spool"))):
         shown = [
@@ -139,6 +144,18 @@ def _chart(axis: str) -> rrb.Spatial2DView:
         background=rrb.Background(color=CHART_BACKGROUND),
         visual_bounds=rrb.VisualBounds2D(
             x_range=(-left, attenuation.WIDTH + right), y_range=(-above, attenuation.HEIGHT + below)
+        ),
+    )
+
+
+def _heat(axis: str, heat: Heat) -> rrb.Spatial2DView:
+    left, right, above, below = spectrogram.MARGINS
+    return rrb.Spatial2DView(
+        origin=entity(spectrogram.ROOT, axis),
+        name=attenuation.TITLES.get(axis, axis),
+        background=rrb.Background(color=spectrogram.PAPER),
+        visual_bounds=rrb.VisualBounds2D(
+            x_range=(-left, spectrogram.WIDTH + right), y_range=(-above, heat.tall + below)
         ),
     )
 

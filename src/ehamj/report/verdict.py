@@ -24,15 +24,8 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
 
 
 def verdict(result: Result) -> list[tuple[str, str]]:
-    """The verdict's lines as the summary says them: vertical apart from horizontal."""
-    criterion = result.summary.criterion
-    lines = []
-    for name, axes in (("vertical", ("z",)), ("horizontal", ("x", "y"))):
-        parts = [*criterion.floor.along(axes), *criterion.machine.along(axes)]
-        judged = any(verdict.deciding_band is not None for verdict in parts)
-        said = getattr(criterion.verdict, name)
-        lines.append((name, said if judged else "not judged: the run is too short for any band of the criterion"))
-    return lines
+    """The verdict's lines as the summary says them: vertical apart from horizontal, each with the levels it is by."""
+    return list(result.summary.criterion.lines().items())
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:

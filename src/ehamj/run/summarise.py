@@ -16,6 +16,7 @@ from ehamj.judge.summary import LoopMargins, Summary, Timing
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
+from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
@@ -43,6 +44,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     states = max(steps + (failure is None), 1)
     shares = saturation(driven.tally, states, plant.mounts)
     isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria, usable_from)
+    clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []
     peak, rms = peak_and_rms(dataset)
@@ -57,7 +59,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares), *reserves(dataset, plant)],
+        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares), *clipped, *reserves(dataset, plant)],
         peak=peak,
         rms=rms,
         saturation=shares,

@@ -15,6 +15,7 @@ from ehamj.report.sections.modes import modes
 from ehamj.report.sections.numbers import numbers
 from ehamj.report.sections.relative import relative
 from ehamj.report.sections.spectra import spectra
+from ehamj.report.sections.spectrogram import spectrogram
 from ehamj.report.sections.transmissibility import transmissibility
 from ehamj.report.shown import Shown
 
@@ -26,6 +27,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     attenuation,
     transmissibility,
     criteria,
+    spectrogram,
     spectra,
     relative,
     histories,

@@ -7,7 +7,8 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj import plots
-from ehamj.criteria.curves import CANDIDATES, Norm, where
+from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
+from ehamj.estimate.statistics import SHORT, BandStatistic
 from ehamj.judge.verdicts import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
@@ -16,8 +17,8 @@ from ehamj.report.shown import Shown, known
 from ehamj.report.verdict import class_met, unit_of
 from ehamj.result import Result
 
-EQUIVALENT: Final = "RMS velocity at the band's centre [µm/s]"
 VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
+EQUIVALENT: Final = "Levels of other quantities: as the velocity that they have at the band's centre."
 CURVE_COLOR: Final = "#4B5563"
 SWINGS: Final = "The swing of each that comes nearest to a limit, along the worst axis."
 WORSE: Final = "The worse of x and y in each band."
@@ -47,12 +48,21 @@ def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
         ]
         if not curves:
             continue
-        quantity = "RMS velocity per band [µm/s]" if name == "vc" else EQUIVALENT
+        quantity = f"velocity, {SHORT[_statistic(norm)]} [µm/s]"
         title = "Velocity and vibration classes" if name == "vc" else norm.title
         limits = _limits(norm, view[0])
         figure = plots.criterion(f"{title}, {words}", curves, limits, known_to, quantity)
-        caption = " ".join(text for text in (WORSE if len(view) > 1 else "", norm.note) if text)
+        of_levels = "" if name == "vc" else EQUIVALENT
+        caption = " ".join(text for text in (WORSE if len(view) > 1 else "", of_levels, norm.note) if text)
         yield Picture(f"criterion-{view}" if name == "vc" else f"criterion-{name}-{view}", figure, caption)
+
+
+def _statistic(norm: Norm) -> BandStatistic:
+    """Of the levels that a norm compares in bands."""
+    for _, statistic in sorted(norm.kinds):
+        if statistic != "peak":
+            return statistic
+    return "rms"
 
 
 def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
@@ -116,8 +126,8 @@ def _seen(norm: Norm, view: str, result: Result) -> dict[str, dict[str, float | 
         for name in result.summary.third_octave_velocity[place][view[0]]:
             band = of_band.get(name)
             limit = None if band is None else norm.limit(norm.classes[-1], view[0], band)
-            quantity = "velocity" if limit is None else limit.quantity
-            tables = (getattr(result.summary, f"third_octave_{quantity}") or {}).get(place, {})
+            quantity: Quantity = "velocity" if limit is None else limit.quantity
+            tables = result.summary.in_bands(quantity, _statistic(norm)).get(place, {})
             level = max(known([{axis: tables.get(axis, {}).get(name) for axis in view}]), default=None)
             share = 1.0 if limit is None or band is None else limit.as_velocity(band) / limit.value
             levels[name] = scaled(level, MICRO * share)

@@ -7,10 +7,14 @@ from typing import Any, Final
 
 import xarray as xr
 
+from ehamj.criteria.curves import WHOLE
+from ehamj.estimate.sliding import TIMES as AVERAGING
+from ehamj.estimate.statistics import WORDS
 from ehamj.pages import Section, Table
-from ehamj.pages.words import DASH, ENGINEERING, MICRO, NEGLIGIBLE, TURNS, decibel, measured, scaled
+from ehamj.pages.words import DASH, ENGINEERING, MICRO, NEGLIGIBLE, TURNS, decibel, exact, measured, scaled
 from ehamj.report.sections.limits import of_each
 from ehamj.report.shown import Shown
+from ehamj.result import Result
 
 OF_THE_LAW: Final = ("measured", "controller_state")
 """Variables that repeat what the controller saw and how it counts; they stand in the result, not in the table."""
@@ -27,7 +31,7 @@ TIMING: Final = (
 
 def numbers(shown: Shown) -> Section:
     """What the figures show, as numbers."""
-    tables = [_bands(shown), _levels(shown), of_each("Computation", "timing", TIMING, shown)]
+    tables = [_bands(shown), _statistics(shown), _levels(shown), of_each("Computation", "timing", TIMING, shown)]
     return Section("tables", "Numbers", tables=tables)
 
 
@@ -45,10 +49,54 @@ def _bands(shown: Shown) -> Table:
         if set(row[1:]) != {DASH}:
             rows.append(row)
     note = (
-        "Levels: RMS velocity, of the floor at its worst mount, of the machine at its centre of gravity. Attenuation "
+        "Levels: RMS velocity over the whole run, of the floor at its worst mount, of the machine at its centre of "
+        "gravity. Attenuation "
         "is counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
     )
     return Table("Vertical, per third-octave band", head, rows, note)
+
+
+def _statistics(shown: Shown) -> Table:
+    """Vertical levels by every statistic in the bands that decide; without rows in results that are older."""
+    tables = {name: place for name, _, place in shown.with_floors(_by_statistic)}
+    deciding = (result.summary.criterion for result in shown.results.values())
+    bands = dict.fromkeys(place.z.deciding_band for one in deciding for place in (one.floor, one.machine))
+    found = [table for table in tables.values() if table]
+    rows: list[list[str]] = []
+    for band in bands if found else ():
+        if band is None or band == WHOLE:
+            continue
+        seconds = found[0]["averaging"].get(band)
+        rows.append([f"in the band at {band} Hz, averaging {exact(round(seconds or 0.0, 2))} s"])
+        rows += [
+            [WORDS[name], *(measured(scaled(table.get(name, {}).get(band), MICRO)) for table in tables.values())]
+            for name in WORDS
+            if name != "peak"
+        ]
+    if found:
+        peaks = [table.get("peak", {}).get(WHOLE) for table in tables.values()]
+        rows += [["of all frequencies together"], [WORDS["peak"], *(measured(scaled(peak, MICRO)) for peak in peaks)]]
+    note = (
+        "In the bands that decide the vertical verdict: of the floor at its worst mount, of the machine at its centre "
+        f"of gravity. Fast levels average {exact(AVERAGING['fast'])} s, or 1/bandwidth where that is longer."
+    )
+    return Table("Vertical velocity by statistic [µm/s]", ["", *tables], rows, note, kind="numbers wide")
+
+
+def _by_statistic(result: Result) -> dict[str, Any]:
+    """Of floor and machine: vertical levels by statistic and band, and the averaging times."""
+    summary = result.summary
+    if summary.levels is None:
+        return {}
+    levels, averaging = summary.levels, summary.levels.averaging_s["max_1s"]
+    return {
+        place: {
+            "averaging": averaging,
+            "peak": {WHOLE: levels.peak[place]["z"]},
+            **{name: summary.in_bands("velocity", name)[place]["z"] for name in ("rms", *levels.velocity)},
+        }
+        for place in ("floor", "machine")
+    }
 
 
 def _levels(shown: Shown) -> Table:
