@@ -64,7 +64,7 @@ class Dialect:
         """``n``\\ umber, ``t``\\ ime, ``e``\\ mpty, ``o``\\ dd (digits and marks, but no number) or ``w``\\ ord."""
         if NUMBER[self.decimal].fullmatch(cell):
             return "e" if cell in self.missing else "n"
-        digit = cell[:1].isdigit()
+        digit = cell[:1].isdigit() and "#" not in cell  # 1.#QNAN
         if cell in self.missing or (not digit and EMPTY.fullmatch(cell)):
             return "e"
         if (self.thousands and self._ungrouped(cell) is not None) or (not digit and INFINITE.fullmatch(cell)):
@@ -101,7 +101,7 @@ class Dialect:
 
     def empty(self, cell: str) -> bool:
         """Whether a cell stands for no value."""
-        return cell in self.missing or (not cell[:1].isdigit() and self.kind(cell) == "e")
+        return cell in self.missing or ((not cell[:1].isdigit() or "#" in cell) and self.kind(cell) == "e")
 
     def _ungrouped(self, cell: str) -> str | None:
         """The cell without its marks of thousands, None where they stand elsewhere than every three digits."""
