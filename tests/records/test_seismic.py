@@ -1,11 +1,13 @@
 """Traces of seismic files: what is picked is judged, and nothing else; gaps, overlaps and damage by stated options."""
 
+import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import obspy
 import pytest
 from obspy import Stream
 from obspy.core.inventory import Response
@@ -15,7 +17,7 @@ from oracles.seismic import BEGIN, TAU, flat, metadata, trace, write
 
 from ehamj.records import seismic
 from ehamj.records.channel import Record
-from ehamj.records.formats import Format, read_record
+from ehamj.records.formats import Format, read_record, record_format
 from ehamj.records.seismic import EXAMPLE, read_seismic
 
 SI: dict[str, Any] = {"remove_response": False, "quantity": "velocity"}
@@ -328,3 +330,43 @@ def test_traces_without_samples_are_no_record(tmp_path: Path) -> None:
 
 def test_the_example_needs_no_file() -> None:
     assert len(read_seismic(Path(EXAMPLE)).channels) == 3
+
+
+# --- GSE ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gse2_is_decoded_as_obspy_encodes_it(tmp_path: Path, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    counts = (random.standard_normal(997) * 10.0 ** random.uniform(0, 6, 997)).astype(np.int32)
+    path = write(tmp_path / "a.gse", trace(counts), kind="GSE2")
+    np.testing.assert_array_equal(samples(read(path, **SI)), counts)
+
+
+@pytest.mark.parametrize("name", ["loc_RJOB20050831023349.z", "loc_STAU20031119011659.z", "twiceCHK2.gse2", "acc.gse"])
+def test_real_gse_is_what_obspy_reads(name: str) -> None:
+    path = Path(get_example_file(name))
+    expected = obspy.read(str(path))
+    found = read_record(path, record_format(path))
+    for ours, theirs in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(ours.data, theirs.data)
+        assert (ours.id, ours.stats.starttime, ours.stats.calib) == (
+            theirs.id,
+            theirs.stats.starttime,
+            theirs.stats.calib,
+        )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ((rb"CHK2\s+-?\d+", b"CHK2 99999999"), "its checksum is 99999999, its samples make"),
+        ((b"CHK2", b"XXX2"), "breaks off before the checksum"),
+        ((b"CM6", b"CM8"), "its samples are stored as 'CM8'"),
+    ],
+)
+def test_damaged_gse_is_refused(tmp_path: Path, change: tuple[bytes, bytes], message: str) -> None:
+    path = write(tmp_path / "a.gse", trace(COUNTS), kind="GSE2")
+    path.write_bytes(re.sub(*change, path.read_bytes()))
+    with pytest.raises(ValueError, match=message):
+        read(path, **SI)

@@ -32,6 +32,7 @@ FORMATS: dict[str, Callable[[Path], Path]] = {
     "SU": lambda path: write(path, trace(np.float32(COUNTS)), kind="SU"),
     "SLIST": lambda path: write(path, trace(COUNTS), kind="SLIST"),
     "TSPAIR": lambda path: write(path, trace(COUNTS), kind="TSPAIR"),
+    "GSE2": lambda path: write(path, trace(COUNTS), kind="GSE2"),
     "GCF": lambda path: write(path, trace(COUNTS), kind="GCF"),
     "AH": lambda path: write(path, trace(np.float32(COUNTS)), kind="AH"),
 }

@@ -18,7 +18,7 @@ from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
 from ehamj.estimate.spectrum import FADE, FILLING, RINGING, Spectrum
-from ehamj.estimate.steady import lines_of
+from ehamj.estimate.steady import lines_of, waves
 
 ORDERS: Final = (1, 0, 2)
 """Of differences, in order of preference."""
@@ -48,7 +48,8 @@ class Reading:
         padding = (RINGING + FILLING) / min(band.width for band in decided) + FADE
         size = next_fast_len(counted.n + int(np.ceil(padding * counted.rate)), real=True)
         lines = lines_of(samples, counted)
-        spectra = [Spectrum.of(samples, lines, counted, size, order) for order in ORDERS]
+        base = waves(lines, counted)
+        spectra = [Spectrum.of(samples, lines, base, counted, size, order) for order in ORDERS]
         first, *others = (spectrum.rms(decided, least_bins=least_bins) for spectrum in spectra)
         levels = np.array([CLEARLY * first, *others])
         return cls(counted, dict(zip(decided, (spectra[k] for k in np.argmin(levels, axis=0)), strict=True)))

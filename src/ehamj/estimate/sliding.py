@@ -159,9 +159,12 @@ def statistics(
     levels, means = np.full((len(wanted), len(chosen)), np.nan), np.full(len(chosen), np.nan)
     for row, band in enumerate(chosen):
         if band in reading.spectra:
+            stated = [k for k, name in enumerate(wanted) if reading.counted.length >= least_length(band, name)]
+            if reading.spectra[band].silent:
+                means[row], levels[stated, row] = 0.0, 0.0
+                continue
             behind = Behind(reading.spectra[band], band, order)
             means[row] = np.sqrt(behind.mean_square)
-            stated = [k for k, name in enumerate(wanted) if reading.counted.length >= least_length(band, name)]
             levels[stated, row] = behind.levels([wanted[k] for k in stated])
     return levels, means
 

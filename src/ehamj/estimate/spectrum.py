@@ -34,24 +34,30 @@ class Spectrum:
     """Spectrum of the weighted rest, (size // 2 + 1,)."""
 
     @classmethod
-    def of(cls, samples: Array, lines: Array, counted: Counted, size: int, order: int) -> Self:
-        """Of the samples (n,) of one channel with lines [Hz], taken by its differences of an ``order``.
+    def of(cls, samples: Array, lines: Array, base: Array, counted: Counted, size: int, order: int) -> Self:
+        """Of the samples (n,) of one channel, taken by its differences of an ``order``, padded to a ``size``.
 
-        Lines are fitted and weights set in the differences, whose transform is then taken back.
+        Lines [Hz], with their `waves` as ``base``, are fitted and weights set in the differences, whose transform is
+        then taken back.
         """
         differences = np.diff(samples, order, prepend=np.full(order, samples[0])) if order else samples
         if order > 1:
             differences[:order] = 0.0
-        steady, rest = fitted(differences, lines, counted)
+        amplitude, rest = fitted(differences, base, counted)
         spectrum = rfft(rest * counted.weight, size)
         spectrum[0] = 0.0
         spectrum[1:] *= _back(size, order)
-        return cls(counted, Steady(lines, steady.amplitude / _difference(lines / counted.rate, order)), size, spectrum)
+        return cls(counted, Steady(lines, amplitude / _difference(lines / counted.rate, order)), size, spectrum)
 
     @cached_property
     def frequency(self) -> Array:
         """Of the spectrum [Hz]."""
         return np.asarray((self.counted.rate / self.size) * np.arange(self.rest.size))
+
+    @cached_property
+    def silent(self) -> bool:
+        """Whether nothing moves."""
+        return not (self.rest.any() or self.steady.frequency.size)
 
     @cached_property
     def power(self) -> Array:

@@ -230,10 +230,11 @@ def _gap_notes(time: Array, index: Array, name: str, gaps: GapChoice, where: Cal
 def on_grid(index: Array, samples: Array) -> Array:
     """Samples (n,) at places ``index`` of a uniform grid, from its place 0, with straight lines over what is missing.
 
-    Places between those of the grid are those of a wandering clock: a spline leads through its samples.
+    Places between those of the grid are those of a wandering clock: a spline leads through its samples. What is not
+    finite stays so.
     """
     grid = np.arange(int(index[-1] + 1e-9) + 1)
-    if np.array_equal(index, np.round(index)) or index.size <= ORDER:
+    if np.array_equal(index, np.round(index)) or index.size <= ORDER or not np.isfinite(samples).all():
         return np.interp(grid, index, samples)
     # A spline would swing over a gap: points on the straight line hold it there.
     gap = np.flatnonzero(np.diff(index) > 1.5)

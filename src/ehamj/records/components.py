@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import isclose
+from math import inf, isclose, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +92,11 @@ def record_of(
     channels, remarks = [], [*notes]
     for k, one in loaded.items():
         name = components[k].name or f"component {k + 1}"
+        if not 0 < one.rate < inf or not isfinite(one.time):
+            clock = f"begins at {one.time:g} s and has {one.rate:g} Hz"
+            raise ValueError(
+                f"ground.file = {label!r}: {name} {clock}, which no record has; leave it out of ground.axes"
+            )
         holds, size = agreed_unit(choices, one.unit, name, remedy)
         foreign = isinstance(one.unit, str) and not is_silent(one.unit) and not is_motion(one.unit)
         if choices.unit is not None and foreign:

@@ -4,7 +4,7 @@ ObsPy's own detection is never asked, since it tries every plugin it knows; amon
 which runs whatever the file says. Of ObsPy's formats these are left out:
 
 - PICKLE runs code; CSS and NNSA_KB_CORE open the files that they name.
-- GSE1 and GSE2: the decoder, in C, writes beyond its memory where a file is damaged.
+- GSE1 and GSE2 have a decoder of our own, `ehamj.records.gse`: ObsPy's writes beyond its memory at damaged files.
 - DMX and RG16 do not end where a file is damaged; ALSEP (the Moon's) is detected by too little.
 - WAV has a reader of its own, `ehamj.records.wav`.
 """
@@ -12,11 +12,13 @@ which runs whatever the file says. Of ObsPy's formats these are left out:
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from ehamj.plain.xml import check_xml, is_xml
+from ehamj.records.gse import read_gse
 
 if TYPE_CHECKING:
     from obspy import Inventory, Stream
@@ -49,16 +51,19 @@ def _on_earth(header: Any) -> None:
 
 @dataclass(frozen=True)
 class Format:
-    """A format by ObsPy's name, what people call it, and a check that comes before ObsPy reads."""
+    """A format by ObsPy's name, what people call it, a check that comes before ObsPy reads, or who reads instead."""
 
     name: str
     title: str
     check: Callable[[str], None] = lambda path: None
+    read: "Callable[[str], Stream] | None" = None
 
 
 RECORDS = (
     Format("MSEED", "miniSEED 2"),
     Format("SAC", "SAC", _sac_places),
+    Format("GSE2", "GSE2", read=partial(read_gse, version=2)),
+    Format("GSE1", "GSE1", read=partial(read_gse, version=1)),
     Format("SEISAN", "SEISAN"),
     Format("SACXY", "SAC in text", _sac_ascii_places),
     Format("Q", "Seismic Handler Q"),
@@ -113,6 +118,8 @@ def read_record(path: Path, form: Format) -> "Stream":
     from obspy import Stream
 
     form.check(str(path))
+    if form.read is not None:
+        return form.read(str(path))
     return Stream(_function(form, "waveform", "readFormat")(str(path)).traces)
 
 
@@ -154,8 +161,6 @@ def _nature(path: Path) -> str:
         return f"it is packed ({packed}); unpack it first"
     if head[:3] == b"MS\x03":
         return "it is miniSEED 3; write it as miniSEED 2 (with mseedconvert, for instance)"
-    if head[:4] in (b"WID1", b"WID2", b"XW01"):
-        return "it is GSE, whose decoder is not safe with damaged files; write it as miniSEED or SAC"
     return "its content is of no known format"
 
 
