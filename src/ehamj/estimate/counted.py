@@ -38,7 +38,7 @@ class Counted:
     n: int
     rate: float
 
-    @property
+    @cached_property
     def begin(self) -> float:
         """Time from which levels are taken [s]."""
         return settled(max(self.n - 1, 0) / self.rate)
@@ -58,12 +58,12 @@ class Counted:
         """The first sample that has a weight."""
         return int(np.floor((self.begin - self.taper) * self.rate + 1e-6))
 
-    @property
+    @cached_property
     def start(self) -> int:
         """The first sample that counts."""
         return int(np.ceil(self.begin * self.rate - 1e-6))
 
-    @property
+    @cached_property
     def length(self) -> float:
         """How long is counted, to the end [s]."""
         return (self.n - self.start) / self.rate

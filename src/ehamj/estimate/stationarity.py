@@ -100,6 +100,9 @@ def largest_by_chance(probability: float, eigenvalues: Array, windows: float) ->
 def _tail(u: Array, eigenvalues: Array) -> tuple[Array, Array]:
     """Probability that Σ λ_i χ²₂/2 exceeds u, and its density there, by the saddlepoint (u,)."""
     lam = eigenvalues[eigenvalues > 1e-6 * eigenvalues[0]]
+    if np.ptp(lam) == 0.0:
+        alike = gamma(lam.size, scale=lam[0])
+        return alike.sf(u), alike.pdf(u)
     u = np.asarray(u)[:, None]
     low, high = np.full_like(u, -lam.size / u.min()), np.full_like(u, 1.0 / lam[0])
     for _ in range(BISECTIONS):

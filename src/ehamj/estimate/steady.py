@@ -6,7 +6,7 @@ belongs: the reshaping of lines of Thomson, Proc. IEEE 70 (1982), section XIII, 
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, NamedTuple, Self
+from typing import Final, Self
 
 import numpy as np
 from scipy.fft import prev_fast_len
@@ -15,9 +15,9 @@ from scipy.signal.windows import blackmanharris
 from ehamj.arrays import Array, ComplexArray
 from ehamj.estimate.counted import Counted
 
-MOST: Final = 8
+MOST: Final = 12
 """Lines that are taken out at most."""
-TRIES: Final = 12
+TRIES: Final = 18
 """Peaks of the spectrum that are looked at."""
 REACH: Final = 4
 """Half the main lobe of the window of Blackman and Harris, in frequency lines; its sidelobes are below −92 dB."""
@@ -52,13 +52,6 @@ class Steady:
         return np.asarray(0.5 * np.abs(self.amplitude) ** 2)
 
 
-class Split(NamedTuple):
-    """A channel (n,) as its lines and the rest."""
-
-    steady: Steady
-    rest: Array
-
-
 def lines_of(samples: Array, counted: Counted) -> Array:
     """Frequencies of the lines of a channel (n,) [Hz], (k,).
 
@@ -71,23 +64,31 @@ def lines_of(samples: Array, counted: Counted) -> Array:
     return np.array(_Search.of(part).run()) * counted.rate / part.size
 
 
-def fitted(samples: Array, frequency: Array, counted: Counted) -> Split:
-    """Take lines of given frequencies [Hz] (k,) out of a channel (n,).
+def waves(frequency: Array, counted: Counted) -> Array:
+    """Cosines and sines of frequencies [Hz] (k,) over what counts, (2k, …)."""
+    phase = 2 * np.pi * np.outer(frequency, np.arange(counted.first, counted.n) / counted.rate)
+    return np.concatenate([np.cos(phase), np.sin(phase)])
+
+
+def fitted(samples: Array, base: Array, counted: Counted) -> tuple[ComplexArray, Array]:
+    """Amplitudes a·e^{jφ} at time 0 of lines in a channel (n,), (k,), and the channel without them, (n,).
 
     All together by least squares with the squared weights of what counts, by which lines and rest are orthogonal, and
     their energies add.
+
+    Args:
+        samples: the channel.
+        base: `waves` of the lines' frequencies.
+        counted: what counts of it.
     """
-    if not frequency.size:
-        return Split(Steady(frequency, np.zeros(0, complex)), samples)
+    if not base.size:
+        return np.zeros(0, complex), samples
     part = samples[counted.first :]
-    phase = 2 * np.pi * np.outer(frequency, np.arange(counted.first, counted.n) / counted.rate)
-    base = np.concatenate([np.cos(phase), np.sin(phase)])
     weighted = base * counted.weight[counted.first :] ** 2
-    found = np.linalg.solve(weighted @ base.T, weighted @ part)
+    cosines, sines = (found := np.linalg.solve(weighted @ base.T, weighted @ part)).reshape(2, -1)
     rest = samples.copy()
     rest[counted.first :] -= found @ base
-    cosines, sines = found.reshape(2, -1)
-    return Split(Steady(frequency, cosines - 1j * sines), rest)
+    return cosines - 1j * sines, rest
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """Relative motions of a run: peak, RMS and third-octave levels."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -24,8 +25,10 @@ class RelativeMotion(Finding):
     """About the first value, over the whole run [m]."""
     rms: dict[str, float | None]
     """About the first value, over the whole run [m]."""
+    statistic: Literal["rms"] = "rms"
+    """Of the levels that follow: RMS over the whole run."""
     third_octave_displacement: dict[str, ByBand]
-    """Whole-run RMS [m]."""
+    """RMS [m]."""
 
 
 def relative_motions(
@@ -44,6 +47,7 @@ def relative_motions(
             to=relative.to,
             peak=dict(zip(ALONG, map(finite, peak[k]), strict=True)),
             rms=dict(zip(ALONG, map(finite, rms[k]), strict=True)),
+            statistic="rms",
             third_octave_displacement=by_band(levels[:, k], known, ALONG),
         )
         for k, relative in enumerate(relatives)

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ehamj.records.tables.stamps import is_stamp
 
@@ -10,8 +10,8 @@ NAMES = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blan
 """What parts cells, in words."""
 
 NUMBER = {
-    ".": re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"),
-    ",": re.compile(r"[-+]?(?:\d+|\d*,\d+)(?:[eEdD][-+]?\d+)?"),
+    ".": re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?", re.ASCII),
+    ",": re.compile(r"[-+]?(?:\d+|\d*,\d+)(?:[eEdD][-+]?\d+)?", re.ASCII),
 }
 """A number, by its decimal mark."""
 
@@ -25,6 +25,10 @@ EMPTY = re.compile(
 """What stands for no value wherever it stands."""
 
 
+REMEMBERED = 2000
+"""Lines whose kinds are remembered: where rows begin and end is asked several times."""
+
+
 @dataclass(frozen=True)
 class Dialect:
     """How a table writes its rows."""
@@ -33,6 +37,7 @@ class Dialect:
     decimal: str
     thousands: str | None = None
     missing: frozenset[str] = frozenset()
+    _known: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     def __str__(self) -> str:
         mark = ", decimal comma" if self.decimal == "," else ""
@@ -59,17 +64,23 @@ class Dialect:
         """``n``\\ umber, ``t``\\ ime, ``e``\\ mpty, ``o``\\ dd (digits and marks, but no number) or ``w``\\ ord."""
         if NUMBER[self.decimal].fullmatch(cell):
             return "e" if cell in self.missing else "n"
-        if cell in self.missing or EMPTY.fullmatch(cell):
+        digit = cell[:1].isdigit() and "#" not in cell  # 1.#QNAN
+        if cell in self.missing or (not digit and EMPTY.fullmatch(cell)):
             return "e"
-        if (self.thousands and self._ungrouped(cell) is not None) or INFINITE.fullmatch(cell):
+        if (self.thousands and self._ungrouped(cell) is not None) or (not digit and INFINITE.fullmatch(cell)):
             return "n"
-        if is_stamp(cell):
+        if digit and is_stamp(cell):
             return "t"
         return "o" if ODD.fullmatch(cell) else "w"
 
     def kinds(self, line: str) -> str:
         """Kinds of a line's cells, one letter each."""
-        return "".join(map(self.kind, self.cells(line)))
+        found = self._known.get(line)
+        if found is None:
+            found = "".join(map(self.kind, self.cells(line)))
+            if len(self._known) < REMEMBERED:
+                self._known[line] = found
+        return found
 
     def number(self, cell: str) -> float | None:
         """The number that a cell holds, NaN where it is empty, None where it is anything else."""
@@ -90,7 +101,7 @@ class Dialect:
 
     def empty(self, cell: str) -> bool:
         """Whether a cell stands for no value."""
-        return cell in self.missing or (not cell[:1].isdigit() and self.kind(cell) == "e")
+        return cell in self.missing or ((not cell[:1].isdigit() or "#" in cell) and self.kind(cell) == "e")
 
     def _ungrouped(self, cell: str) -> str | None:
         """The cell without its marks of thousands, None where they stand elsewhere than every three digits."""

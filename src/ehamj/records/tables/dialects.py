@@ -127,10 +127,10 @@ def chosen(
         ValueError: where two dialects explain it and give other numbers, or a mark may part thousands.
     """
     fitting = [shape for shape, fits in zip(candidates, named, strict=True) if fits] or list(candidates)
+    mixed = [_mixed(shape, sample) for shape in fitting]
+    fitting = [shape for shape, cells in zip(fitting, mixed, strict=True) if cells == min(mixed)]
     least = min(shape.odd for shape in fitting)
     fitting = [shape for shape in fitting if shape.odd == least]
-    whole = min(_mixed(shape, sample) for shape in fitting)
-    fitting = [shape for shape in fitting if _mixed(shape, sample) == whole]
     first = fitting[0]
     for other in fitting[1:]:
         rows = (line for line in sample if first.is_row(line) or other.is_row(line))
@@ -147,11 +147,17 @@ def chosen(
 
 def _mixed(shape: Shape, sample: Sequence[str]) -> int:
     """Cells of a few rows that hold what parts cells in other dialects; blanks part none where tabs may."""
-    rows = [line for line in sample if shape.is_row(line)][:5]
+    rows = [line for line in sample if shape.is_row(line)][:20]
     marks = set(";\t|") - {shape.dialect.delimiter}
     if shape.dialect.delimiter == " ":
         return sum("\t" in row.strip() for row in rows)
-    return sum(bool(marks.intersection(cell)) for row in rows for cell in shape.dialect.cells(row))
+    return sum(_parts(cell, marks) for row in rows for cell in shape.dialect.cells(row))
+
+
+def _parts(cell: str, marks: set[str]) -> bool:
+    """Whether a cell holds marks, or a number beside words."""
+    pieces = cell.split()
+    return bool(marks.intersection(cell)) or (len(pieces) > 1 and any(piece.isdigit() for piece in pieces))
 
 
 def _read(shape: Shape, line: str) -> list[float | str | None]:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 from ehamj.records.tables.cells import Dialect
@@ -40,6 +41,7 @@ class Named(NamedTuple):
     unit: str | None
 
 
+@lru_cache(1000)
 def kind_of(text: str) -> str | None:
     """What a unit is of, None where it is none that is known."""
     try:

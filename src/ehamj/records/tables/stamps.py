@@ -14,10 +14,10 @@ DATE = r"(?P<a>\d{1,4})(?P<mark>[-/.])(?P<b>\d{1,2}|[A-Za-zä]{3})(?P=mark)(?P<c
 CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2}))?(?:[.,](?P<f>\d{1,18})|:(?P<ms>\d{3}))?"
 HALF = r"(?:\s*(?P<half>[AaPp])\.?[Mm]\.?)?"
 ZONE = r"\s*(?P<zone>Z|UTC|GMT|[-+]\d{2}:?(?:\d{2})?)?"
-BOTH = re.compile(rf"{DATE}(?:T|\s+|_|-){CLOCK}{HALF}{ZONE}")
-ONLY_DATE = re.compile(DATE)
-ONLY_CLOCK = re.compile(CLOCK + HALF + ZONE)
-ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d{1,9})?Z?")
+BOTH = re.compile(rf"{DATE}(?:T|\s+|_|-){CLOCK}{HALF}{ZONE}", re.ASCII)
+ONLY_DATE = re.compile(DATE, re.ASCII)
+ONLY_CLOCK = re.compile(CLOCK + HALF + ZONE, re.ASCII)
+ISO = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d{1,9})?Z?", re.ASCII)
 
 ORDERS: dict[DateOrder, str] = {"day-month-year": "dmy", "month-day-year": "mdy", "year-month-day": "ymd"}
 _MONTHS = "jan jan feb feb mar mär apr apr may mai jun jun jul jul aug aug sep sep oct okt nov nov dec dez"

@@ -96,12 +96,15 @@ class Table:
             plain = (row.replace(",", ".") for row in lines) if comma else lines
             with suppress(ValueError):
                 found = np.loadtxt(plain, delimiter=parted, usecols=places, quotechar='"', comments=None, ndmin=2)
-                return dict(zip(places, found.T, strict=True))
+                if len(found) == len(self.rows):  # blank lines are left out without a word
+                    return dict(zip(places, found.T, strict=True))
         return {}
 
     def _filled(self, row: str) -> str:
         """A row with NaN in empty cells."""
         mark = self.layout.dialect.delimiter
+        if not row.strip():
+            return mark.join(["nan"] * len(self.layout.columns))
         if mark + mark not in row and row[:1] != mark and row[-1:] != mark:
             return row
         return mark.join(cell or "nan" for cell in row.split(mark))
