@@ -182,6 +182,9 @@ TEXTS = (
 )
 """Those that are put before readers of text."""
 
+CODE = ("pickle 0", "pickle 2", "pickle 5", "numpy objects", "numpy archive", "yaml tag")
+"""Those that would run code."""
+
 ENDINGS = (
     "mseed", "sac", "gse", "csv", "txt", "dat", "asc", "uff", "unv", "mat", "wav", "npy", "npz", "pkl", "h5", "gz",
     "tdms", "ide", "at2", "",
@@ -223,8 +226,9 @@ def test_the_pickles_are_what_obspy_takes_for_a_stream(folder: Path) -> None:
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_records(cli: Cli, folder: Path, ending: str) -> None:
     name = f"x.{ending}".strip(".")
-    for what, made in HOSTILE.items():
-        (folder / name).write_bytes(made(folder))
+    # Endings without a reader all lead to the same one: there what runs code is enough.
+    for what in CODE if ending in ("sac", "gse", "npy", "npz", "pkl", "h5", "gz", "dat", "unv") else HOSTILE:
+        (folder / name).write_bytes(HOSTILE[what](folder))
         began = time.perf_counter()
         scale = ", full_scale=1" if ending == "wav" else ""
         keys = f"kind='record', file='{name}', unit='m', axes={{z='z'}}, gaps='interpolate'{scale}"

