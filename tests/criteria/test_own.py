@@ -101,6 +101,16 @@ def test_a_level_meets_the_strictest_column_that_it_does_not_exceed(values: list
         assert found.met == (f"c{values.index(min(kept))}" if kept else None)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1", "utf-16"])
+def test_a_spreadsheets_file_is_read_too(tmp_path: Path, encoding: str) -> None:
+    """Decimal commas, semicolons, µ, CRLF, an unnamed last column, and the statement in a row of its own."""
+    text = "# statistic: max_1s;;\r\nband [Hz];grob [µm/s];\r\n12,5;3,25;\r\n16;4,5;\r\n"
+    (tmp_path / "a.csv").write_bytes(text.encode(encoding))
+    norm = own_norm(str(tmp_path / "a.csv"))
+    assert norm.kinds == {("velocity", "max_1s")}
+    assert limited(norm, "grob") == {"12.5": pytest.approx(3.25e-6), "16": pytest.approx(4.5e-6)}
+
+
 def test_title_and_name(tmp_path: Path) -> None:
     assert norm_of(tmp_path, CURVE, "my limits, v2.csv").title == "my limits, v2"
     assert norm_of(tmp_path, f"# title: Spindle maker's\n{CURVE}").title == "Spindle maker's"
@@ -122,10 +132,11 @@ def test_title_and_name(tmp_path: Path) -> None:
         ("frequency [Hz],z [um/s]\n16,2\n", r"needs at least 2 rows.*'band \[Hz\]'"),
         ("frequency [Hz],z [um/s]\n16.5,2\n17,2\n", r"16.5 to 17 Hz hold no centre of a band"),
         ("band [Hz],a [um/s],b [um/s]\n16,2,1\n20,2,2.5\n", r"row 2 \(20 Hz\): 'b' is above 'a'"),
-        ("# statistic: mean\nband [Hz],a [um/s]\n16,2\n", r"'statistic: mean'; that must be one of rms, max_1s.*peak"),
+        ("% Statistics = mean\nband [Hz],a [um/s]\n16,2\n", r"'statistic: mean'; that must be one of rms, .*peak"),
         ("# statistic: rms\n# statistic: peak\nband [Hz],a [um/s]\n16,2\n", r"line 2 states a statistic again"),
         ("# statistic: peak\nband [Hz],a [um/s]\n16,2\n", r"not of a band: its column is 'frequency \[Hz\]'"),
         ("band [Hz]\n16\n20\n", r"a column with limits must follow"),
+        ("band [Hz],a [um/s],a [um/s]\n16,2,1\n", r"two columns are called 'a'"),
         ("band [Hz],a [um/s]\n16,x\n", r"line 2"),
     ],
 )  # fmt: skip

@@ -355,3 +355,14 @@ def test_poles_and_zeros_that_are_not_whole_are_refused(counts: Path, tmp_path: 
     (tmp_path / "a.pz").write_text(text)
     with pytest.raises(ValueError, match=message):
         response_at(counts, tmp_path / "a.pz")
+
+
+def test_what_evalresp_prints_of_a_failure_is_in_the_refusal(
+    counts: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    made = two_stages()
+    made.response_stages[1].stage_gain = None
+    with pytest.raises(ValueError, match=r"response of XX\.ONE\.\.HHZ cannot be evaluated: ") as caught:
+        response_at(counts, metadata(tmp_path / "a.xml", made))
+    assert "\n" not in str(caught.value)
+    assert capfd.readouterr().err == ""

@@ -255,6 +255,13 @@ def test_sac_keeps_the_rate_that_its_interval_means(tmp_path: Path, rate: float)
     assert read(path, axes={"HHZ": "z"}, **SI).channels[0].rate == pytest.approx(rate, rel=1e-12)
 
 
+def test_sac_without_an_interval_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.sac", trace(np.float32(WAVE)), kind="SACXY")
+    path.write_text(path.read_text().replace("0.01", "0.00", 1))
+    with pytest.raises(ValueError, match=r"'a\.sac' cannot be read.*interval of 0 s"):
+        read(path, **SI)
+
+
 def test_remarks_of_obspy_are_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(tmp_path / "a.sac", trace(np.float32(WAVE)), kind="SAC")
 

@@ -307,9 +307,8 @@ def test_page_tells_the_verdicts(sliding: Result) -> None:
     loudest = {**sliding.summary.criterion.max_1s, "verdict": {"vertical": "less quiet", "horizontal": "louder"}}
     criterion = {**sliding.summary.criterion, "verdict": words, "max_1s": loudest}
     written = page({"run": changed(sliding, criterion=criterion)}, factor=1.0, arrows=0.0, speed=1.0)
-    assert "- run, vertical: quiet, by RMS over the whole run\n" in written
-    assert "- run, vertical, largest 1 s RMS: less quiet\n" in written
-    assert "- run, horizontal: loud, undecided at 4, 5 Hz, by RMS over the whole run\n" in written
+    assert "- run, vertical: quiet, by RMS over the whole run; less quiet by the largest 1 s RMS\n" in written
+    assert "- run, horizontal: loud, undecided at 4, 5 Hz, by RMS over the whole run; louder by the " in written
 
 
 def test_page_tells_of_thinned_plots(sliding: Result, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -151,10 +151,8 @@ def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
     verdict, loudest = criterion["verdict"], criterion["max_1s"]["verdict"]
     lines = [" ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li')]
     assert lines == [
-        f"vertical {verdict['vertical']}, by RMS over the whole run",
-        f"vertical, largest 1 s RMS {loudest['vertical']}",
-        f"horizontal {verdict['horizontal']}, by RMS over the whole run",
-        f"horizontal, largest 1 s RMS {loudest['horizontal']}",
+        f"{name} {verdict[name]}, by RMS over the whole run; {loudest[name]} by the largest 1 s RMS"
+        for name in ("vertical", "horizontal")
     ]
     assert "actuated" in verdict["vertical"]
 

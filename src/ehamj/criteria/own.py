@@ -25,6 +25,7 @@ from ehamj.criteria.curves import Limit, Norm, Quantity
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.statistics import WORDS, BandStatistic, Statistic
+from ehamj.records.lines import text_of
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
 from ehamj.records.units import motion_unit
@@ -35,7 +36,7 @@ ENDING: Final = r"\.[A-Za-z][A-Za-z0-9]{0,4}$"
 JUDGED: Final = bands(1.0, 315.0)
 """Bands in which a run has levels."""
 
-STATED: Final = re.compile(r"\s*[#%;!]*\s*(statistic|title)\s*[:=]\s*(.*?)[\s,;]*", re.IGNORECASE)
+STATED: Final = re.compile(r"\s*[#%;!]*\s*(statistics?|title)\s*[:=]\s*(.*?)[\s,;]*", re.IGNORECASE)
 LINES: Final = 50
 """Lines in which statements are looked for."""
 
@@ -63,7 +64,7 @@ def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices 
     try:
         found = read_table(path, KEY, written)
         columns, table = found.columns, found.values()
-        stated = _stated(path)
+        stated = _stated(text_of(path, KEY, written.encoding if written else None).lines[:LINES])
         kind = _kind(columns)
         _check_rows(columns, table)
         curves = {column.name: _curve(column, table[:, k]) for k, column in enumerate(columns[1:], start=1)}
@@ -78,13 +79,12 @@ def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices 
         raise InputError(f"{told}: {str(error).removeprefix(f'{told}: ').removeprefix(f'{KEY}: ')}") from error
 
 
-def _stated(path: Path) -> dict[str, str]:
+def _stated(lines: Sequence[str]) -> dict[str, str]:
     """What lines above the rows say of all limits."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[:LINES]
     found: dict[str, str] = {}
     for number, line in enumerate(lines, start=1):
         if (match := STATED.fullmatch(line)) is not None:
-            what = match[1].lower()
+            what = match[1].lower().rstrip("s")
             if what in found:
                 raise ValueError(f"line {number} states a {what} again")
             found[what] = match[2]
@@ -106,6 +106,9 @@ def _kind(columns: Sequence[Column]) -> str:
         raise ValueError(f"the first column must be 'band [Hz]' or 'frequency [Hz]', not '{first.name}{unit}'")
     if not classes:
         raise ValueError("a column with limits must follow, such as 'limit [um/s]'")
+    names = [column.name for column in classes]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise ValueError(f"two columns are called {twice!r}; each class needs a name of its own")
     return first.name.lower()
 
 

@@ -17,7 +17,7 @@ from scipy.fft import next_fast_len
 from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
-from ehamj.estimate.spectrum import FADE, FILLING, RINGING, Spectrum
+from ehamj.estimate.spectrum import FADE, FILLING, HIGHEST, RINGING, Spectrum
 from ehamj.estimate.steady import lines_of, waves
 
 ORDERS: Final = (1, 0, 2)
@@ -47,23 +47,24 @@ class Reading:
             return cls(counted, {})
         padding = (RINGING + FILLING) / min(band.width for band in decided) + FADE
         size = next_fast_len(counted.n + int(np.ceil(padding * counted.rate)), real=True)
+        highest = HIGHEST * max(band.centre for band in decided) * size / counted.rate
+        padded = size, min(int(highest) + 2, size // 2 + 1)
         lines = lines_of(samples, counted)
         base = waves(lines, counted)
-        spectra = [Spectrum.of(samples, lines, base, counted, size, order) for order in ORDERS]
+        spectra = [Spectrum.of(samples, lines, base, counted, padded, order) for order in ORDERS]
         first, *others = (spectrum.rms(decided, least_bins=least_bins) for spectrum in spectra)
         levels = np.array([CLEARLY * first, *others])
         return cls(counted, dict(zip(decided, (spectra[k] for k in np.argmin(levels, axis=0)), strict=True)))
 
     def rms(self, chosen: Sequence[Band], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS of the whole run in each band, (bands,), NaN where undecided; see `band_rms`."""
-        tables: dict[int, Array] = {}
-        found = np.full(len(chosen), np.nan)
-        for row, band in enumerate(chosen):
-            if (spectrum := self.spectra.get(band)) is not None:
-                if id(spectrum) not in tables:
-                    tables[id(spectrum)] = spectrum.rms(chosen, order, least_bins)
-                found[row] = tables[id(spectrum)][row]
-        return found
+        tables = {id(spectrum): spectrum for spectrum in self.spectra.values()}
+        decided = list(self.spectra)
+        levels = {
+            key: dict(zip(decided, spectrum.rms(decided, order, least_bins), strict=True))
+            for key, spectrum in tables.items()
+        }
+        return np.array([levels[id(self.spectra[band])][band] if band in self.spectra else np.nan for band in chosen])
 
 
 def band_rms(

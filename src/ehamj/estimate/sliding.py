@@ -21,7 +21,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
 from ehamj.estimate.reading import Reading
-from ehamj.estimate.spectrum import FILLING, RINGING, Spectrum
+from ehamj.estimate.spectrum import FILLING, HIGHEST, RINGING, Spectrum
 from ehamj.estimate.statistics import BandStatistic
 
 TIMES: Final[dict[BandStatistic, float]] = {
@@ -37,8 +37,6 @@ EXCEEDED: Final[dict[BandStatistic, float]] = {"l10": 10.0, "l50": 50.0, "l90": 
 """Share of the time for which a level is exceeded [%]."""
 LOWEST: Final = 1.0 / 16.0
 """Over a band's centre: frequency below which its filter passes less than 100 dB, and is taken to pass nothing."""
-HIGHEST: Final = 3.0
-"""Over a band's centre: frequency beyond which its filter passes less than 60 dB, and is taken to pass nothing."""
 PER_TIME: Final = 64
 """Steps per averaging time to which squares are gathered, and windows of which percentiles are taken, where they are
 finer."""

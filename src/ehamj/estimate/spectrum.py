@@ -18,6 +18,8 @@ RINGING: Final = 2.0
 """For how long a filter of unit bandwidth [Hz] still passes on what came in last [s]."""
 FILLING: Final = 1.0
 """For how long it fills up [s]."""
+HIGHEST: Final = 3.0
+"""Over a band's centre: frequency beyond which its filter passes less than 60 dB, and is taken to pass nothing."""
 FADE: Final = 2.0
 """Time in which what is steady fades behind the record's end, and comes again before its beginning [s]."""
 
@@ -31,22 +33,25 @@ class Spectrum:
     size: int
     """Samples with the padding."""
     rest: ComplexArray = field(repr=False)
-    """Spectrum of the weighted rest, (size // 2 + 1,)."""
+    """Spectrum of the weighted rest, as far as bands and their filters need it, (bins,)."""
 
     @classmethod
-    def of(cls, samples: Array, lines: Array, base: Array, counted: Counted, size: int, order: int) -> Self:
-        """Of the samples (n,) of one channel, taken by its differences of an ``order``, padded to a ``size``.
+    def of(
+        cls, samples: Array, lines: Array, base: Array, counted: Counted, padded: tuple[int, int], order: int
+    ) -> Self:
+        """Of the samples (n,) of one channel, taken by its differences of an ``order``.
 
         Lines [Hz], with their `waves` as ``base``, are fitted and weights set in the differences, whose transform is
-        then taken back.
+        then taken back. ``padded``: size of the padded record, and bins kept of its spectrum.
         """
         differences = np.diff(samples, order, prepend=np.full(order, samples[0])) if order else samples
         if order > 1:
             differences[:order] = 0.0
         amplitude, rest = fitted(differences, base, counted)
-        spectrum = rfft(rest * counted.weight, size)
+        size, bins = padded
+        spectrum = rfft(rest * counted.weight, size)[:bins]
         spectrum[0] = 0.0
-        spectrum[1:] *= _back(size, order)
+        spectrum[1:] *= _back(size, bins, order)
         return cls(counted, Steady(lines, amplitude / _difference(lines / counted.rate, order)), size, spectrum)
 
     @cached_property
@@ -64,8 +69,7 @@ class Spectrum:
         """Mean square of the rest in each bin of the spectrum."""
         factor = np.full(self.rest.size, 2.0)
         factor[0] = 1.0
-        if self.size % 2 == 0:
-            factor[-1] = 1.0
+        factor[self.size // 2 + self.size % 2 :] = 1.0
         return factor * np.abs(self.rest) ** 2 / (self.size * self.counted.seconds * self.counted.rate)
 
     @cached_property
@@ -83,7 +87,7 @@ class Spectrum:
         beyond = fade_out * self.steady.at((n + np.arange(self.size - n)) / rate)
         beyond += fade_in * self.steady.at(-until)
         inside = self.steady.at(np.arange(n) / rate)
-        return np.asarray(self.rest + rfft(np.concatenate([inside, beyond])))
+        return np.asarray(self.rest + rfft(np.concatenate([inside, beyond]))[: self.rest.size])
 
     def rms(self, chosen: Sequence[Band], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS of the whole run in each band, (bands,); bins and lines that an edge divides count by their share.
@@ -119,7 +123,7 @@ class Spectrum:
             (m,), evenly from time 0 over the padded record, at a rate that k bins need.
         """
         k = response.size
-        m = self.size if k == self.whole.size else next_fast_len(2 * k, real=True)
+        m = self.size if k > self.size // 2 else next_fast_len(2 * k, real=True)
         passed = self.whole[:k] * response
         return np.asarray(irfft(passed, m)) * (m / self.size)
 
@@ -132,9 +136,9 @@ class Spectrum:
 
 
 @lru_cache(maxsize=3)
-def _back(size: int, order: int) -> ComplexArray:
+def _back(size: int, bins: int, order: int) -> ComplexArray:
     """From the spectrum of differences to that of the signal, at the bins above 0 Hz."""
-    return np.asarray(1.0 / _difference(np.arange(1, size // 2 + 1) / size, order))
+    return np.asarray(1.0 / _difference(np.arange(1, bins) / size, order))
 
 
 def _difference(frequency: Array, order: int) -> ComplexArray:

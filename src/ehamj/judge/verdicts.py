@@ -72,11 +72,11 @@ class Criterion(Finding):
             if all(verdict.deciding_band is None for verdict in parts):
                 found[direction] = "not judged: the run is too short for any band of the criterion"
                 continue
-            by = dict.fromkeys(WORDS[v.statistic] for v in parts if v.statistic is not None)
+            by = dict.fromkeys(v.statistic for v in parts if v.statistic is not None)
             said = getattr(self.verdict, direction)
-            found[direction] = f"{said}, by {' and '.join(by)}" if by else said
-            if self.max_1s is not None and any(v.statistic not in (None, "max_1s", "peak") for v in parts):
-                found[f"{direction}, {SHORT['max_1s']}"] = getattr(self.max_1s.verdict, direction)
+            found[direction] = f"{said}, by {' and '.join(WORDS[name] for name in by)}" if by else said
+            if self.max_1s is not None and "max_1s" not in by:
+                found[direction] += f"; {getattr(self.max_1s.verdict, direction)} by the {SHORT['max_1s']}"
         return found
 
 
@@ -85,7 +85,8 @@ def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = 
     places = {place: judged.places[place] for place in ("floor", "machine")}
     if beside := strongest_second(norm):
         loudest = {place: at_place(beside, levels, place, peaks) for place in places}
-        return Criterion(**places, verdict=judged.verdict, max_1s=Beside(**loudest, verdict=_in_words(loudest, beside)))
+        words = InWords(vertical=_classes(loudest, ("z",), beside), horizontal=_classes(loudest, ("x", "y"), beside))
+        return Criterion(**places, verdict=judged.verdict, max_1s=Beside(**loudest, verdict=words))
     return Criterion(**places, verdict=judged.verdict)
 
 
@@ -143,10 +144,13 @@ def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:
 
 
 def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
-    before, after = (_class_in_words(places[who].along(axes), norm) for who in ("floor", "machine"))
-    words = f"floor {before}, machine {after}"
     missing = list(dict.fromkeys(band for verdict in places["machine"].along(axes) for band in verdict.undecided))
-    return words + (f", undecided {where(missing)}" if missing else "")
+    return _classes(places, axes, norm) + (f", undecided {where(missing)}" if missing else "")
+
+
+def _classes(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
+    before, after = (_class_in_words(places[who].along(axes), norm) for who in ("floor", "machine"))
+    return f"floor {before}, machine {after}"
 
 
 def undecided(

@@ -165,7 +165,7 @@ def _evaluated(
 ) -> tuple[ComplexArray, list[str]]:
     """Response at frequencies [Hz] and what was said of it; zero outside the band of a list."""
     inside = np.ones(frequency.shape, bool) if band is None else (frequency >= band[0]) & (frequency <= band[1])
-    values = np.zeros(frequency.shape, complex)
+    values, failure = np.zeros(frequency.shape, complex), None
     with _LOCK, warnings.catch_warnings(record=True) as warned, _overheard() as printed:
         warnings.simplefilter("always")
         try:
@@ -173,7 +173,10 @@ def _evaluated(
                 output = OUTPUTS[quantity][1]
                 values[inside] = found.get_evalresp_response_for_frequencies(frequency[inside], output=output)
         except Exception as error:  # evalresp raises what it likes
-            raise ValueError(f"ground.inventory: the response of {name} cannot be evaluated: {error}") from error
+            failure = error
+    if failure is not None:
+        why = "; ".join([" ".join(str(failure).split()), *printed])
+        raise ValueError(f"ground.inventory: the response of {name} cannot be evaluated: {why}") from failure
     if not np.isfinite(values).all():
         raise ValueError(f"ground.inventory: the response of {name} is not finite at some frequencies")
     if inside.all() and not values.any() and (frequency > 0).any():
@@ -199,5 +202,7 @@ def _overheard() -> Iterator[list[str]]:
             for line in sink.read().decode(errors="replace").splitlines(keepends=True):
                 if "WARNING" in line or "EVRESP" in line or "Note:" in line:
                     heard.append(" ".join(line.split()))
+                elif heard and line.startswith("\t"):  # goes on with what was said
+                    heard[-1] += " " + " ".join(line.split())
                 else:
                     os.write(2, line.encode())

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from obspy import Stream, UTCDateTime
 
@@ -13,6 +15,9 @@ SHORTEST = 128
 """Least length of a miniSEED record [byte]; all are powers of two (FDSN, *SEED Reference Manual 2.4*)."""
 
 LONGEST = 2**20
+BEYOND = 2**21
+"""How far a header can lead beyond a record [byte]: 2¹⁶ to its samples, and 2¹⁶ samples of 8 bytes; with room."""
+
 SECOND_WAYS = 8
 """Into so many parts a run of records is cut where it cannot be read as one."""
 
@@ -43,15 +48,20 @@ def check_whole(path: Path) -> None:
         raise ValueError("its last record is truncated")
 
 
-def read_strictly(data: bytes | str) -> "Stream":
-    """The traces of records; ObsPy's warnings of damage are raised, since it leaves out what it warns of."""
+def read_strictly(data: bytes) -> "Stream":
+    """The traces of records; ObsPy's warnings of damage are raised, since it leaves out what it warns of.
+
+    libmseed follows what a damaged header says beyond the end of what it was given; there it finds zeros of ours.
+    """
     from obspy import Stream
     from obspy.io.mseed import InternalMSEEDWarning
     from obspy.io.mseed.core import _read_mseed
 
+    guarded = np.zeros(len(data) + BEYOND, np.int8)
+    guarded[: len(data)] = np.frombuffer(data, np.int8)
     with warnings.catch_warnings():
         warnings.simplefilter("error", InternalMSEEDWarning)
-        found = _read_mseed(data if isinstance(data, str) else io.BytesIO(data))
+        found = _read_mseed(guarded[: len(data)])
     return Stream(found.traces)
 
 

@@ -110,7 +110,10 @@ def _load(
 
 def _rate_of(interval: float) -> float:
     """Rate [Hz] of an interval in single precision [s], of which ObsPy keeps whole microseconds: 300.03 Hz for 300."""
-    rate = 1.0 / float(str(np.float32(interval)))
+    stated = float(str(np.float32(interval)))
+    if not 0.0 < stated < np.inf:
+        raise ValueError(f"its header states an interval of {stated:g} s between samples; it must be positive")
+    rate = 1.0 / stated
     even = float(f"{rate:.6g}")
     return even if abs(even / rate - 1.0) < np.finfo(np.float32).eps else rate
 
@@ -169,14 +172,14 @@ def _open_file(path: Path, choices: Choices) -> tuple["Stream", list[str]]:
             stream, notes = read_skipping(path)
         else:
             try:
-                stream = read_strictly(str(path))
+                stream = read_strictly(path.read_bytes())
                 check_whole(path)
             except Exception as error:
                 raise ValueError(f'{error}; ground.damaged = "skip" leaves damaged records out') from error
-    for trace in stream:
-        trace.stats._format = form.name
-        if form.name in ("SAC", "SACXY"):
-            trace.stats.sampling_rate = _rate_of(trace.stats.sac.delta)
+        for trace in stream:
+            trace.stats._format = form.name
+            if form.name in ("SAC", "SACXY"):
+                trace.stats.sampling_rate = _rate_of(trace.stats.sac.delta)
     texts = [" ".join(str(one.message).split()) for one in said if not issubclass(one.category, DeprecationWarning)]
     texts = [text for text in texts if not text.startswith("Sample spacing read from SAC")]
     return stream, [*notes, *(f"{path.name}: ObsPy says: {text}" for text in list(dict.fromkeys(texts))[:MOST_SAID])]
