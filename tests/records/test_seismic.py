@@ -183,6 +183,17 @@ def test_damaged_miniseed_is_refused(tmp_path: Path) -> None:
         read(tmp_path / "a.mseed", **SI)
 
 
+def test_damage_that_obspy_cannot_even_name_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.mseed"
+    content = bytearray(blocks(path, 3))
+    for number in range(len(content) // 512):
+        content[512 * number + 8 : 512 * number + 10] = b"\xff\xfe"  # the station, in no encoding
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"'a\.mseed' cannot be read"):
+        read(path, **SI)
+    assert "Traceback" not in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("header", [False, True])
 def test_damaged_records_are_left_out_as_gaps_and_named(tmp_path: Path, header: bool) -> None:
     path = tmp_path / "a.mseed"

@@ -79,7 +79,9 @@ def outcome(path: Path, **choices: Any) -> str:
 
 @pytest.mark.parametrize("damage", ["refuse", "skip"])
 @pytest.mark.parametrize("kind", FORMATS)
-def test_damaged_records_are_refused_or_read(tmp_path: Path, kind: str, damage: str) -> None:
+def test_damaged_records_are_refused_or_read(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str, damage: str
+) -> None:
     if damage == "skip" and kind not in ("Steim", "integers"):
         pytest.skip("only miniSEED has records of its own")
     path = FORMATS[kind](tmp_path / "a.rec")
@@ -88,6 +90,7 @@ def test_damaged_records_are_refused_or_read(tmp_path: Path, kind: str, damage: 
         path.write_bytes(damaged(intact, random))
         refused += bool(outcome(path, axes={"1": "z"}, damaged=damage, gaps="interpolate", **SI))
     assert refused > MANY / 20  # the damage does some
+    assert "Traceback" not in capfd.readouterr().err
 
 
 NUMBER = re.compile(r">(-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)<")

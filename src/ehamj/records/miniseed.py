@@ -1,7 +1,10 @@
 """miniSEED record by record: whether each is whole, and what is left where some are not."""
 
 import io
+import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,10 +62,24 @@ def read_strictly(data: bytes) -> "Stream":
 
     guarded = np.zeros(len(data) + BEYOND, np.int8)
     guarded[: len(data)] = np.frombuffer(data, np.int8)
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _unraisable() as lost:
         warnings.simplefilter("error", InternalMSEEDWarning)
         found = _read_mseed(guarded[: len(data)])
+    if lost:  # ObsPy cannot decode what libmseed says of a record whose name is no text, and forgets it
+        raise ValueError(f"a damaged record: {lost[0]}")
     return Stream(found.traces)
+
+
+@contextmanager
+def _unraisable() -> Iterator[list[str]]:
+    """What goes wrong where Python cannot raise it, such as in calls back from C; else it is printed."""
+    lost: list[str] = []
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda what: lost.append(str(what.exc_value))
+    try:
+        yield lost
+    finally:
+        sys.unraisablehook = before
 
 
 def read_skipping(path: Path) -> tuple["Stream", list[str]]:
