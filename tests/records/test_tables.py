@@ -1,6 +1,7 @@
 """Tables of text as loggers write them: however a table is written, the same record comes out, or a refusal."""
 
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,9 @@ def agrees(record: Record, samples: np.ndarray, unit: str, rate: float = RATE) -
     for channel, expected in zip(record.channels, samples, strict=True):
         assert (channel.rate, channel.quantity, channel.time) == (rate, quantity, 0.0)
         np.testing.assert_allclose(channel.samples, size * expected, rtol=2e-8, atol=1e-9 * size)
+
+
+T = "".join(f"{k / 100:.2f},{k % 7}.5\n" for k in range(30))
 
 
 # --- ways to write ------------------------------------------------------------------------------------------------
@@ -280,9 +284,42 @@ def test_what_the_user_says_is_checked_before_any_file_is_read(choices: dict[str
         Choices.model_validate({"table": choices})
 
 
+@pytest.mark.parametrize(
+    ("head", "unit"),
+    [
+        ("time [s],z [mm]\n-------,------\n", "mm"),
+        ('time,z\n"(s)","(mm)"\n', "mm"),
+        ("Units: mm\ntime [s],z\n", "mm"),
+        ("time_s,acc_z_g\n", "g"),
+        ("Zeit in s,Beschleunigung z in m/s²\n", "m/s²"),
+        ("sep=,\nt/s,a_z/(m/s^2)\n", "m/s^2"),
+        ("Sampling interval: 2\ntime [s],z [mm]\n", "mm"),  # of what unit does not matter beside times
+        ("Seconds,z [mm]\n", "mm"),
+    ],
+)
+def test_headers_of_other_forms(tmp_path: Path, head: str, unit: str) -> None:
+    (channel,) = read_text(tmp_path, head + "".join(f"{k / 100:.2f},{k}.5\n" for k in range(20))).channels
+    quantity, size = UNITS[unit]
+    assert (channel.axis, channel.quantity, channel.rate) == ("z", quantity, 100.0)
+    assert channel.samples[0] == pytest.approx(0.5 * size)
+
+
+@pytest.mark.parametrize("name", ["z_m", "z_in", "Station G", "z_G", "level (dB) z"])
+def test_a_last_word_that_may_be_none_is_no_unit(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"does not say what '.*' holds"):
+        read_text(tmp_path, f"time [s],{name}\n{T}", axes={name: "z"})
+
+
+@pytest.mark.parametrize("mark", ["9", "1,", "a ", '"', "(", "# rate ", "1.", "-", "12:", "a:", "\n", ";"])
+def test_long_lines_do_not_take_long(tmp_path: Path, mark: str) -> None:
+    begin = perf_counter()
+    with pytest.raises(ValueError, match=r"^ground\.file = 'a\.csv'"):
+        read_text(tmp_path, 20_000 * mark + "x\n0,1\n0,2\n")
+    assert perf_counter() - begin < 5.0  # what searches over and over takes minutes
+
+
 # --- refusals -----------------------------------------------------------------------------------------------------
 
-T = "".join(f"{k / 100:.2f},{k % 7}.5\n" for k in range(30))
 
 FAULTS: dict[str, tuple[str, dict[str, Any], str]] = {
     "cell": (

@@ -63,10 +63,13 @@ def encoding_of(raw: bytes) -> tuple[str, int]:
     for name, high in (("utf-16-le", raw[1:400:2]), ("utf-16-be", raw[0:400:2])):
         if high.count(0) > 0.9 * len(high) > 0:
             return name, 0
-    for name in ("utf-8", "cp1252"):
-        with suppress(ValueError):
-            codecs.getincrementaldecoder(name)().decode(raw)
-            return name, 0
+    with suppress(ValueError):
+        codecs.getincrementaldecoder("utf-8")().decode(raw)
+        return "utf-8", 0
+    with suppress(ValueError):
+        if any(0x80 <= byte < 0xA0 for byte in set(raw)):  # typographers' marks, which latin-1 does not have
+            raw.decode("cp1252")
+            return "cp1252", 0
     return "latin-1", 0
 
 

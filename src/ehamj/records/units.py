@@ -97,6 +97,9 @@ _KINDS: dict[tuple[Fraction, ...], Kind] = {
 KNOWN: Final = "m, m/s, m/s^2 (with k, c, m, u, n before m; also in, ft, mil), g, Gal"
 """Units of motion, as messages list them."""
 
+LONGEST: Final = 100
+"""Characters of a unit."""
+
 SILENT: Final = frozenset({"", "none", "-", "--", "n/a", "na", "unknown", "unitless", "null", "?"})
 """What files write where they state no unit."""
 
@@ -189,6 +192,8 @@ def powers(text: str) -> Power:
     Raises:
         ValueError: if there is a name that is not known, or no sense in it.
     """
+    if len(text) > LONGEST:  # brackets nest no deeper than Python does
+        raise ValueError(f"{text[:LONGEST].strip()!r}… is not a unit that is known; known are {KNOWN}")
     parser = _Parser(_plain(text))
     try:
         found = parser.product()

@@ -95,7 +95,7 @@ def _log_grid(recording: rr.RecordingStream, path: str, chart: _Chart) -> None:
     beside = [(-20.0, point[1] - 8.0) for level in levels for point in chart.place(chart.lowest, level)]
     titles = [(0.5 * WIDTH, HEIGHT + 24.0), (0.5 * WIDTH, -50.0)]
     words = [f"{tick:g}" for tick in frequencies] + [f"{level:g}" for level in levels]
-    words += ["third-octave band [Hz]", "attenuation [dB]: up is quieter than the floor"]
+    words += ["third-octave band [Hz]", "attenuation of the whole-run RMS [dB]: up is quieter than the floor"]
     text = rr.Points2D(below + beside + titles, radii=0.01, colors=[TEXT], labels=words, show_labels=True)
     fixed(recording, f"{path}/text", text)
 

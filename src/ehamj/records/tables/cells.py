@@ -25,6 +25,9 @@ EMPTY = re.compile(
 """What stands for no value wherever it stands."""
 
 
+LONGEST = 60
+"""Characters of a number: what is longer is a word, and is not searched for marks."""
+
 REMEMBERED = 2000
 """Lines whose kinds are remembered: where rows begin and end is asked several times."""
 
@@ -62,6 +65,8 @@ class Dialect:
 
     def kind(self, cell: str) -> str:
         """``n``\\ umber, ``t``\\ ime, ``e``\\ mpty, ``o``\\ dd (digits and marks, but no number) or ``w``\\ ord."""
+        if len(cell) > LONGEST:
+            return "w"
         if NUMBER[self.decimal].fullmatch(cell):
             return "e" if cell in self.missing else "n"
         digit = cell[:1].isdigit() and "#" not in cell  # 1.#QNAN
@@ -84,7 +89,7 @@ class Dialect:
 
     def number(self, cell: str) -> float | None:
         """The number that a cell holds, NaN where it is empty, None where it is anything else."""
-        if NUMBER[self.decimal].fullmatch(cell) and cell not in self.missing:
+        if len(cell) <= LONGEST and NUMBER[self.decimal].fullmatch(cell) and cell not in self.missing:
             plain = cell if self.decimal == "." else cell.replace(",", ".")
             try:
                 return float(plain)

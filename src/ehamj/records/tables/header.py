@@ -30,6 +30,11 @@ QUANTITIES = {
 }
 """What words in the name of a column begin with, by what it then holds."""
 
+LONGEST = 20_000
+"""Characters of a header that may be parted otherwise than rows are."""
+LONGEST_CELL = 200
+"""Characters of a name with its unit."""
+
 PREFIX = re.compile(r"^\s*(?:#|%|!|//|\*|;)+\s*")
 """Marks before a comment."""
 
@@ -62,6 +67,8 @@ def named(cell: str) -> Named:
     Without brackets a unit is believed that is known; a single letter, only where the name says what it is of.
     """
     cell = cell.strip().strip('"').strip()
+    if len(cell) > LONGEST_CELL:
+        return Named(cell[:LONGEST_CELL], None)
     opening = _opening(cell)
     if opening is not None:
         return Named(cell[:opening].strip().rstrip(",;:/").strip(), cell[opening + 1 : -1].strip())
@@ -107,8 +114,8 @@ def _believed(name: str, rest: str, kind: str) -> bool:
         return False
     if kind == "time":
         return is_time(name)
-    if len(rest) > 1 and ("/" in rest or not rest.isupper()):
-        return True
+    if len(rest) > 1 and rest.lower() != "in" and ("/" in rest or not rest.isupper()):
+        return True  # z_in may be a signal that comes in
     return rest.islower() and any(word.startswith(QUANTITIES[kind]) for word in words(name))
 
 
@@ -126,6 +133,8 @@ def header_cells(line: str, dialect: Dialect, width: int, loose: bool) -> list[s
         width: number of columns of the rows.
         loose: whether it may be parted otherwise than rows, as comments are.
     """
+    if len(line) > LONGEST:
+        return dialect.cells(line) if len(dialect.cells(line)) == width else None
     by_marks = [[cell.strip() for cell in line.split(mark)] for mark in ",;\t|"] if loose else []
     ways = [*by_marks, dialect.cells(line)] if dialect.delimiter == " " else [dialect.cells(line), *by_marks]
     if dialect.delimiter == " " or loose:
@@ -143,6 +152,8 @@ def header_cells(line: str, dialect: Dialect, width: int, loose: bool) -> list[s
 def is_unit_row(cells: Sequence[str]) -> bool:
     """Whether cells are units, or say that there is none; one at least is, and none is a name with its unit."""
     if any(_opening(cell) and kind_of(named(cell).unit or "") for cell in cells):
+        return False
+    if any(is_time(cell) and kind_of(cell) is None for cell in cells):
         return False
     bare = [named(cell).unit if _opening(cell) == 0 else cell for cell in cells]
     known = [kind_of(cell or "") is not None for cell in bare]

@@ -177,6 +177,8 @@ def _headed(lines: Sequence[str], shape: Shape, found: _Found, choices: TableCho
         bare = PREFIX.sub("", lines[n]) if comment else lines[n]
         cells = header_cells(bare, dialect, width, loose=False) or _short(bare, shape)
         cells = cells or header_cells(bare, dialect, width, loose=comment)
+        if cells is not None and all(dialect.kind(cell) == "e" for cell in cells):
+            continue  # a ruled line
         if cells is None or not _are_names(cells, shape) or (comment and _is_prose(cells)) or _parts(cells, comment):
             count = len(dialect.cells(bare))
             if not comment and n == above[0] and count > 1 and not _is_prose(dialect.cells(bare)) and not found.units:
@@ -195,7 +197,7 @@ def _parts(cells: Sequence[str], comment: bool) -> bool:
     """Whether what would head a single column names several."""
     if len(cells) != 1 or comment:
         return False
-    parts = re.split(r"[,;\t|](?![^\[({]*[\])}])", cells[0])
+    parts = re.split(r"[,;\t|](?![^\[({]*[\])}])", cells[0][:1000])
     return len(parts) > 1 and not any(kind_of(part) for part in parts)
 
 

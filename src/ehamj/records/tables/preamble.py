@@ -21,6 +21,8 @@ INTERVAL = re.compile(
 """What a sampling interval is called."""
 
 UNITS = re.compile(r"(?:channel |column )?(?:units?|einheit(?:en)?)")
+LONGEST = 300
+"""Characters of a line that states something."""
 LEADING = re.compile(r"^(?:nominal|actual|effective|channel|the) ")
 RATE_WORDS = re.compile(r"(?:samples?|scans|s)\s*(?:/|per)\s*s(?:ec(?:ond)?)?|sps|(?:1\s*)?/\s*s(?:ec)?", re.IGNORECASE)
 """Spellings of Hz that are no unit's."""
@@ -34,7 +36,6 @@ class Stated(NamedTuple):
 
     rate: float
     line: int
-    text: str
 
 
 class Facts(NamedTuple):
@@ -44,15 +45,14 @@ class Facts(NamedTuple):
     units: tuple[str | None, ...] | None = None
     unit: str | None = None
     unit_line: int = 0
+    fault: str | None = None
+    """What is wrong with the first rate that could not be read: said where there is no other clock."""
 
 
 def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty: bool, told: str, key: str) -> Facts:
-    """What numbered lines above the rows of ``width`` columns state; the last one is ``empty`` after a separator.
-
-    Raises ValueError where a rate is no positive number, or can be read in two ways.
-    """
+    """What numbered lines above the rows of ``width`` columns state; the last one is ``empty`` after a separator."""
     rates: list[Stated] = []
-    units, common, at = None, None, 0
+    units, common, at, fault = None, None, 0, None
     for number, line in lines:
         statement = _statement(line)
         if statement is None:
@@ -60,7 +60,10 @@ def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty:
         name, stated_unit, value = statement
         where = f"{told}, line {number}"
         if RATE.fullmatch(name) or INTERVAL.fullmatch(name):
-            rates.append(Stated(_rate(name, stated_unit, value, dialect, where, key), number, line.strip()[:60]))
+            try:
+                rates.append(Stated(_rate(name, stated_unit, value, dialect, where, key), number))
+            except ValueError as error:
+                fault = fault or str(error)
         elif UNITS.fullmatch(name):
             ways = [header_cells(value, dialect, count, loose=True) for count in (width, width - empty)]
             cells = next(filter(None, ways), None)
@@ -68,7 +71,7 @@ def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty:
                 units, at = (*map(bare_unit, cells), *[None] * (width - len(cells))), number
             elif kind_of(value) in ("displacement", "velocity", "acceleration"):
                 common, at = value, number
-    return Facts(tuple(rates), units, common, at)
+    return Facts(tuple(rates), units, common, at, fault)
 
 
 def states(line: str) -> bool:
@@ -79,7 +82,7 @@ def states(line: str) -> bool:
 
 def _statement(line: str) -> tuple[str, str, str] | None:
     """Name in lower case, unit within the name, and value of a line such as ``# Sample rate (Hz): 500``."""
-    match = STATEMENT.fullmatch(PREFIX.sub("", line.replace('"', ""), count=1))
+    match = None if len(line) > LONGEST else STATEMENT.fullmatch(PREFIX.sub("", line.replace('"', ""), count=1))
     if match is None or not match[2]:
         return None
     name, _, rest = re.sub(r"[\[(]", "(", match[1]).partition("(")

@@ -62,7 +62,7 @@ def row_clock(table: Table, choices: Choices) -> RowClock:
     stated = _stated_rate(table, key)
     if not columns:
         if stated is None:
-            raise ValueError(_no_clock(table))
+            raise ValueError(table.layout.facts.fault or _no_clock(table))
         text = f"{stated.rate:.10g} Hz from line {stated.line}"
         return RowClock(stated.rate, every, every.astype(float), (), text)
     times = _agreed(table, [_times(table, group, choices, stated) for group in _groups(table, columns)], key)
