@@ -250,6 +250,22 @@ def test_a_rate_that_the_user_overrules_is_said(tmp_path: Path) -> None:
         assert any(f"{said}, but ground.table.rate = 1000 holds" in note for note in record.notes)
 
 
+def test_units_that_differ_from_place_to_place_are_asked_for(tmp_path: Path) -> None:
+    text = "# units: s, mm/s\ntime [s],z [m/s^2]\n" + T
+    with pytest.raises(ValueError, match=r"column 'z' is in 'm/s\^2' and in 'mm/s'; state ground\.table\.units"):
+        read_text(tmp_path, text)
+    record = read_text(tmp_path, text, table={"units": {"z": "mm/s"}})
+    assert record.channels[0].quantity == "velocity"
+    assert read_text(tmp_path, text.replace("mm/s", "m/s²")).channels[0].quantity == "acceleration"  # two spellings
+
+
+def test_a_column_of_comments_that_no_row_has_may_be_named(tmp_path: Path) -> None:
+    record = read_text(tmp_path, "time [s],z [m/s],Comment\n" + T)
+    assert [channel.name for channel in record.channels] == ["z"]
+    with pytest.raises(ValueError, match="line 1 has 3 cells where the rows from line 2 have 2"):
+        read_text(tmp_path, "time [s],x [m/s],z [m/s]\n" + T)
+
+
 def test_dates_whose_order_matters_are_asked_for(tmp_path: Path) -> None:
     days = [f"{d:02d}/01/2026 {h:02d}:00:00" for d in (5, 6) for h in range(24)]
     text = "time,z [m]\n" + "".join(f"{day},{k}\n" for k, day in enumerate(days))

@@ -9,9 +9,13 @@ from ehamj.records.tables.cells import Dialect
 from ehamj.records.tables.dialects import Shape, chosen, sample_of, shapes
 from ehamj.records.tables.header import PREFIX, Named, bare_unit, header_cells, is_time, is_unit_row, kind_of, named
 from ehamj.records.tables.preamble import Facts, facts, states
+from ehamj.records.units import unit as unit_of
 
 COMMENTS = ("#", "%", "!", "//", "*")
 """Marks that lines to pass over begin with, unless the user says another."""
+
+REMARKS = ("comment", "comments", "remark", "remarks")
+"""Names of a last column that rows without a comment leave out, as LabVIEW writes it."""
 
 COMMAS = "; where commas are decimal marks too, nobody can tell: export it with semicolons"
 
@@ -206,11 +210,13 @@ def _holds_number(line: str, dialect: Dialect) -> bool:
 
 
 def _short(line: str, shape: Shape) -> list[str] | None:
-    """Cells of a header that leaves out the last, empty column of rows that end with a separator."""
-    if not shape.kinds.endswith("e") or len(shape.kinds) < 2:
-        return None
-    cells = header_cells(line, shape.dialect, len(shape.kinds) - 1, loose=False)
-    return None if cells is None else [*cells, ""]
+    """Cells of a header that leaves out the last, empty column of rows, or names one for comments that no row has."""
+    width = len(shape.kinds)
+    if shape.kinds.endswith("e") and width > 1:
+        cells = header_cells(line, shape.dialect, width - 1, loose=False)
+        return None if cells is None else [*cells, ""]
+    cells = header_cells(line, shape.dialect, width + 1, loose=False)
+    return None if cells is None or cells[-1].lower() not in REMARKS else cells[:-1]
 
 
 def _are_names(cells: Sequence[str], shape: Shape) -> bool:
@@ -250,7 +256,8 @@ def _complete(
         plain = [Named(name, one.unit) for name, one in zip(choices.columns, plain, strict=True)]
     columns = []
     for k, (name, unit) in enumerate(plain):
-        unit = unit or (found.units[k] if found.units else None) or (said.units[k] if said.units else None)
+        ways = (unit, found.units[k] if found.units else None, said.units[k] if said.units else None)
+        unit = _agreed(ways, _stated(choices, name, k), f"{told}: column {name or k + 1!r}", key)
         if unit is None and said.unit is not None and not is_time(name):
             unit = said.unit
         stated = _stated(choices, name, k)
@@ -261,6 +268,15 @@ def _complete(
             raise ValueError(f"{key}.units names {name!r}; {told} has {', '.join(one.name for one in columns)}")
     header = found.header if found.names else None
     return Layout(shape.dialect, tuple(columns), found.first, found.last, header, found.unit_line, said, marks)
+
+
+def _agreed(ways: Sequence[str | None], users: str | None, told: str, key: str) -> str | None:
+    """The unit that a header, a row of units and a comment state; raises ValueError where two of them differ."""
+    stated = [way for way in ways if way]
+    known = {kind_of(way) and unit_of(way): way for way in stated if kind_of(way)}
+    if len(known) > 1 and users is None:
+        raise ValueError(f"{told} is in {' and in '.join(map(repr, known.values()))}; state {key}.units")
+    return stated[0] if stated else None
 
 
 def _named_apart(cell: str) -> Named:
