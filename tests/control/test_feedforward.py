@@ -10,6 +10,7 @@ from ehamj.control import Controller
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.instruments import Geophone
 from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.criteria.vc import CLASSES
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
@@ -231,11 +232,11 @@ def test_on_a_vc_c_floor_nothing_saturates(on_vc_c: Result) -> None:
     }
 
 
-def test_a_vc_c_floor_becomes_a_machine_at_a_very_strict_class(on_vc_c: Result) -> None:
+def test_a_vc_c_floor_becomes_a_machine_far_within_vc_g(on_vc_c: Result) -> None:
     criterion = on_vc_c.summary["criterion"]
     # Levels of a random floor as read from 28 s scatter by 2 dB about VC-C's limit.
     assert criterion["floor"]["z"]["class"] in ("VC-B", "VC-C")
-    assert criterion["machine"]["z"]["class"] in ("VC-I", "VC-J")  # 12.5 µm/s less 42 dB at 50 Hz
+    assert list(CLASSES).index(criterion["machine"]["z"]["class"]) >= list(CLASSES).index("VC-G")
 
 
 # --- a wave in anti-phase -----------------------------------------------------------------------------------------

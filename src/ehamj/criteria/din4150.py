@@ -9,8 +9,8 @@ The frequency is that of the half period between the zero crossings around a pea
 has none, and the strictest value counts. All swings are judged, not only the largest: a smaller slow one may be worse.
 
 The standard itself was not at hand. The numbers are those of the edition of 1999 as handbooks and makers of instruments
-print them (geothermie.de, innomic.com), which quote the same for that of 2016. Its values for long-term vibration are
-left out, since those for slabs could not be looked up.
+print them (geothermie.de, innomic.com); that the edition of 2016 kept them was not looked up. Its values for long-term
+vibration are left out, since those for slabs could not be found.
 """
 
 from ehamj.criteria.curves import Limit, Norm
