@@ -27,6 +27,9 @@ EXAMPLE = "example:BW.RJOB"
 STATED: dict[str, tuple[Quantity, float]] = {"KNET": ("acceleration", 1.0)}
 """Formats whose calibration factor leads to motion in SI: they need no response."""
 
+KNET_LETTERS = {"EW": "E", "NS": "N", "UD": "Z"}
+"""Directions of K-NET and KiK-net (positive to the east, north and up), and the letters that stand for them."""
+
 MOST_SAID = 5
 """So many remarks of ObsPy on a file are passed on."""
 
@@ -69,7 +72,8 @@ def _component(trace: "Trace", load: partial[Loaded]) -> Component:
     if not _named(trace):
         return Component("", load)
     channel = trace.stats.channel
-    return Component(trace.id, load, (channel, channel[-1:]) if channel else (), trace.id.rsplit(".", 2)[0])
+    letter = KNET_LETTERS.get(channel[:2], "") if trace.stats.get("_format") == "KNET" else channel[-1:]
+    return Component(trace.id, load, tuple(filter(None, (channel, letter))), trace.id.rsplit(".", 2)[0])
 
 
 def _load(
