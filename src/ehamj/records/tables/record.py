@@ -130,8 +130,8 @@ def _check_factor(table: Table, column: Column) -> None:
         key = table.choices_key
         raise ValueError(
             f"{table.told}: the header of column {column.name!r} states {column.unit!r}: the number {found[0]!r} "
-            f"before the unit may be a factor, and is not applied; state {key}.units = {{ {column.name!r} = {found[1]!r} }}, "
-            f"and the factor as {key.rpartition('.')[0]}.scale"
+            f"before the unit may be a factor, and is not applied; state {key}.units = "
+            f"{{ {column.name!r} = {found[1]!r} }}, and the factor as {key.rpartition('.')[0]}.scale"
         )
 
 
