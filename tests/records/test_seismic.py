@@ -251,6 +251,14 @@ def test_a_calibration_factor_is_applied_where_no_response_is_removed(tmp_path: 
     assert any("calibration factor 2.5 is not applied, since the response is removed" in note for note in record.notes)
 
 
+@pytest.mark.parametrize(("written", "axis"), [("E-W", "x"), ("N-S", "y"), ("U-D", "z")])
+def test_knet_directions_are_axes(tmp_path: Path, written: str, axis: str) -> None:
+    text = Path(get_example_file("test.knet")).read_text()
+    assert text.count("E-W") == 1
+    (tmp_path / "a.knet").write_text(text.replace("E-W", written))
+    assert [channel.axis for channel in read(tmp_path / "a.knet").channels] == [axis]
+
+
 def test_knet_states_acceleration_itself() -> None:
     record = read(Path(get_example_file("test.knet")), axes={"1": "z"})
     (channel,) = record.channels

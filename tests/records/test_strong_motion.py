@@ -50,6 +50,10 @@ def test_peer_files_say_what_they_hold(tmp_path: Path, holds: str, quantity: str
         "NPTS= 5000, DT= 5.0E-03 SEC",
         " 5000    0.0050    NPTS, DT",
         "NPTS=5000 DT=.005 S",
+        "NPTS= 5000, DT= .005",
+        "NPTS= 5000, DT= 5.0 MSEC",
+        "NPTS= 5000, DT= 5.0 ms, LP=20 HZ",
+        " 5000    5.0    NPTS, DT (MS)",
     ],
 )
 def test_peer_headers_of_all_years_state_the_step(tmp_path: Path, sampling: str) -> None:
@@ -127,7 +131,11 @@ def test_the_band_that_the_archive_left_is_said(tmp_path: Path) -> None:
 FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     "no quantity": ({"holds": "SOMETHING"}, r"its third line must say .*, it says 'SOMETHING'"),
     "no step": ({"sampling": "some numbers"}, r"its fourth line must say .*, it says 'some numbers'"),
-    "step of zero": ({"sampling": "NPTS= 5000, DT= .0000 SEC"}, r"states DT = \.0000 s, which must be a positive"),
+    "step of zero": ({"sampling": "NPTS= 5000, DT= .0000 SEC"}, r"states DT = \.0000 SEC; it must be a positive"),
+    "rate for a step": (
+        {"sampling": "NPTS= 5000, DT= 200 HZ"},
+        r"fourth line states DT in 'HZ': 'HZ' is of frequency; .*correct it there",
+    ),
     "unit": ({"holds": "ACCELERATION TIME SERIES IN UNITS OF FURLONG"}, r"unit in its header: 'FURLONG' is not a unit"),
     "two quantities": (
         {"holds": "VELOCITY TIME SERIES IN UNITS OF G"},

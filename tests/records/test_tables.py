@@ -1,5 +1,6 @@
 """Tables of text as loggers write them: however a table is written, the same record comes out, or a refusal."""
 
+import re
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -332,6 +333,72 @@ def test_long_lines_do_not_take_long(tmp_path: Path, mark: str) -> None:
     with pytest.raises(ValueError, match=r"^ground\.file = 'a\.csv'"):
         read_text(tmp_path, 20_000 * mark + "x\n0,1\n0,2\n")
     assert perf_counter() - begin < 5.0  # what searches over and over takes minutes
+
+
+FACTORS = ["z 0.01 mm", "z 1E-3 m/s²", "z in 1/1000 mm", "z: 1e-6 m/s²", "z 1/100 mm/s", "z_10^-3_m/s", "z 10⁻³ m/s"]
+
+
+@pytest.mark.parametrize("cell", [*FACTORS, "z x1000 mm/s", "z [1e-3 m/s]", "z 1e-3 [m/s]"])
+@pytest.mark.parametrize("row", ["", "s,mm\n"])
+def test_a_factor_before_a_unit_is_never_left_out(tmp_path: Path, cell: str, row: str) -> None:
+    with pytest.raises(ValueError, match=r"column 'z' states '.*may be a factor.* state ground\.table\.units .*scale"):
+        read_text(tmp_path, f"time [s],{cell}\n{row}{T}")
+    assert read_text(tmp_path, f"time [s],{cell}\n{T}", table={"units": {"z": "mm"}}).channels[0].axis == "z"
+
+
+@pytest.mark.parametrize("cell", ["z Ch 3 mm/s", "z_2_mm/s", "Channel z 1 mm/s", "z 1 (mm/s)", "CH12 z [mm/s]"])
+def test_numbers_of_channels_are_no_factors(tmp_path: Path, cell: str) -> None:
+    (channel,) = read_text(tmp_path, f"time [s],{cell}\n{T}", axes={"column 2": "z"}).channels
+    assert channel.samples[1] == pytest.approx(1.5e-3)
+
+
+@pytest.mark.parametrize("cell", ["z mm/s", "z_mm/s", "z mm / s", "z / mm/s", "z/mm/s", "z mm s-1"])
+def test_a_unit_with_a_stroke_needs_no_brackets_and_is_no_clock(tmp_path: Path, cell: str) -> None:
+    rows = "".join(f"{k}.5\n" for k in range(30))
+    (channel,) = read_text(tmp_path, f"Sample rate: 200 Hz\n{cell}\n{rows}").channels
+    assert (channel.rate, channel.quantity, channel.samples[1]) == (200.0, "velocity", pytest.approx(1.5e-3))
+
+
+@pytest.mark.parametrize("line", ["# scale factor: 0.001", "# scale: 10", "Sensitivity [V/g]: 5,5", "Gain = 2"])
+def test_factors_that_lines_state_are_said_to_be_left_out(tmp_path: Path, line: str) -> None:
+    said = r"line 1 states '.*', which is not applied; ground\.scale can"
+    record = read_text(tmp_path, f"{line}\ntime [s],z [m/s]\n{T}")
+    assert any(re.fullmatch(said, note) for note in record.notes)
+    record = read_text(tmp_path, f"# scale: 1.0\n# calibration: 2026-01-05\ntime [s],z [m/s]\n{T}")
+    assert not any("not applied" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("rate", ["51.200 Hz", "1.000 Hz"])
+def test_a_rate_whose_mark_may_part_thousands_needs_rows_that_tell(tmp_path: Path, rate: str) -> None:
+    head, value = f"Sample rate: {rate}\n", float(rate.split()[0])
+    rows = "".join(f"{k}\n" for k in range(30))
+    with pytest.raises(ValueError, match=r"line 1: .* may have marks of thousands; state ground\.table\.rate"):
+        read_text(tmp_path, f"{head}z [m/s]\n{rows}")
+    told = read_text(tmp_path, f"{head}z [m/s]\n{rows.replace(chr(10), '.5' + chr(10))}")
+    stated = read_text(tmp_path, f"{head}z [m/s]\n{rows}", table={"decimal": "."})
+    assert told.channels[0].rate == stated.channels[0].rate == value
+
+
+def test_times_of_day_in_two_parts_are_asked_for(tmp_path: Path) -> None:
+    rows = "".join(f"05:{k + 20}{{}},{k}\n" for k in range(30))
+    text = "Time,z [m/s]\n" + rows.replace("{}", "")
+    with pytest.raises(ValueError, match=r"'05:20', which may be minutes and seconds or hours .*table\.time_unit"):
+        read_text(tmp_path, text)
+    for head, choices, rate in (
+        ("Time [mm:ss]", {}, 1.0),
+        ("Time [hh:mm]", {}, 1 / 60),
+        ("Time", {"time_unit": "mm:ss"}, 1.0),
+        ("Time", {"time_unit": "hh:mm"}, 1 / 60),
+    ):
+        (channel,) = read_text(tmp_path, text.replace("Time", head), table=choices).channels
+        assert channel.rate == pytest.approx(rate)
+    with pytest.raises(ValueError, match=r"table\.time_unit = 'ms', but column 'Time' holds dates or times of day"):
+        read_text(tmp_path, "Time,z [m/s]\n" + rows.replace("{}", ":00"), table={"time_unit": "ms"})
+
+
+def test_an_interval_without_a_unit_is_said_to_be_taken_as_seconds(tmp_path: Path) -> None:
+    record = read_text(tmp_path, "dt: 5\nz [m]\n" + "".join(f"{k}.5\n" for k in range(30)))
+    assert any("0.2 Hz from line 1 (dt = 5 states no unit and is taken as 5 s)" in note for note in record.notes)
 
 
 # --- refusals -----------------------------------------------------------------------------------------------------

@@ -124,6 +124,28 @@ def test_each_component_may_have_a_full_scale_of_its_own(tmp_path: Path) -> None
         read(tmp_path / "a.wav", full_scale={"1": 2.0}, **choices)
 
 
+@pytest.mark.parametrize(
+    ("scales", "message"),
+    [
+        ({"1": 2.0, "2": 3.0, "y": 3.0}, r"names 'y', which is no component in use; 'a\.wav' holds 1 \(x\), 2 \(z\)"),
+        ({"1": 2.0, "x": 5.0, "z": 3.0}, r"names component 1 of 'a\.wav' twice, as '1' and as 'x'; leave one"),
+        ({"1": 2.0, "z": 3.0, "7": 3.0}, r"names '7', which is no component in use"),
+    ],
+)
+def test_full_scales_that_serve_nothing_are_refused(tmp_path: Path, scales: dict[str, float], message: str) -> None:
+    wavfile.write(tmp_path / "a.wav", int(RATE), np.stack([SINE, SINE], axis=1))
+    with pytest.raises(ValueError, match=r"ground\.full_scale " + message):
+        read(tmp_path / "a.wav", axes={"1": "x", "2": "z"}, unit="mm/s", full_scale=scales)
+
+
+def test_a_full_scale_of_a_direction_serves_every_mount(tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "a.wav", int(RATE), np.stack([SINE, SINE, SINE], axis=1))
+    axes = {"1": "front-left z", "2": "front-right z"}
+    record = read(tmp_path / "a.wav", axes=axes, unit="m/s", full_scale={"z": 2.0, "front-right z": 3.0, "3": 9.0})
+    np.testing.assert_allclose(by_axis(record)["front-left z"], 2.0 * SINE, rtol=1e-14)
+    np.testing.assert_allclose(by_axis(record)["front-right z"], 3.0 * SINE, rtol=1e-14)
+
+
 def test_samples_at_the_full_scale_are_called_clipped(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", int(RATE), np.clip(4 * SINE, -1.0, 32767 / 32768))
     record = read(tmp_path / "a.wav", **{**Z, "full_scale": 1e-3})

@@ -9,6 +9,7 @@ from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.components import Component, Loaded, record_of
 from ehamj.records.text import check_quantity, decoded, matching, numbers
+from ehamj.records.units import time_unit
 
 HEADER = 4
 """Lines of a header: database; event, date, station, component; quantity and unit; number and step of samples."""
@@ -16,9 +17,10 @@ HEADER = 4
 _QUANTITY = re.compile(r"\b(acceleration|velocity|displacement)\b.*\bunits?\s+of\s+(\S+)", re.IGNORECASE)
 _NUMBER = r"([-+]?[\d.]+(?:[eEdD][-+]?\d+)?)"
 _SAMPLING = (
-    re.compile(rf"NPTS\s*=\s*(\d+)\s*,?.*?\bDT\s*=\s*{_NUMBER}\s*(?:S|SEC|SECONDS)?\b", re.IGNORECASE),
-    re.compile(rf"^\s*(\d+)\s+{_NUMBER}\s+NPTS\s*,?\s*DT\b", re.IGNORECASE),
+    re.compile(rf"NPTS\s*=\s*(\d+)\s*,?.*?\bDT\s*=\s*{_NUMBER}\s*([^\s,;]*)", re.IGNORECASE),
+    re.compile(rf"^\s*(\d+)\s+{_NUMBER}\s+NPTS\s*,?\s*DT\b\s*(?:IN\b)?\s*([^\s,;]*)", re.IGNORECASE),
 )
+"""Number of samples, step, and its unit as written."""
 VERTICAL = {"UP": 1.0, "UD": 1.0, "VER": 1.0, "VERT": 1.0, "V": 1.0, "DWN": -1.0, "DOWN": -1.0}
 """Vertical components by their names, and the sign that makes up positive."""
 
@@ -49,6 +51,22 @@ def _sampling(line: str) -> re.Match[str] | None:
     return next((found for pattern in _SAMPLING if (found := pattern.search(line))), None)
 
 
+def _step(where: str, sampling: re.Match[str]) -> float:
+    """Time between samples [s], in seconds where the line names no unit; raises ValueError where it is no time."""
+    written = sampling[3] or "SEC"
+    try:
+        size = time_unit(written)
+    except ValueError as error:
+        raise ValueError(f"{where}: its fourth line states DT in {written!r}: {error}; correct it there") from None
+    try:
+        step = size * float(re.sub("[dD]", "e", sampling[2]))
+    except ValueError:
+        step = math.nan
+    if not 0 < step < math.inf:
+        raise ValueError(f"{where}: its fourth line states DT = {sampling[2]} {written}; it must be a positive number")
+    return step
+
+
 def _load(label: str, lines: list[str], name: str) -> Loaded:
     where = f"ground.file = {label!r}"
     quantity = _QUANTITY.search(lines[2]) if len(lines) > HEADER else None
@@ -65,12 +83,7 @@ def _load(label: str, lines: list[str], name: str) -> Loaded:
         )
     unit = quantity[2].strip(".,;").replace("SEC/SEC", "S/S")
     check_quantity(where, quantity[1].lower(), unit)
-    try:
-        step = float(re.sub("[dD]", "e", sampling[2]))
-    except ValueError:
-        step = math.nan
-    if not 0 < step < math.inf:
-        raise ValueError(f"{where}: its fourth line states DT = {sampling[2]} s, which must be a positive number")
+    step = _step(where, sampling)
     samples = numbers(label, lines, HEADER, int(sampling[1]), "NPTS")
     sign = VERTICAL.get(name.upper(), 1.0)
     notes = () if sign > 0 else (f"{label}: its component is {name}, so that its sign is turned: up is positive",)

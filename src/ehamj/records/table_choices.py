@@ -33,7 +33,9 @@ class TableChoices(Settings):
         None, description="units of columns by name or number, as {z = 'mg', 3 = 'ms'}; they overrule the file's"
     )
     time: str | None = Field(None, description="name or number of the column that holds the times")
-    time_unit: str | None = Field(None, description="unit of the times: s, ms, us, min, h")
+    time_unit: str | None = Field(
+        None, description="unit of the times: s, ms, us, min, h; of times of day in two parts: mm:ss, hh:mm"
+    )
     rate: Positive | None = Field(
         None, description="sampling rate [Hz]; a column of times is then passed over, and each row is the next sample"
     )

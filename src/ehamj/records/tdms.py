@@ -118,7 +118,10 @@ def _load(path: Path, channel: "TdmsChannel", times: "TdmsChannel | None", start
         late = 0.0 if start is None or own is None else float((own - start) / np.timedelta64(1, "ns")) * 1e-9
         return Loaded(samples, rate, stated, offset + late)
     if times is None:
-        raise ValueError(f"{where} states no wf_increment, and no channel of its group is named time; save a waveform")
+        raise ValueError(
+            f"{where} states no wf_increment, and no channel of its group is named time: save it as a waveform, or set "
+            "its property wf_increment to the step between samples [s] (1 / rate), or add a channel time [s]"
+        )
     label = _stated(times) or times.name.partition("[")[2].rstrip(" ]") or "s"
     with reading(path, f" as TDMS: channel {times.name}"):
         stored = times[:]

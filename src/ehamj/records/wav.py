@@ -48,7 +48,9 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
     components = [Component(name, partial(_load, columns, n, float(rate), choices)) for n, name in enumerate(names)]
     skipped = ", ".join(sorted(set(chunks) - READ))
     notes = [f"chunks {skipped} are not read: what they state of a scale is ground.full_scale's"] if skipped else []
-    return record_of(path.name, components, choices, "use a format that states it", notes)
+    record = record_of(path.name, components, choices, "use a format that states it", notes)
+    _check_scales(path.name, record, names, choices)
+    return record
 
 
 def _chunks(path: Path) -> list[str]:
@@ -85,16 +87,40 @@ def _load(columns: np.ndarray, n: int, rate: float, choices: Choices) -> Loaded:
     return Loaded(_full_scale(choices, str(n + 1)) * share, rate, notes=tuple(notes))
 
 
+def _called(name: str, place: str) -> tuple[str, ...]:
+    """The names in a table of full scales that serve a component, the most special first."""
+    return tuple(dict.fromkeys((name, place, place.rpartition(" ")[2])))
+
+
 def _full_scale(choices: Choices, name: str) -> float:
     """Motion that the largest sample of a component stands for [unit]."""
     found = choices.full_scale
     if isinstance(found, dict):
-        axis = (choices.axes or {}).get(name, "")
-        if name not in found and axis not in found:
+        serving = [one for one in _called(name, (choices.axes or {}).get(name, "")) if one in found]
+        if not serving:
             raise ValueError(f"ground.full_scale names {', '.join(found)}, but neither component {name} nor its axis")
-        return float(found[name] if name in found else found[axis])
+        return float(found[serving[0]])
     assert found is not None
     return float(found)
+
+
+def _check_scales(label: str, record: Record, names: list[str], choices: Choices) -> None:
+    """Raise ValueError where a table of full scales names what serves no component; the file's others may be there."""
+    if not isinstance(choices.full_scale, dict):
+        return
+    known = {channel.name: _called(channel.name, channel.axis) for channel in record.channels}
+    serving = {next(one for one in called if one in choices.full_scale) for called in known.values()}
+    for key in choices.full_scale:
+        if key in serving or (key in names and key not in known):
+            continue
+        if (over := next((name for name, called in known.items() if key in called), None)) is not None:
+            taken = next(one for one in known[over] if one in choices.full_scale)
+            raise ValueError(
+                f"ground.full_scale names component {over} of {label!r} twice, as {taken!r} and as {key!r}; leave one "
+                "of them out"
+            )
+        held = ", ".join(f"{name} ({called[1]})" if name in known else name for name, called in known.items())
+        raise ValueError(f"ground.full_scale names {key!r}, which is no component in use; {label!r} holds {held}")
 
 
 def _share(data: np.ndarray) -> Array:

@@ -35,6 +35,23 @@ LONGEST = 20_000
 LONGEST_CELL = 200
 """Characters of a name with its unit."""
 
+NUMBER = r"\d(?:[\d.,']*\d)?(?:e[-+]?\d+|\s*(?:\^|\*\*)\s*[-−+]?\d+|[-−⁻⁺]?[⁰¹²³⁴-⁹]+|(?<=10)[-−]\d+)?(?:\s*/\s*\d+)?"
+TIMES = "[x×*·]"
+FACTOR = re.compile(rf"({TIMES}?\s*{NUMBER})[\s_]*{TIMES}?[\s_]*([^\W\d_].*)", re.IGNORECASE)
+"""A number before a unit: a factor, for all that anybody can tell."""
+
+SCALED = re.compile(rf"[\s_]+({TIMES}\s*{NUMBER}|\d[\d.,]*e[-+]?\d+|10\s*\^\s*[-−]?\d+|0[.,]0*1)$", re.IGNORECASE)
+"""A number at the end of a name that counts nothing."""
+
+BEGINS = re.compile(r"(?<![a-zäöü\d.,^−⁻-])(?=[x×*·]?\s*\d)", re.IGNORECASE)
+"""Where a number may begin in a header's cell."""
+
+NUMBERED = re.compile(
+    r"(?:ch|chan|channel|kanal|sensor|geophone?|point|messpunkt|mp|pos|position|no|nr|ai|axis|achse|node|slot|track)\.?",
+    re.IGNORECASE,
+)
+"""Words after which a whole number counts channels."""
+
 PREFIX = re.compile(r"^\s*(?:#|%|!|//|\*|;)+\s*")
 """Marks before a comment."""
 
@@ -71,20 +88,58 @@ def named(cell: str) -> Named:
         return Named(cell[:LONGEST_CELL], None)
     opening = _opening(cell)
     if opening is not None:
-        return Named(cell[:opening].strip().rstrip(",;:/").strip(), cell[opening + 1 : -1].strip())
-    for apart in (r"\s*[,;:]\s*", r"\s+in\s+", r"\s*/\s*"):
-        name, mark, rest = _parted(cell, apart)
-        if mark and name and kind_of(rest) and not kind_of(cell) and not (len(rest) == 1 and rest.isupper()):
-            return Named(name, rest)
-    for apart in ("_", " "):
-        name, mark, rest = cell.rpartition(apart)
-        kind = kind_of(rest) if mark and name.strip() else None
-        if kind and _believed(name, rest, kind):
-            return Named(name.strip(), rest)
+        name, unit_text = cell[:opening].strip().rstrip(",;:/").strip(), cell[opening + 1 : -1].strip()
+        scaled = SCALED.search(name) if kind_of(unit_text) else None
+        return Named(name[: scaled.start()], f"{scaled[1]} {unit_text}") if scaled else Named(name, unit_text)
+    found = _multiple(cell) or _unbracketed(cell)
+    if found is not None:
+        return found
     last = words(cell)[-1:]
     if last and last[0] in SAYS_UNIT:
         return Named(cell, SAYS_UNIT[last[0]])
     return Named(cell, None)
+
+
+def _multiple(cell: str) -> Named | None:
+    """Name and unit of a cell such as ``z 0.01 mm``, whose unit has a factor; numbers of channels are none."""
+    for begin in BEGINS.finditer(cell):
+        match = FACTOR.fullmatch(cell, begin.start())
+        name = re.sub(r"(?:\s+in)?[\s_,;:/]*$", "", cell[: begin.start()])
+        if match is None or not name:
+            continue
+        kind, last = kind_of(match[2]), words(name)[-1:]
+        counts = match[1].isdigit() and (
+            match[1] == "1"
+            or bool(last and NUMBERED.fullmatch(last[0]))
+            or (len(match[1]) == 1 and cell[begin.start() - 1] == "_")
+        )
+        if not counts and (kind in ("displacement", "velocity", "acceleration") or (kind == "time" and is_time(name))):
+            return Named(name, cell[begin.start() :].strip())
+    return None
+
+
+def factor_of(text: str) -> tuple[str, str] | None:
+    """The number before a unit, and the unit; None where it has none."""
+    match = FACTOR.fullmatch(text.strip())
+    return (match[1].strip(), match[2]) if match and kind_of(match[2]) else None
+
+
+def _unbracketed(cell: str) -> Named | None:
+    """Name and unit of a cell without brackets; a unit after the last blank may hold a ``/``."""
+    if kind_of(cell):
+        return None
+    for apart in (r"\s*[,;:]\s*", r"\s+in\s+"):
+        name, mark, rest = _parted(cell, apart)
+        if mark and name and kind_of(rest) and not (len(rest) == 1 and rest.isupper()):
+            return Named(name, rest)
+    for blank in reversed(list(re.finditer(r"[\s_]+", cell))):
+        name, rest = cell[: blank.start()], cell[blank.end() :]
+        kind = kind_of(rest) if name and name[-1] not in "/*·^" else None
+        if kind and _believed(name, rest, kind):
+            return Named(name, rest)
+    name, mark, rest = _parted(cell, r"\s*/\s*")
+    kind = kind_of(rest) if mark and name and not (len(rest) == 1 and rest.isupper()) else None
+    return Named(name, rest) if kind and (kind != "time" or is_time(name)) else None
 
 
 def _opening(cell: str) -> int | None:

@@ -6,8 +6,18 @@ from dataclasses import dataclass, replace
 
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables.cells import Dialect
-from ehamj.records.tables.dialects import Shape, chosen, sample_of, shapes
-from ehamj.records.tables.header import PREFIX, Named, bare_unit, header_cells, is_time, is_unit_row, kind_of, named
+from ehamj.records.tables.dialects import GROUPED, Shape, chosen, sample_of, shapes
+from ehamj.records.tables.header import (
+    PREFIX,
+    Named,
+    bare_unit,
+    factor_of,
+    header_cells,
+    is_time,
+    is_unit_row,
+    kind_of,
+    named,
+)
 from ehamj.records.tables.preamble import Facts, facts, states
 from ehamj.records.units import unit as unit_of
 
@@ -245,7 +255,7 @@ def _complete(
     width = len(shape.kinds)
     apart = {found.header, found.unit_line}
     above = [(n + 1, lines[n]) for n in range(found.first) if n not in apart and lines[n].strip()]
-    said = facts(above, shape.dialect, width, shape.kinds.endswith("e"), told, key)
+    said = facts(above, shape.dialect, width, shape.kinds.endswith("e"), told, key, _sure(lines, shape, found, choices))
     names = list(found.names) or [""] * width
     plain = [named(name) if not found.units else _named_apart(name) for name in names]
     if choices.columns is not None:
@@ -270,6 +280,15 @@ def _complete(
     return Layout(shape.dialect, tuple(columns), found.first, found.last, header, found.unit_line, said, marks)
 
 
+def _sure(lines: Sequence[str], shape: Shape, found: _Found, choices: TableChoices) -> bool:
+    """Whether the user or a row says which mark is the decimal one."""
+    dialect = shape.dialect
+    rows = (line for line in lines[found.first : found.last + 1][:2000] if dialect.decimal in line)
+    cells = (cell for line in rows for cell in dialect.cells(line) if dialect.decimal in cell)
+    proven = (dialect.kind(cell) == "n" and not GROUPED.fullmatch(cell.replace(",", ".")) for cell in cells)
+    return choices.decimal is not None or choices.thousands is not None or any(proven)
+
+
 def _agreed(ways: Sequence[str | None], users: str | None, told: str, key: str) -> str | None:
     """The unit that a header, a row of units and a comment state; raises ValueError where two of them differ."""
     stated = [way for way in ways if way]
@@ -282,7 +301,11 @@ def _agreed(ways: Sequence[str | None], users: str | None, told: str, key: str) 
 def _named_apart(cell: str) -> Named:
     """The name of a header's cell with units in a line of their own: brackets still hold a unit if it is one."""
     found = named(cell)
-    return found if found.unit is None or kind_of(found.unit) else Named(cell.strip().strip('"'), None)
+    return (
+        found
+        if found.unit is None or kind_of(found.unit) or factor_of(found.unit)
+        else Named(cell.strip().strip('"'), None)
+    )
 
 
 def _stated(choices: TableChoices, name: str, place: int) -> str | None:

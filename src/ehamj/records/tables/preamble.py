@@ -1,11 +1,13 @@
 """What lines above the rows say of all of them: the sampling rate or interval, and units."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from ehamj.records.tables.cells import Dialect
 from ehamj.records.tables.header import PREFIX, bare_unit, header_cells, kind_of
+from ehamj.records.tables.stamps import is_stamp
 from ehamj.records.units import unit
 
 RATE = re.compile(
@@ -21,6 +23,12 @@ INTERVAL = re.compile(
 """What a sampling interval is called."""
 
 UNITS = re.compile(r"(?:channel |column )?(?:units?|einheit(?:en)?)")
+FACTORS = re.compile(
+    r"(?:\S+ )?(?:scale|scaling|sensitivity|calibration|gain|multiplier|skalierung|empfindlichkeit|verstärkung|factor"
+    r"|faktor|(?:skalierungs|kalibrier|umrechnungs)faktor)(?: (?:factor|constant|coefficient|value))?"
+)
+"""What numbers are called that samples may have to be multiplied with."""
+
 LONGEST = 300
 """Characters of a line that states something."""
 LEADING = re.compile(r"^(?:nominal|actual|effective|channel|the) ")
@@ -36,6 +44,8 @@ class Stated(NamedTuple):
 
     rate: float
     line: int
+    guess: str = ""
+    """What was taken for granted."""
 
 
 class Facts(NamedTuple):
@@ -45,13 +55,21 @@ class Facts(NamedTuple):
     units: tuple[str | None, ...] | None = None
     unit: str | None = None
     unit_line: int = 0
+    factors: tuple[str, ...] = ()
+    """Lines that state a factor or a sensitivity, which nothing applies."""
     fault: str | None = None
     """What is wrong with the first rate that could not be read: said where there is no other clock."""
 
 
-def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty: bool, told: str, key: str) -> Facts:
-    """What numbered lines above the rows of ``width`` columns state; the last one is ``empty`` after a separator."""
+def facts(
+    lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty: bool, told: str, key: str, sure: bool
+) -> Facts:
+    """What numbered lines above the rows of ``width`` columns state; the last one is ``empty`` after a separator.
+
+    Unless it is ``sure`` which mark is the decimal one, 51.200 is no number.
+    """
     rates: list[Stated] = []
+    factors: list[str] = []
     units, common, at, fault = None, None, 0, None
     for number, line in lines:
         statement = _statement(line)
@@ -61,9 +79,15 @@ def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty:
         where = f"{told}, line {number}"
         if RATE.fullmatch(name) or INTERVAL.fullmatch(name):
             try:
-                rates.append(Stated(_rate(name, stated_unit, value, dialect, where, key), number))
+                rate, guess = _rate(
+                    name, stated_unit, value, partial(_number, dialect=dialect, sure=sure, key=key), where, key
+                )
+                rates.append(Stated(rate, number, guess))
             except ValueError as error:
                 fault = fault or str(error)
+        elif FACTORS.fullmatch(name) and _is_factor(value):
+            said = f"{name} [{stated_unit}]" if stated_unit else name
+            factors.append(f"line {number} states '{said}: {value[:40]}'")
         elif UNITS.fullmatch(name):
             ways = [header_cells(value, dialect, count, loose=True) for count in (width, width - empty)]
             cells = next(filter(None, ways), None)
@@ -71,7 +95,7 @@ def facts(lines: Sequence[tuple[int, str]], dialect: Dialect, width: int, empty:
                 units, at = (*map(bare_unit, cells), *[None] * (width - len(cells))), number
             elif kind_of(value) in ("displacement", "velocity", "acceleration"):
                 common, at = value, number
-    return Facts(tuple(rates), units, common, at, fault)
+    return Facts(tuple(rates), units, common, at, tuple(factors), fault)
 
 
 def states(line: str) -> bool:
@@ -90,37 +114,46 @@ def _statement(line: str) -> tuple[str, str, str] | None:
     return LEADING.sub("", plain), rest.rstrip("])").strip(), match[2]
 
 
-def _rate(name: str, in_name: str, text: str, dialect: Dialect, where: str, key: str) -> float:
-    """The rate [Hz] that a statement gives."""
+def _is_factor(value: str) -> bool:
+    """Whether a value holds numbers other than one, and is no date."""
+    numbers = re.findall(r"(?<![\w.])[-+]?[\d.]+(?:[eE][-+]?\d+)?", value)
+    return not is_stamp(value) and any(re.fullmatch(r"\+?1(?:\.0*)?", number) is None for number in numbers)
+
+
+def _rate(
+    name: str, in_name: str, text: str, number: Callable[..., float | None], where: str, key: str
+) -> tuple[float, str]:
+    """The rate [Hz] that a statement gives, and what was taken for granted."""
     said = f"{where}: {name} = {text[:40]}"
     match = VALUE.fullmatch(text)
-    value = None if match is None else _number(match[1].strip(), dialect, said, key)
+    value = None if match is None else number(match[1].strip(), said=said)
     if match is None or value is None or not 0.0 < value < float("inf"):
         raise ValueError(f"{said} must be a positive number; state {key}.rate [Hz], or correct the line")
     written = match[2].strip() or in_name
     if not written and RATE.fullmatch(name):
-        return value
+        return value, ""
     if not written and name == "dt":
-        return 1.0 / value
+        return 1.0 / value, f"dt = {text[:40]} states no unit and is taken as {value:g} s"
     if not written:
         raise ValueError(f"{said} has no unit; state {key}.rate [Hz]")
     if RATE_WORDS.fullmatch(written):
-        return value
+        return value, ""
     try:
         size, kind, *_ = unit(written)
     except ValueError as error:
         raise ValueError(f"{said}: {error}; state {key}.rate [Hz]") from error
     if kind not in ("frequency", "time"):
         raise ValueError(f"{said} is neither a frequency nor a time; state {key}.rate [Hz]")
-    return value * size if kind == "frequency" else 1.0 / (value * size)
+    return (value * size if kind == "frequency" else 1.0 / (value * size)), ""
 
 
-def _number(text: str, dialect: Dialect, said: str, key: str) -> float | None:
+def _number(text: str, dialect: Dialect, sure: bool, said: str, key: str) -> float | None:
     """A number with either decimal mark; raises ValueError where the mark may part thousands."""
-    found = dialect.number(text)
+    grouped = re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:[.,]\d{3})+", text) is not None
+    found = None if grouped and not sure else dialect.number(text)
     if found is not None:
         return found
     other = Dialect(dialect.delimiter, {".": ",", ",": "."}[dialect.decimal])
-    if re.search(r"[1-9]\d{0,2}(?:[.,]\d{3})+$", text) or ("." in text and "," in text):
+    if grouped or ("." in text and "," in text):
         raise ValueError(f"{said}: {text!r} may have marks of thousands; state {key}.rate [Hz]")
     return other.number(text)

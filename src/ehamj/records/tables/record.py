@@ -10,7 +10,7 @@ from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import filled, on_grid
 from ehamj.records.components import STANDARD_AXES, Component, Loaded, answers_of, record_of
-from ehamj.records.tables.header import kind_of
+from ehamj.records.tables.header import factor_of, kind_of
 from ehamj.records.tables.layout import Column
 from ehamj.records.tables.table import Table, read_table
 from ehamj.records.tables.times import RowClock, row_clock
@@ -50,6 +50,7 @@ def read_table_record(path: Path, choices: Choices = SILENT) -> Record:
     notes = [table.understood(clock.text, told), *clock.notes]
     if table.passed:
         notes.append(f'record {table.label}: {table.passed} damaged rows were passed over (damaged = "skip")')
+    notes += [f"{said}, which is not applied; ground.scale can" for said in table.layout.facts.factors]
     key = table.choices_key
     return record_of(path.name, components, choices, f"write the unit as 'x [m/s]', or state {key}.units", notes)
 
@@ -95,6 +96,8 @@ def _answers(column: Column) -> tuple[str, ...]:
 
 def _load(table: Table, clock: RowClock, column: Column, choices: Choices) -> Loaded:
     """The samples of a column on the uniform grid, from its first to its last that is not empty."""
+    if choices.unit is None:
+        _check_factor(table, column)
     values = table.numbers(column, gaps=True)[clock.rows]
     known = np.flatnonzero(~np.isnan(values))
     if not known.size:
@@ -123,6 +126,18 @@ def _load(table: Table, clock: RowClock, column: Column, choices: Choices) -> Lo
     samples = on_grid(clock.index[known] - begin, values[known])
     notes += _sentinels(table, column, values[known])
     return Loaded(samples, clock.rate, column.unit, begin / clock.rate, notes=tuple(notes))
+
+
+def _check_factor(table: Table, column: Column) -> None:
+    """Raise ValueError where the unit has a number before it: a factor, a range, or something else."""
+    found = factor_of(column.unit or "")
+    if found is not None:
+        key = table.choices_key
+        raise ValueError(
+            f"{table.told}: the header of column {column.name!r} states {column.unit!r}: the number {found[0]!r} "
+            f"before the unit may be a factor, and is not applied; state {key}.units = "
+            f"{{ {column.name!r} = {found[1]!r} }}, and the factor as {key.rpartition('.')[0]}.scale"
+        )
 
 
 def _sentinels(table: Table, column: Column, values: Sequence[float]) -> list[str]:

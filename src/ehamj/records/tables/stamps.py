@@ -3,12 +3,15 @@
 import re
 from collections.abc import Sequence
 from datetime import datetime
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ehamj.records.table_choices import DateOrder
 from ehamj.signals import Array
+
+Parts = Literal["mm:ss", "hh:mm"]
+"""What the parts of a time are that has two."""
 
 DATE = r"(?P<a>\d{1,4})(?P<mark>[-/.])(?P<b>\d{1,2}|[A-Za-zä]{3})(?P=mark)(?P<c>\d{1,4})\.?"
 CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2}))?(?:[.,](?P<f>\d{1,18})|:(?P<ms>\d{3}))?"
@@ -46,13 +49,22 @@ def is_date(cell: str) -> bool:
     return ONLY_DATE.fullmatch(cell) is not None
 
 
-def stamps(cells: Sequence[str], order: DateOrder | None) -> Stamps:
+def parts_of(unit: str | None) -> Parts | None:
+    """What a header's ``[mm:ss]`` or ``[h:min]`` says that times in two parts are, None where it says nothing."""
+    plain = re.sub(r"[^a-z:]", "", (unit or "").lower())
+    if re.fullmatch(r"m(?:m|in)?:s(?:s|ec)?", plain):
+        return "mm:ss"
+    return "hh:mm" if re.fullmatch(r"h(?:h|r)?:m(?:m|in)?", plain) else None
+
+
+def stamps(cells: Sequence[str], order: DateOrder | None, parts: Parts | None = None) -> Stamps:
     """Times of cells that hold dates with times of day, or times of day alone (which go on after midnight).
 
-    Raises ValueError, saying why, where a cell is another, or where the order of day and month matters and is open.
+    Raises ValueError, saying why, where a cell is another, or where the order of day and month matters and is open,
+    or whether times in two ``parts`` are hours and minutes.
     """
     iso = order is None and all(cell == "" or ISO.fullmatch(cell) for cell in cells)
-    nanoseconds = _iso(cells) if iso else _any(cells, order)
+    nanoseconds = _iso(cells) if iso else _any(cells, order, parts)
     known = nanoseconds[nanoseconds != NONE]
     if not known.size:
         raise ValueError("holds no time")
@@ -73,7 +85,7 @@ def _iso(cells: Sequence[str]) -> np.ndarray:
     return found.astype(np.int64)
 
 
-def _any(cells: Sequence[str], order: DateOrder | None) -> np.ndarray:
+def _any(cells: Sequence[str], order: DateOrder | None, parts: Parts | None) -> np.ndarray:
     """Nanoseconds of dates and times in any form; `NONE` where a cell is empty."""
     found = [BOTH.fullmatch(cell) or ONLY_CLOCK.fullmatch(cell) for cell in cells]
     wrong = next((cell for cell, match in zip(cells, found, strict=True) if match is None and cell), None)
@@ -84,7 +96,7 @@ def _any(cells: Sequence[str], order: DateOrder | None) -> np.ndarray:
         raise ValueError("holds times with a date and times without")
     dates = {match.group("a", "mark", "b", "c") for match in found if match is not None and match.re is BOTH}
     days = _days(dates, order) if dates else {}
-    nanoseconds = np.array([NONE if match is None else _of_day(match) for match in found], dtype=np.int64)
+    nanoseconds = np.array([NONE if match is None else _of_day(match, parts) for match in found], dtype=np.int64)
     if dates:
         day = np.array([0 if m is None else days[m.group("a", "mark", "b", "c")] for m in found], dtype=np.int64)
         return np.where(nanoseconds == NONE, NONE, nanoseconds + day * DAY)
@@ -94,14 +106,19 @@ def _any(cells: Sequence[str], order: DateOrder | None) -> np.ndarray:
     return nanoseconds
 
 
-def _of_day(match: re.Match[str]) -> int:
+def _of_day(match: re.Match[str], parts: Parts | None) -> int:
     """Nanoseconds since midnight UTC (or of the clock's own zone, where it names none)."""
     part = match.groupdict()
     hour, minute, second = int(part["h"]), int(part["m"]), part["s"]
     fraction = (part["f"] or part["ms"] or "0").ljust(9, "0")[:9]
     if second is None:
-        if part["f"] is None or match.re is BOTH or part["half"]:
+        if match.re is BOTH or part["half"] or (parts == "hh:mm" and part["f"] is None):
             second = "0"
+        elif part["f"] is None and parts is None:
+            raise ValueError(
+                f"holds {match[0]!r}, which may be minutes and seconds or hours and minutes: head it [mm:ss] or "
+                "[hh:mm], or state time_unit = 'mm:ss' or 'hh:mm'"
+            )
         else:  # 12:34.5 has no hours
             hour, minute, second = 0, hour, part["m"]
     if part["half"]:

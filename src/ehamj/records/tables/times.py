@@ -14,7 +14,7 @@ from ehamj.records.table_choices import UNSAID
 from ehamj.records.tables.header import is_time, kind_of
 from ehamj.records.tables.layout import Column
 from ehamj.records.tables.preamble import Stated
-from ehamj.records.tables.stamps import is_date, stamps
+from ehamj.records.tables.stamps import is_date, parts_of, stamps
 from ehamj.records.tables.table import Table
 from ehamj.records.units import is_silent, time_unit
 from ehamj.signals import Array
@@ -63,9 +63,12 @@ def row_clock(table: Table, choices: Choices) -> RowClock:
     if not columns:
         if stated is None:
             raise ValueError(table.layout.facts.fault or _no_clock(table))
-        text = f"{stated.rate:.10g} Hz from line {stated.line}"
+        text = f"{stated.rate:.10g} Hz from line {stated.line}" + (f" ({stated.guess})" if stated.guess else "")
         return RowClock(stated.rate, every, every.astype(float), (), text)
-    times = _agreed(table, [_times(table, group, choices, stated) for group in _groups(table, columns)], key)
+    groups = _groups(table, columns)
+    if users.time_unit is not None and groups and all(group[-1].kind == "t" for group in groups):
+        _check_unit_of_stamps(table, groups[0][-1], users.time_unit)
+    times = _agreed(table, [_times(table, group, choices, stated) for group in groups], key)
     rows = np.flatnonzero(~np.isnan(times.time))
     rate, index, notes = clock(
         times.time[rows],
@@ -136,9 +139,12 @@ def _times(table: Table, group: tuple[Column, ...], choices: Choices, stated: St
     if group[-1].kind == "t":
         cells = [" ".join(parts).strip() for parts in zip(*(table.cells(column) for column in group), strict=True)]
         try:
-            return _Times(*stamps(cells, users.date_order), group, f"{name} (dates or times of day)")
+            parts = parts_of(users.time_unit) or parts_of(group[-1].unit)
+            return _Times(*stamps(cells, users.date_order, parts), group, f"{name} (dates or times of day)")
         except ValueError as error:
-            raise ValueError(f"{table.told}: column {name} {error} (key {key}.date_order, {key}.time)") from error
+            raise ValueError(
+                f"{table.told}: column {name} {error} (keys {key}.date_order, {key}.time_unit, {key}.time)"
+            ) from error
     column = group[0]
     numbers = table.numbers(column, gaps=True)
     unit, text = users.time_unit or column.unit, ""
@@ -156,6 +162,16 @@ def _times(table: Table, group: tuple[Column, ...], choices: Choices, stated: St
         raise ValueError(f"{table.told}: the unit of column {name}: {error}; state {key}.time_unit") from None
     resolution = printed_resolution(_some(table.cells(column)), table.layout.dialect.decimal)
     return _Times(size * numbers, size * resolution, group, f"{name} [{unit}]{text}")
+
+
+def _check_unit_of_stamps(table: Table, column: Column, unit: str) -> None:
+    """Raise ValueError where the user states a unit of times that are written as dates or times of day."""
+    if parts_of(unit) is None:
+        key = table.choices_key
+        raise ValueError(
+            f"{table.told}: {key}.time_unit = {unit!r}, but column {column.name!r} holds dates or times of day, which "
+            f"have no unit; leave it out, or state 'mm:ss' or 'hh:mm' of times in two parts, or {key}.time"
+        )
 
 
 def _guessed(numbers: Array, stated: Stated | None) -> str | None:
