@@ -407,7 +407,6 @@ def test_a_norm_of_peaks_is_held_against_the_histories_peaks() -> None:
     motion, wave = Motion(), np.sin(2 * np.pi * 15.85 * TIMES)
     motion.ground[:, :, Z] = np.outer(wave, [0.012, 0.0122, 0.003, 0.0])  # 8.6 mm/s RMS at most
     motion.cg[:, Z] = 0.009 * wave
-    motion.ground[0] = 1.0  # before levels are taken
     levels = levels_of(motion.dataset(), plant_of(), RATE, bands(1.0, 200.0))
     found = by_norm(floors, levels)
     floor, machine = found.places["floor"].z, found.places["machine"].z
@@ -520,3 +519,29 @@ def test_a_short_run_warns_of_what_it_leaves_undecided(run: Result) -> None:
     # 12 s, of which 11 count: the band of 1.25 Hz, 0.290 Hz wide, holds 3.2 lines, that of 1.6 Hz 4.03.
     (words,) = [text for text in run.summary["warnings"] if "too short" in text]
     assert words.startswith("the run is too short to decide the bands from 1 to 1.25 Hz")
+
+
+# --- what strikes when levels do not count ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("at", [0.3, 7.0, 19.8])
+def test_a_peak_counts_whenever_it_comes_and_what_levels_miss_is_said(at: float) -> None:
+    motion, since = Motion(), TIMES - at
+    strike = np.where((since > 0) & (since < 0.05), 8e-3 * np.sin(np.pi * since / 0.05), 0.0)
+    motion.ground[:, :, Z] = (noise(5, 1e-6) + strike)[:, None]
+    judged = motion.judged(criteria=CriteriaSettings(norms=("din-4150-3",)))
+    # 10 Hz: 8 mm/s are more than the 5 of a dwelling, less than the 20 of an industrial building.
+    assert judged["criterion"]["floor"]["z"]["class"] == "industrial building"
+    assert judged["levels"]["peak"]["floor"]["z"] == pytest.approx(8e-3, rel=1e-2)  # the next sample, and noise
+    said = [words for words in judged["undecided"] if words.startswith("the floor moves most")]
+    assert len(said) == (0 if at == 7.0 else 1)
+
+
+def test_peaks_of_a_ground_that_is_known_to_20_hz_give_no_verdict() -> None:
+    motion = Motion()
+    motion.ground[:, :, Z] = lines(10.0, 1e-4)[:, None]
+    judged = motion.judged(criteria=CriteriaSettings(norms=("din-4150-3",)), usable_to=20.0)
+    assert not judged["criterion"]["floor"]["z"]["decided"]
+    assert "floor at best sensitive building" in judged["criterion"]["verdict"]["vertical"]
+    assert any(words.startswith("no verdict by din-4150-3: peaks need") for words in judged["undecided"])
+    assert motion.judged(criteria=CriteriaSettings(norms=("din-4150-3",)))["criterion"]["floor"]["z"]["decided"]

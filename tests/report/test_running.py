@@ -21,7 +21,10 @@ def rated() -> Scenario:
 def row(scenario: Scenario, key: str) -> str:
     """A row of the report's table of the actuator, as text."""
     shown = cast(
-        Any, SimpleNamespace(results={"own": SimpleNamespace(scenario=scenario, summary=SimpleNamespace(warnings=[]))})
+        Any,
+        SimpleNamespace(
+            results={"own": SimpleNamespace(scenario=scenario, summary=SimpleNamespace(warnings=[], levels={}))}
+        ),
     )
     table = next(table for table in inputs(shown).tables if table.title == "Actuator isolator")
     return next(" ".join(map(str, cells)) for cells in table.rows if f"<code>{key}</code>" in str(cells[0]))

@@ -37,15 +37,18 @@ class Swings(NamedTuple):
 
 
 def _of_one(motion: Array, rate: float) -> tuple[Array, Array]:
-    if not motion.size:
-        return np.empty(0), np.empty(0)
-    up = motion >= 0.0
-    before = np.flatnonzero(up[1:] != up[:-1])  # last sample before each crossing
-    peak = np.maximum.reduceat(np.abs(motion), np.concatenate([[0], before + 1]))
-    if not before.size:
-        return peak, np.array([np.nan])
-    crossing = before + motion[before] / (motion[before] - motion[before + 1])
-    first, last = np.abs(motion[: before[0] + 1]), np.abs(motion[before[-1] + 1 :])
-    cut = 2.0 * (crossing[0] - np.argmax(first)), 2.0 * (before[-1] + 1 + np.argmax(last) - crossing[-1])
-    half = np.concatenate([cut[:1], np.diff(crossing), cut[1:]]) / rate
-    return peak, 0.5 / np.maximum(half, SHORTEST)
+    if not motion.any():
+        return np.zeros(min(motion.size, 1)), np.full(min(motion.size, 1), np.nan)
+    sign, size = np.sign(motion), np.abs(motion)
+    edges = np.flatnonzero(sign[1:] != sign[:-1]) + 1
+    starts, stops = np.concatenate([[0], edges]), np.concatenate([edges, [motion.size]])
+    peak, moves = np.maximum.reduceat(size, starts), sign[starts] != 0.0  # rest is no swing
+    # Where the sign changes the motion crosses zero between two samples, or at one of them.
+    crossing = edges - 1 + motion[edges - 1] / (motion[edges - 1] - motion[edges])
+    begin, end = np.concatenate([[np.nan], crossing]), np.concatenate([crossing, [np.nan]])
+    if np.isfinite(end[0]):
+        begin[0] = 2.0 * np.argmax(size[: stops[0]]) - end[0]
+    if np.isfinite(begin[-1]):
+        end[-1] = 2.0 * (starts[-1] + np.argmax(size[starts[-1] :])) - begin[-1]
+    half = (end - begin)[moves] / rate
+    return peak[moves], 0.5 / np.maximum(half, SHORTEST)

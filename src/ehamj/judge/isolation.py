@@ -2,12 +2,13 @@
 
 from typing import Any, Literal
 
+import numpy as np
 import xarray as xr
 from pydantic import Field
 
 from ehamj.criteria.curves import ORDERS, Kind, Quantity
 from ehamj.criteria.settings import CriteriaSettings
-from ehamj.estimate.counted import settled
+from ehamj.estimate.counted import LONGEST_TAPER, settled
 from ehamj.estimate.sliding import TIMES, averaging_time
 from ehamj.estimate.statistics import BandStatistic
 from ehamj.findings import Finding, finite
@@ -18,6 +19,9 @@ from ehamj.judge.transience import Transience, transience
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
+
+OUTSIDE = 1.5
+"""Largest motion over that within what counts fully, above which it is worth a word."""
 
 Places = dict[str, dict[str, ByBand]]
 """Place → axis → band → level."""
@@ -114,14 +118,15 @@ def isolation(
     second = strongest_second(norm)
     limited: set[Kind] = set().union(*(one.kinds for one in norms.values()))
     levels = levels_of(dataset, plant, rate, known, limited | (second.kinds if second else set()))
-    peaks = peaks_of(dataset.sel(time=slice(begin, None)), rate, norms.values())
-    verdicts = {name: by_norm(one, levels, peaks) for name, one in norms.items()}
+    peaks = peaks_of(dataset, rate, norms.values())
+    verdicts = {name: by_norm(one, levels, peaks, usable_to) for name, one in norms.items()}
     # Velocity, and what else the norms limit in bands.
     quantities = {"velocity"} | {quantity for quantity, statistic in limited if statistic != "peak"}
     tables = {
         f"third_octave_{quantity}": _table(levels, (quantity, "rms")) for quantity in ORDERS if quantity in quantities
     }
     strongest = transience(dataset, levels, rate)
+    judged = criterion(norm, verdicts[name], levels, peaks)
     found = Isolation(
         attenuation_db=attenuation_at_cg(levels, plant),
         attenuation_at_db=attenuation_at_places(levels),
@@ -129,14 +134,31 @@ def isolation(
         levels=_statistics(levels),
         floor_transient=strongest is not None,
         transience=strongest,
-        criterion=criterion(norm, verdicts[name], levels, peaks),
+        criterion=judged,
         criteria=verdicts,
         analysis=Analysis(from_s=begin, to_s=end, usable_to_hz=finite(usable_to), usable_from_hz=usable_from),
         **tables,
     )
-    words = [strongest.in_words()] if strongest else []
+    beside = "" if judged.max_1s is None else ". The class by the largest second stands beside the verdict"
+    words = [strongest.in_words() + beside] if strongest else []
+    words += outside(dataset, begin, end)
     left_open = undecided(norms, end - begin, rate, usable_to, usable_from)
     return found, [*words, *left_open, *unheld(norms, verdicts, usable_to, usable_from)]
+
+
+def outside(dataset: xr.Dataset, begin: float, end: float) -> list[str]:
+    """In words: a floor whose largest motion falls near an end of the run, where levels in bands count it for less."""
+    time, fade = dataset.time.values, min(LONGEST_TAPER, begin)
+    within = (time >= begin) & (time <= end - fade)
+    velocity = np.abs(dataset["ground_velocity"].values).max(axis=(1, 2), initial=0.0)
+    if not within.any() or velocity.max() <= OUTSIDE * velocity[within].max():
+        return []
+    row = int(np.argmax(velocity))
+    return [
+        f"the floor moves most, with {1e6 * velocity.max():.3g} µm/s, at {time[row]:.4g} s: levels in bands are taken "
+        f"from {begin:g} to {end:g} s and fade over the last {fade:g} s, so that they miss it; let the run be longer, "
+        "or the motion elsewhere"
+    ]
 
 
 def _table(levels: Levels, kind: Kind) -> Places:

@@ -43,8 +43,8 @@ class Levels:
     machine: Array = field(repr=False)
     """The same of the machine."""
     places: dict[str, dict[Kind, Array]] = field(repr=False)
-    """By kind, SI: in bands (bands, …, axis), peaks (1, …, axis); floor and feet have one per mount, machine and points
-    not."""
+    """By kind, SI: in bands (bands, …, axis), peaks of the whole history (1, …, axis); floor and feet have one per
+    mount, machine and points not."""
     behind: Array = field(repr=False)
     """RMS velocity of the floor over the whole run behind the filters of the sliding levels, (bands, mount, axis)."""
 
@@ -59,7 +59,7 @@ def levels_of(
     """Levels of a recorded motion in the bands that are known.
 
     Args:
-        dataset: of a result, from time 0 on; its beginning does not count.
+        dataset: of a result, from time 0 on; its beginning counts for peaks only.
         plant: what was simulated; the mounts' positions count.
         rate: recording rate [Hz].
         known: bands.
@@ -73,9 +73,8 @@ def levels_of(
         tables = _read(velocity, rate, known, kinds)
         places[place] = dict(zip(kinds, tables, strict=False))
         behind = tables[-1] if place == "floor" else behind
-        counted = velocity[Counted(len(velocity), rate).start :]
-        enough = len(counted) >= LEAST_ROWS
-        peak = np.abs(counted).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
+        enough = len(velocity) >= LEAST_ROWS
+        peak = np.abs(velocity).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
         places[place]["velocity", "peak"] = peak[None]
     slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
     return Levels(known, slabs[:, 0], slabs[:, 1], places, behind)

@@ -27,7 +27,7 @@ def peaks_of(dataset: xr.Dataset, rate: float, norms: Iterable[Norm]) -> Peaks:
     """What the norms limit of peaks; displacements count from their mean.
 
     Args:
-        dataset: of a result, without its beginning.
+        dataset: of a result, all of it.
         rate: recording rate [Hz].
         norms: which judge.
     """

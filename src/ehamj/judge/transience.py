@@ -37,8 +37,7 @@ class Transience(Finding):
         return (
             f"the floor is transient: along {self.axis} in the {self.band} Hz band its largest second is "
             f"{1e6 * self.max_1s:.3g} µm/s, {times:.2g} times the whole run's RMS; stationary noise of that band and "
-            f"duration stays below {chance:.2g} times in {ONCE_IN - 1} runs of {ONCE_IN}. The class by the largest "
-            "second stands beside the verdict"
+            f"duration stays below {chance:.2g} times in {ONCE_IN - 1} runs of {ONCE_IN}"
         )
 
 

@@ -3,7 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from ehamj.criteria.curves import Norm, Verdict, where
+import numpy as np
+
+from ehamj.criteria.curves import WHOLE, Norm, Verdict, where
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
@@ -12,6 +14,9 @@ from ehamj.findings import Finding
 from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks
 from ehamj.plant.axes import AXES
+
+PEAKS_TO: Final = 80.0
+"""Frequency up to which the ground must be known for its peaks to be [Hz]: the common range of DIN 45669-1."""
 
 AT_BEST: Final = "at best"
 """Before a class that is met as far as bands are known."""
@@ -95,21 +100,28 @@ def strongest_second(norm: Norm) -> Norm | None:
     return norm.by("max_1s") if any(statistic != "peak" for _, statistic in norm.kinds) else None
 
 
-def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None) -> AtPlace:
-    """What a norm says of a place; ``peaks`` beside those of velocity."""
+def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None, usable_to: float = np.inf) -> AtPlace:
+    """What a norm says of a place; ``peaks`` beside those of velocity, the ground being known to ``usable_to`` [Hz]."""
     peaks = peaks or Peaks()
     found, swings = levels.at(place) | peaks.levels.get(place, {}), peaks.swings.get(place, {})
     verdicts = {
         axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
         for k, axis in enumerate(AXES)
     }
+    if usable_to < PEAKS_TO and any(statistic == "peak" for _, statistic in norm.kinds):
+        verdicts = {axis: verdict if verdict.met is None else _open(verdict) for axis, verdict in verdicts.items()}
     worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
     return AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
 
 
-def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None) -> ByNorm:
-    """Title of the norm, what it says of each place, and the verdict in words; ``peaks`` beside those of velocity."""
-    places = {place: at_place(norm, levels, place, peaks) for place in levels.places}
+def _open(verdict: Verdict) -> Verdict:
+    """A verdict by peaks of which some part is not known: they may be larger."""
+    return verdict.changed(decided=False, undecided_bands_hz=tuple(dict.fromkeys((*verdict.undecided, WHOLE))))
+
+
+def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None, usable_to: float = np.inf) -> ByNorm:
+    """Title of the norm, what it says of each place, and the verdict in words; see `at_place`."""
+    places = {place: at_place(norm, levels, place, peaks, usable_to) for place in levels.places}
     return ByNorm(title=norm.title, places=places, verdict=_in_words(places, norm))
 
 
@@ -202,15 +214,27 @@ def unheld(norms: dict[str, Norm], found: Mapping[str, ByNorm], usable_to: float
     low = [band for band in everything if band.edges[0] < usable_from]
     high = [band for band in everything if band.edges[1] > usable_to]
     sides = ((low, f"from {usable_from:.3g} Hz on"), (high, f"up to {usable_to:.3g} Hz"))
+    peaks = [name for name in norms if usable_to < PEAKS_TO and not all(v.decided for v in _every(found[name]))]
+    peaks = [name for name in peaks if any(statistic == "peak" for _, statistic in norms[name].kinds)]
+    said = [
+        f"no verdict by {', '.join(peaks)}: peaks need the ground up to {PEAKS_TO:g} Hz, and it is known up to "
+        f"{usable_to:.3g} Hz only; classes named are the best that may be met"
+    ]
+    said = said if peaks else []
     if not everything:
-        return []
+        return said
     along = "" if len(axes) == len(AXES) else f" along {', '.join(axes)}"
     known = " and ".join(end for own, end in sides if own)
     wanted = " and ".join(_which(own, missing) for own, _ in sides if own)
     return [
+        *said,
         f"no verdict{along}: the ground is known {known} only, and a verdict needs {wanted}; classes named are the "
-        "best that may be met"
+        "best that may be met",
     ]
+
+
+def _every(judged: ByNorm) -> list[Verdict]:
+    return [verdict for who in ("floor", "machine") for verdict in judged.places[who].along(AXES)]
 
 
 def _held(band: Band, usable_to: float, usable_from: float) -> bool:

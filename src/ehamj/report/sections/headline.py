@@ -16,6 +16,12 @@ OF_LEVELS: Final = "Of the RMS over the whole run."
 """What attenuation is of."""
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
+OLDER: Final = (
+    "levels of this result are those of an earlier version, through one Hann window over the run, which says little of "
+    "what strikes near its ends: run it again for those of the whole run"
+)
+"""What to know of a result whose levels are not the whole run's."""
+
 PROCESSING: Final = re.compile(
     r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
     r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
@@ -77,7 +83,8 @@ def told(shown: Shown, processing: bool) -> list[str]:
     """Warnings in plain words, each with the results that it holds for; ``processing``: those about a record's."""
     found: dict[str, list[str]] = {}
     for label, result in shown.results.items():
-        for text in result.summary.warnings:
+        older = [] if result.summary.levels is not None else [OLDER]
+        for text in (*older, *result.summary.warnings):
             if bool(PROCESSING.match(text)) == processing:
                 found.setdefault(text, []).append(label)
     return [text if len(who) == len(shown.results) else f"{', '.join(who)}: {text}" for text, who in found.items()]
