@@ -252,11 +252,30 @@ def test_messages_list_what_an_inventory_holds(counts: Path, tmp_path: Path) -> 
 
 def test_the_epoch_at_the_records_begin_counts(counts: Path, tmp_path: Path) -> None:
     xml = inventory(
-        tmp_path / "a.xml", ("HHZ", flat(1e7, "M/S"), None, BEGIN), ("HHZ", flat(1e8, "M/S"), BEGIN, BEGIN + 5)
+        tmp_path / "a.xml", ("HHZ", flat(1e7, "M/S"), None, BEGIN), ("HHZ", flat(1e8, "M/S"), BEGIN, BEGIN + 9.5)
     )
     found, _, notes = response_at(counts, xml)
     assert found == pytest.approx(1e8)
-    assert any("ends at 2026-01-05T00:00:05" in note for note in notes)
+    assert any("ends at 2026-01-05T00:00:09.500000, within the record; it is used for" in note for note in notes)
+
+
+def test_a_response_that_changes_within_the_record_is_refused(counts: Path, tmp_path: Path) -> None:
+    one, two = flat(1e7, "M/S"), flat(2e7, "M/S")
+    xml = inventory(tmp_path / "a.xml", ("HHZ", one, BEGIN - 9, BEGIN + 5), ("HHZ", two, BEGIN + 5, None))
+    both = (
+        r"XX\.ONE\.\.HHZ \(2026-01-04T23:59:51 to 2026-01-05T00:00:05\) to XX\.ONE\.\.HHZ \(2026-01-05T00:00:05 to …\)"
+    )
+    with pytest.raises(ValueError, match=rf"HHZ changes at 2026-01-05T00:00:05, within .*{both}; cut the record's"):
+        response_at(counts, xml)
+    xml = inventory(tmp_path / "a.xml", ("HHZ", one, BEGIN - 9, BEGIN + 5))
+    with pytest.raises(ValueError, match=r"ends at 2026-01-05T00:00:05, within the record .*no other follows"):
+        response_at(counts, xml)
+    (tmp_path / "a.pz").write_text(
+        sacpz(1e7, **NAMES, START="2000-01-01T00:00:00", END="2026-01-05T00:00:05")
+        + sacpz(2e7, **NAMES, START="2026-01-05T00:00:05", END="")
+    )
+    with pytest.raises(ValueError, match=r"HHZ changes at 2026-01-05T00:00:05, within .* to …\); cut the record's"):
+        response_at(counts, tmp_path / "a.pz")
 
 
 # --- poles and zeros ----------------------------------------------------------------------------------------------

@@ -161,7 +161,7 @@ def test_a_label_comes_before_dataset_164(tmp_path: Path) -> None:
 def test_a_unit_that_is_not_known_is_what_the_user_says(tmp_path: Path) -> None:
     record = read(uff(tmp_path, response(NOISE[0], 3, "furlong")), unit="um/s")
     np.testing.assert_allclose(by_axis(record)["z"], 1e-6 * NOISE[0], rtol=1e-14)
-    assert "1:+Z: its unit 'furlong' is taken as ground.unit = 'um/s'" in record.notes
+    assert "1:+Z: its unit 'furlong' is taken as ground.unit = 'um/s', times ground.scale" in record.notes
 
 
 def test_several_nodes_and_repeated_responses_are_picked_by_name_and_by_number(tmp_path: Path) -> None:

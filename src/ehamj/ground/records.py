@@ -105,10 +105,13 @@ class RecordGround(Choices, GroundSettings, Treatment):
         """Factor on each channel, by its place; raises ValueError where the table names none of them."""
         if not isinstance(self.scale, dict):
             return dict.fromkeys((channel.axis for channel in record.channels), self.scale)
-        names = {c.axis: (c.axis, c.name, c.axis.rpartition(" ")[2]) for c in record.channels}
+        axes = {c.axis: (c.axis, c.axis.rpartition(" ")[2]) for c in record.channels}
+        along = {key for key in self.scale if any(key in known for known in axes.values())}
+        # Of an axis and a component that bear one name, the axis is meant.
+        names = {c.axis: (*axes[c.axis], *({c.name} - along)) for c in record.channels}
         unknown = [name for name in self.scale if not any(name in known for known in names.values())]
         if unknown:
-            held = ", ".join(f"{name} ({place})" for place, (_, name, _) in names.items())
+            held = ", ".join(f"{channel.name} ({channel.axis})" for channel in record.channels)
             raise ValueError(f"ground.scale names {unknown[0]!r}, which is none of the components in use: {held}")
         return {
             place: next((self.scale[name] for name in known if name in self.scale), 1.0)

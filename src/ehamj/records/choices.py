@@ -37,7 +37,8 @@ class Choices(Settings):
     remove_response: bool = Field(True, description="turn counts into motion; false: samples are SI (seismic formats)")
     axes: AxisChoice = Field(
         None,
-        description="axis of each component, by its name or its number in the file (E, EHE, BW.RJOB..EHE, CSV column, "
+        description="axis of each component, by its name or its number in the file, of a table its column's (E, EHE, "
+        "BW.RJOB..EHE, CSV column, "
         "UFF direction z or node 12:+Z, WAV channel 1, MATLAB variable z or data.z, TDMS or IDE group/channel), or "
         "axis of one mount ('front-left z'); the others are left out; default: E, N, Z to x, y, z",
     )

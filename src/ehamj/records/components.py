@@ -65,6 +65,8 @@ class Component:
     load: Callable[[], Loaded] = field(repr=False)
     answers: tuple[str, ...] = ()
     source: str = ""
+    number: int | None = None
+    """In the file, from 1; None: its place among the components."""
 
 
 def record_of(
@@ -100,7 +102,8 @@ def record_of(
         holds, size = agreed_unit(choices, one.unit, name, remedy)
         foreign = isinstance(one.unit, str) and not is_silent(one.unit) and not is_motion(one.unit)
         if choices.unit is not None and foreign:
-            remarks.append(f"{name}: its unit {one.unit!r} is taken as ground.unit = {choices.unit!r}")
+            what = "1 V" if _volts(one.unit) else f"its unit {one.unit!r}"
+            remarks.append(f"{name}: {what} is taken as ground.unit = {choices.unit!r}, times ground.scale")
         if one.calibration != 1.0:
             remarks.append(f"{name}: the file's calibration factor {one.calibration:g} is applied")
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by its place
@@ -113,11 +116,26 @@ def record_of(
     return record
 
 
+_BESIDE = (
+    "acc accel acceleration accelerometer beschleunigung vel velocity geschwindigkeit schwinggeschwindigkeit speed "
+    "disp displacement position weg ch chan channel kanal axis achse dir direction richtung sensor signal data geo "
+    "geophone seismometer floor ground boden machine base foot motion vibration schwingung component comp point linear "
+    "a v d g ac dc m mm um s ms"
+)
+BESIDE_AXES = frozenset(_BESIDE.split())
+"""Words that may stand beside an axis in the name of a motion along it."""
+
+
 def answers_of(name: str) -> tuple[str, ...]:
-    """The axis in a name of several words, such as ``Acceleration z``, ``ACC_X`` or ``Z-axis``; nothing of others."""
-    words = {word.lower() for word in re.split(r"[^A-Za-z]+|(?<=[a-z])(?=[XYZ](?![a-z]))", name)}
+    """The axis in a name of several words, such as ``Acceleration z``, ``ACC_X`` or ``Z-axis``.
+
+    Nothing of a name with words that may make it something else (``max_x``, ``X_Value``, ``z down``, ``-z``).
+    """
+    if re.search(r"(?:^|[^A-Za-z0-9])[-−]\s*[xyz]\b", name, re.IGNORECASE):
+        return ()
+    words = {word.lower() for word in re.split(r"[^A-Za-zäöüß]+|(?<=[a-z])(?=[XYZ](?![a-z]))", name) if word}
     letters = sorted(words & {"x", "y", "z"})
-    return tuple(letters) if len(letters) == 1 else ()
+    return tuple(letters) if len(letters) == 1 and words - {"x", "y", "z"} <= BESIDE_AXES else ()
 
 
 def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, Place]:
@@ -128,9 +146,10 @@ def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, 
     """
     known: Mapping[str, Place] = STANDARD_AXES if axes is None else axes
     taken = {name for one in components for name in (one.name, *one.answers)}
+    numbers = [str(one.number or k + 1) for k, one in enumerate(components)]
     names = [
-        (one.name, *one.answers, *([] if str(k + 1) in taken or axes is None else [str(k + 1)]))
-        for k, one in enumerate(components)
+        (one.name, *one.answers, *([] if number in taken or axes is None else [number]))
+        for one, number in zip(components, numbers, strict=True)
     ]
     chosen: dict[int, Place] = {}
     for k, answers in enumerate(names):
@@ -140,8 +159,8 @@ def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, 
         elif axes is None:
             raise ValueError(
                 f"ground.axes does not say which axis {called(components, k)} is; name it, for instance "
-                f'axes = {{ {toml_key(next(filter(None, reversed(answers)), str(k + 1)))} = "x" }}; '
-                f"else {', '.join(STANDARD_AXES)} are known"
+                f'axes = {{ {toml_key(next(filter(None, reversed(answers)), numbers[k]))} = "x" }} (and turn it round '
+                f"with ground.scale where it points the other way); else {', '.join(STANDARD_AXES)} are known"
             )
     held = ", ".join(called(components, k) for k in range(len(components)))
     missing = [name for name in axes or {} if not any(name in answers for answers in names)]
@@ -163,7 +182,8 @@ def called(components: Sequence[Component], k: int) -> str:
     """How messages call a component: by its name, and by its number where that is needed to tell it apart."""
     name = components[k].name
     alone = sum(one.name == name for one in components) == 1
-    return repr(name) if name and alone else f"number {k + 1}" + (f" ({name!r})" if name else "")
+    number = components[k].number or k + 1
+    return repr(name) if name and alone else f"number {number}" + (f" ({name!r})" if name else "")
 
 
 def toml_key(name: str) -> str:
@@ -181,8 +201,8 @@ def agreed_unit(
 ) -> tuple[Quantity, float]:
     """What a component holds, and its unit's SI value: as the file says (``stated``), or as the user says.
 
-    Where the file says counts, volts or what is not known, the user says what one of them is. Raises ValueError where
-    neither says it, or the two disagree.
+    Where the file says counts, volts or what is not known, the user says what one count or 1 V is. Raises ValueError
+    where neither says it, or the two disagree.
     """
     wanted, users = choices.quantity, choices.user_unit
     found = None if isinstance(stated, str) and is_silent(stated) else stated
@@ -198,6 +218,8 @@ def agreed_unit(
             f"ground.unit = {choices.unit!r}, but the file states another unit of {name!r} itself; leave ground.unit "
             "out"
         )
+    if users is not None and (volts := _volts(stated)):
+        users = users[0], users[1] * volts
     found = found or users
     if found is None:
         if wanted == "auto":
@@ -211,6 +233,15 @@ def agreed_unit(
             f"ground.quantity = {wanted!r}, but the file says that {name!r} is {found[0]}; use 'auto' or {found[0]!r}"
         )
     return found
+
+
+def _volts(stated: object) -> float | None:
+    """How many volts the unit of a sensor's voltage is, None of others."""
+    try:
+        found = unit(stated) if isinstance(stated, str) else None
+    except ValueError:
+        return None
+    return found.size if found is not None and found.kind == "voltage" else None
 
 
 def recorded(label: str, channels: Sequence[Channel], notes: Sequence[str] = (), name: str | None = None) -> Record:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.arrays import ComplexArray
 from ehamj.records.channel import Response
+from ehamj.records.orientation import Orientation
 from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
@@ -44,6 +45,8 @@ class Sensed(NamedTuple):
     quantity: Quantity
     response: Response
     notes: tuple[str, ...]
+    orientation: Orientation | None = None
+    """Where it points, as the metadata state it."""
 
 
 def agreed_response(name: str, found: Instrument, choice: ResponseChoice | None) -> Sensed:

@@ -8,17 +8,14 @@ displacement in metres unless a comment ``* INPUT UNIT`` says otherwise. Comment
 import re
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ehamj.arrays import ComplexArray
+from ehamj.records.epochs import Epoch
 from ehamj.records.instrument import Instrument
 from ehamj.records.units import motion_unit
 from ehamj.signals import Array
-
-if TYPE_CHECKING:
-    from obspy import UTCDateTime
 
 MOST_ROOTS = 1000
 CODES = ("NETWORK", "STATION", "LOCATION", "CHANNEL")
@@ -43,17 +40,16 @@ class PoleZeros:
         network, station, location, channel = (self.comments.get(code, "").strip("-") for code in CODES)
         return network, station, location, channel
 
-    def covers(self, time: "UTCDateTime") -> bool:
-        """Whether the response's epoch holds a time."""
-        moment = time.datetime
-        start, end = _moment(self.comments.get("START")), _moment(self.comments.get("END"))
-        return (start is None or start <= moment) and (end is None or moment < end)
+    @property
+    def epoch(self) -> Epoch:
+        """When the response holds."""
+        return Epoch(self.title, _moment(self.comments.get("START")), _moment(self.comments.get("END")))
 
     @property
     def title(self) -> str:
         """Channel and epoch, for messages."""
         name = "a response without name" if self.codes is None else ".".join(self.codes)
-        return f"{name} ({self.comments.get('START', '…')} to {self.comments.get('END', '…')})"
+        return f"{name} ({self.comments.get('START') or '…'} to {self.comments.get('END') or '…'})"
 
     def instrument(self, name: str) -> Instrument:
         """The instrument; raises ValueError where the file is not whole."""

@@ -15,6 +15,7 @@ from ehamj.records.components import Component, Loaded, reading, record_of
 from ehamj.records.formats import read_record, record_format
 from ehamj.records.joining import alike, joined
 from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
+from ehamj.records.orientation import of_header, turned
 from ehamj.records.responses import Responses, open_responses, sensed_by
 from ehamj.records.text import matching
 from ehamj.records.units import Quantity
@@ -103,13 +104,17 @@ def _load(
         raise ValueError(f"ground.file = {label!r}: traces of {name} state several calibration factors: {several}")
     factor = factors.pop()
     form = str(first.stats.get("_format", ""))
+    stated = of_header(first)
     if not choices.remove_response or (form in STATED and choices.inventory is None):
         unit = STATED.get(form) if choices.user_unit is None and choices.quantity == "auto" else None
-        return Loaded(samples, rate, unit, time, None, tuple(notes), factor)
-    sensed = sensed_by(first, held, choices.response)
+        sign, remarks = turned(name, first.stats.channel, stated)
+        return Loaded(sign * samples, rate, unit, time, None, (*notes, *remarks), factor)
+    sensed = sensed_by(first, held, choices.response, max(trace.stats.endtime for trace in traces))
+    sign, remarks = turned(name, first.stats.channel, sensed.orientation or stated)
     if factor != 1.0:
         notes.append(f"{name}: the file's calibration factor {factor:g} is not applied, since the response is removed")
-    return Loaded(samples, rate, (sensed.quantity, 1.0), time, sensed.response, (*notes, *sensed.notes))
+    notes += [*sensed.notes, *remarks]
+    return Loaded(sign * samples, rate, (sensed.quantity, 1.0), time, sensed.response, tuple(notes))
 
 
 def _rate_of(interval: float) -> float:

@@ -41,7 +41,12 @@ def read_table_record(path: Path, choices: Choices = SILENT) -> Record:
     clock = row_clock(table, choices)
     passed = _passed(table, clock) if choices.axes is None else _wordy(table)
     components = [
-        Component(_called(table, column), partial(_load, table, clock, column, choices), _answers(column))
+        Component(
+            _called(table, column),
+            partial(_load, table, clock, column, choices),
+            _answers(column),
+            number=column.place + 1,
+        )
         for column in table.columns
         if column not in clock.columns and (column not in passed or choices.axes is not None)
     ]
