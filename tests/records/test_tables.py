@@ -401,6 +401,57 @@ def test_an_interval_without_a_unit_is_said_to_be_taken_as_seconds(tmp_path: Pat
     assert any("0.2 Hz from line 1 (dt = 5 states no unit and is taken as 5 s)" in note for note in record.notes)
 
 
+@pytest.mark.parametrize("name", ["-z", "z down", "z_neg"])
+def test_a_sign_in_a_name_is_said_to_be_left_out(tmp_path: Path, name: str) -> None:
+    record = read_text(tmp_path, f"time [s],{name} [m/s]\n{T}", axes={name: "z"})
+    assert any("may count the other way round" in note and "ground.scale with -1" in note for note in record.notes)
+    record = read_text(tmp_path, f"time [s],z [m/s]\n{T}")
+    assert not any("other way round" in note for note in record.notes)
+
+
+def test_a_first_row_amid_rows_keeps_the_header(tmp_path: Path) -> None:
+    record = read_text(tmp_path, f"time [s],z [m/s]\n{T}", table={"first_row": 8})
+    (channel,) = record.channels
+    assert (channel.name, channel.samples.size, channel.samples[0]) == ("z", 24, 6.5)
+
+
+def test_a_row_of_empty_cells_is_no_header(tmp_path: Path) -> None:
+    assert read_text(tmp_path, f"Time,z\ns,mm/s\n,\n{T}").channels[0].name == "z"
+
+
+def test_a_line_that_names_no_columns_is_shown(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"line 3, 'max,0\.06', names no columns of the rows .* state .*table\.header"):
+        read_text(tmp_path, f"time,z\ns,mm/s\nmax,0.06\n{T}")
+    record = read_text(tmp_path, f"time,z\ns,mm/s\nmax,0.06\n{T}", table={"header": 1, "unit_line": 2, "first_row": 4})
+    assert record.channels[0].samples[1] == pytest.approx(1.5e-3)
+
+
+@pytest.mark.parametrize(("mark", "stated", "decimal"), [(".", ".", ","), ("'", "'", "."), ("’", "'", ".")])
+def test_times_with_marks_of_thousands_are_rounded_as_others_are(
+    tmp_path: Path, mark: str, stated: str, decimal: str
+) -> None:
+    # Steps of 1.95 ms, printed to 1 ms: no rate explains them but with that rounding.
+    times = (f"{round(k / 0.512):,}".replace(",", mark) for k in range(1500))
+    text = "Zeit [ms];z [m/s]\n" + "".join(f"{t};{k % 7}{decimal}25\n" for k, t in enumerate(times))
+    (channel,) = read_text(tmp_path, text, table={"thousands": stated, "decimal": decimal}).channels
+    assert channel.rate == 512.0
+
+
+def test_columns_of_one_name_are_told_apart_by_number(tmp_path: Path) -> None:
+    text = "Time [s],x [m],Time [s],z [m]\n" + "".join(f"{k}.5,{k},{2 * k}.5,{k}\n" for k in range(20))
+    with pytest.raises(ValueError, match=r"state ground\.table\.time = '1' or '3'"):
+        read_text(tmp_path, text)
+    with pytest.raises(ValueError, match=r"time = 'Time' names several columns of a\.csv; state '1' or '3'"):
+        read_text(tmp_path, text, table={"time": "Time"})
+    assert read_text(tmp_path, text, table={"time": "3"}).channels[0].rate == 0.5
+
+
+def test_milliseconds_that_start_again_contradict_no_rate(tmp_path: Path) -> None:
+    rows = "".join(f"10:00:0{k // 200},{5 * (k % 200)},{k}\n" for k in range(600))
+    record = read_text(tmp_path, "Time,Milliseconds,z [m]\n" + rows, table={"rate": 200.0})
+    assert not any("Milliseconds' says" in note for note in record.notes)
+
+
 # --- refusals -----------------------------------------------------------------------------------------------------
 
 

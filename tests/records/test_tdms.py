@@ -97,7 +97,11 @@ def test_channels_are_picked_by_group_by_name_and_by_number_and_judged_then(tmp_
 
 
 FAULTS: dict[str, tuple[list[ChannelObject], dict[str, Any], str]] = {
-    "no clock": ([channel("z", NOISE[0], unit_string="m/s")], {}, r"z states no wf_increment, and no channel"),
+    "no clock": (
+        [channel("z", NOISE[0], unit_string="m/s")],
+        {},
+        r"z states no wf_increment, and no channel .*set its property wf_inc",
+    ),
     "no step": (
         [channel("z", NOISE[0], unit_string="m/s", wf_increment=0.0)],
         {},

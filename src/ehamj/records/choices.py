@@ -27,7 +27,7 @@ class Choices(Settings):
     full_scale: Positive | dict[str, Positive] | None = Field(
         None,
         description="motion that the largest sample of a WAV file stands for [unit]; a table by component or axis, as "
-        "in { 1 = 2e-3, z = 5e-3 }, gives each its own",
+        "in { 1 = 2e-3, z = 5e-3 }, gives each its own (z serves 'front-left z' too, where nothing names that)",
     )
     inventory: FileName | None = Field(
         None,

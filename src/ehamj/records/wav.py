@@ -98,7 +98,9 @@ def _full_scale(choices: Choices, name: str) -> float:
     if isinstance(found, dict):
         serving = [one for one in _called(name, (choices.axes or {}).get(name, "")) if one in found]
         if not serving:
-            raise ValueError(f"ground.full_scale names {', '.join(found)}, but neither component {name} nor its axis")
+            raise ValueError(
+                f"ground.full_scale names {', '.join(found) or 'nothing'}, but neither component {name} nor its axis"
+            )
         return float(found[serving[0]])
     assert found is not None
     return float(found)

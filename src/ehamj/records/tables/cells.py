@@ -16,7 +16,7 @@ NUMBER = {
 """A number, by its decimal mark."""
 
 INFINITE = re.compile(r"[-+]?(?:inf|infinity|1\.#inf)", re.IGNORECASE)
-ODD = re.compile(r"[-+]?[\d.,' ]*\d[\d.,' ]*(?:[eE][-+]?\d+)?")
+ODD = re.compile(r"[-+]?[\d.,'’ ]*\d[\d.,'’ ]*(?:[eE][-+]?\d+)?")
 """Digits and marks that are no number as it stands, such as 1,234.5."""
 
 EMPTY = re.compile(
@@ -72,7 +72,7 @@ class Dialect:
         digit = cell[:1].isdigit() and "#" not in cell  # 1.#QNAN
         if cell in self.missing or (not digit and EMPTY.fullmatch(cell)):
             return "e"
-        if (self.thousands and self._ungrouped(cell) is not None) or (not digit and INFINITE.fullmatch(cell)):
+        if (self.thousands and self.ungrouped(cell) is not None) or (not digit and INFINITE.fullmatch(cell)):
             return "n"
         if digit and is_stamp(cell):
             return "t"
@@ -102,17 +102,23 @@ class Dialect:
             return None
         if INFINITE.fullmatch(cell):
             return float("-inf" if cell[0] == "-" else "inf")
-        return float((self._ungrouped(cell) or "").replace(self.decimal, "."))
+        return float((self.ungrouped(cell) or "").replace(self.decimal, "."))
 
     def empty(self, cell: str) -> bool:
         """Whether a cell stands for no value."""
         return cell in self.missing or ((not cell[:1].isdigit() or "#" in cell) and self.kind(cell) == "e")
 
-    def _ungrouped(self, cell: str) -> str | None:
-        """The cell without its marks of thousands, None where they stand elsewhere than every three digits."""
-        mark, decimal = re.escape(self.thousands or ""), re.escape(self.decimal)
+    def ungrouped(self, cell: str) -> str | None:
+        """The cell without its marks of thousands, None where they stand elsewhere than every three digits.
+
+        The apostrophe may be the typographic one.
+        """
+        if not self.thousands:
+            return None
+        cell = cell.replace("’", "'") if self.thousands == "'" else cell
+        mark, decimal = re.escape(self.thousands), re.escape(self.decimal)
         grouped = re.fullmatch(rf"[-+]?\d{{1,3}}(?:{mark}\d{{3}})+(?:{decimal}\d*)?", cell)
-        return cell.replace(self.thousands or "", "") if grouped else None
+        return cell.replace(self.thousands, "") if grouped else None
 
 
 EXPONENT = str.maketrans("dD", "ee")

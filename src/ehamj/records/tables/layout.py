@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables.cells import Dialect
@@ -114,14 +115,20 @@ def layout(lines: Sequence[str], choices: TableChoices, told: str, key: str) -> 
             f"correct it, or state {key}.first_row"
         )
     if place.other is not None and choices.columns is None:
-        line, count = place.other
-        raise ValueError(
-            f"{told}: line {line + 1} has {count} cells where the rows from line {place.first + 1} have "
-            f"{len(shape.kinds)} ({shape.dialect}); state {key}.columns, or {key}.header, {key}.delimiter"
-            + COMMAS
-            * (shape.dialect.delimiter == ",")
-        )
+        raise ValueError(f"{told}: {_unnamed(lines, shape, place.first, *place.other, key)}")
     return _complete(lines, shape, place, choices, marks, told, key)
+
+
+def _unnamed(lines: Sequence[str], shape: Shape, first: int, line: int, count: int, key: str) -> str:
+    """Why a line right above the rows names no columns, and the way out."""
+    ways = f"state {key}.columns, or {key}.header"
+    if count == len(shape.kinds):
+        ways = f"{ways} (the line of the names)"
+        return (
+            f"line {line + 1}, {lines[line].strip()[:40]!r}, names no columns of the rows from line {first + 1}; {ways}"
+        )
+    told = f"line {line + 1} has {count} cells where the rows from line {first + 1} have {len(shape.kinds)}"
+    return f"{told} ({shape.dialect}); {ways}, {key}.delimiter" + COMMAS * (shape.dialect.delimiter == ",")
 
 
 def _fits(found: _Found, shape: Shape, choices: TableChoices) -> bool:
@@ -183,7 +190,9 @@ def _headed(lines: Sequence[str], shape: Shape, found: _Found, choices: TableCho
     if choices.unit_line is not None:
         cells = header_cells(PREFIX.sub("", lines[choices.unit_line - 1]), dialect, width, loose=True)
         found = replace(found, unit_line=choices.unit_line - 1, units=tuple(map(bare_unit, cells or ())))
-    above = [n for n in range(found.first - 1, -1, -1) if lines[n].strip()][:ABOVE]
+    left = choices.first_row is not None  # rows that the user leaves out stand between
+    lying = (n for n in range(found.first - 1, -1, -1) if lines[n].strip() and not (left and shape.is_row(lines[n])))
+    above = list(islice(lying, ABOVE))
     for n in above if choices.header is None else ():
         comment = lines[n].lstrip().startswith(marks if dialect.delimiter == ";" else (*marks, ";"))
         if states(lines[n]) and (comment or _holds_number(lines[n], dialect)):
@@ -191,8 +200,8 @@ def _headed(lines: Sequence[str], shape: Shape, found: _Found, choices: TableCho
         bare = PREFIX.sub("", lines[n]) if comment else lines[n]
         cells = header_cells(bare, dialect, width, loose=False) or _short(bare, shape)
         cells = cells or header_cells(bare, dialect, width, loose=comment)
-        if cells is not None and all(dialect.kind(cell) == "e" for cell in cells):
-            continue  # a ruled line
+        if all(dialect.kind(cell) == "e" for cell in cells or dialect.cells(bare)):
+            continue  # a ruled line, or an empty one
         if cells is None or not _are_names(cells, shape) or (comment and _is_prose(cells)) or _parts(cells, comment):
             count = len(dialect.cells(bare))
             if not comment and n == above[0] and count > 1 and not _is_prose(dialect.cells(bare)) and not found.units:

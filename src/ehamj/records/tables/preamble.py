@@ -36,7 +36,7 @@ RATE_WORDS = re.compile(r"(?:samples?|scans|s)\s*(?:/|per)\s*s(?:ec(?:ond)?)?|sp
 """Spellings of Hz that are no unit's."""
 
 STATEMENT = re.compile(r"\s*([^\d:=,;\t][^:=,;\t]*?)\s*(?:[:=,;\t]\s*|\s+(?=[-+.\d]))(.*?)[\s,;]*")
-VALUE = re.compile(r"([-+]?[\d.,' ]*\d(?:[eE][-+]?\d+)?)\s*[,;\t]?\s*[\[(]?(.*?)[\])]?")
+VALUE = re.compile(r"([-+]?[\d.,'’ ]*\d(?:[eE][-+]?\d+)?)\s*[,;\t]?\s*[\[(]?(.*?)[\])]?")
 
 
 class Stated(NamedTuple):

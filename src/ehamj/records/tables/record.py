@@ -1,5 +1,6 @@
 """Records in tables of text."""
 
+import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,11 @@ from ehamj.records.units import is_silent
 _COUNTERS = "index sample samples no no. nr nr. # scan row point number record count counter id"
 COUNTERS = frozenset(_COUNTERS.split())
 """Names of columns that count rows."""
+
+DOWNWARD = re.compile(
+    r"^[-−]\s*[a-z]|(?:^|[\s_(-])(?:down|neg(?:ative)?|minus|invert(?:ed|iert)|abwärts)(?:$|[\s_)-])", re.I
+)
+"""In names of columns that may count downward, or against their axis."""
 
 SENTINELS = (999.0, 9999.0, 99999.0, 999999.0, 999.25, 32767.0, 32768.0)
 """Magnitudes of numbers that often stand for no value."""
@@ -110,6 +116,11 @@ def _load(table: Table, clock: RowClock, column: Column, choices: Choices) -> Lo
             f"{column.unit}, which holds"
         ]
     )
+    if DOWNWARD.search(column.name):
+        notes.append(
+            f"column {column.name!r} of {table.label} may count the other way round by its name, and is taken as it "
+            "stands; ground.scale with -1 for its axis turns it"
+        )
     empty = int(known[-1] - known[0] + 1 - known.size)
     if empty:
         jumps = np.flatnonzero(np.diff(known) > 1)

@@ -86,7 +86,7 @@ def row_clock(table: Table, choices: Choices) -> RowClock:
         if users.time is None:
             raise ValueError(
                 f"{table.told}: {differ}; state {key}.rate to follow the line, or {key}.time = "
-                f"{times.columns[0].name!r} to follow the times"
+                f"{_pick(table, times.columns[0])} to follow the times"
             )
         notes.append(f"record {table.label}: {differ}, which hold")
     return RowClock(rate, rows, index, columns, f"time from {times.text}", tuple(notes))
@@ -99,7 +99,13 @@ def _time_columns(table: Table, wanted: str | None) -> tuple[Column, ...]:
         if not found:
             names = ", ".join(repr(column.name) for column in table.columns)
             raise ValueError(f"{table.choices_key}.time = {wanted!r} is no column of {table.label}; it has {names}")
-        return (found[0],)
+        numbered = [column for column in found if wanted == str(column.place + 1)]
+        if len(found) > 1 and len(numbered) != 1:
+            ways = " or ".join(_pick(table, column) for column in found)
+            raise ValueError(
+                f"{table.choices_key}.time = {wanted!r} names several columns of {table.label}; state {ways}"
+            )
+        return ((numbered or found)[0],)
     usable = [column for column in table.columns if column.kind in "not"]
     silent = [column for column in usable if column.unit is None or is_silent(column.unit)]
     by_unit = [column for column in usable if column.unit is not None and kind_of(column.unit) == "time"]
@@ -160,7 +166,9 @@ def _times(table: Table, group: tuple[Column, ...], choices: Choices, stated: St
         size = time_unit(unit)
     except ValueError as error:
         raise ValueError(f"{table.told}: the unit of column {name}: {error}; state {key}.time_unit") from None
-    resolution = printed_resolution(_some(table.cells(column)), table.layout.dialect.decimal)
+    dialect = table.layout.dialect
+    plain = [dialect.ungrouped(cell) or cell for cell in _some(table.cells(column))]
+    resolution = printed_resolution(plain, dialect.decimal)
     return _Times(size * numbers, size * resolution, group, f"{name} [{unit}]{text}")
 
 
@@ -194,9 +202,16 @@ def _agreed(table: Table, found: Sequence[_Times], key: str) -> _Times:
         if known.size and np.ptp(known) > 1.01 * (best.resolution + other.resolution) + 1e-9:
             raise ValueError(
                 f"{table.told} has two clocks, {best.text} and {other.text}, which differ by up to "
-                f"{np.ptp(known):.3g} s; state {key}.time = {best.columns[0].name!r} or {other.columns[0].name!r}"
+                f"{np.ptp(known):.3g} s; state {key}.time = {_pick(table, best.columns[0])} or "
+                f"{_pick(table, other.columns[0])}"
             )
     return best
+
+
+def _pick(table: Table, column: Column) -> str:
+    """What picks a column: its name, or its number where several have the name."""
+    alone = sum(other.name == column.name for other in table.columns) == 1
+    return repr(column.name if alone else str(column.place + 1))
 
 
 def _stated_rate(table: Table, key: str) -> Stated | None:
@@ -220,7 +235,8 @@ def _against(table: Table, columns: tuple[Column, ...], choices: Choices) -> tup
     for column in columns:
         if column.kind == "n" and column.unit is not None and kind_of(column.unit) == "time":
             steps = np.diff(table.numbers(column, gaps=True)) * time_unit(column.unit)
-            mean = float(np.nanmean(steps)) if np.isfinite(steps).any() else 0.0
+            steps = steps[np.isfinite(steps)]  # what starts again and again, as milliseconds of a second, tells no rate
+            mean = float(steps.mean()) if steps.size and steps.min() >= 0.0 else 0.0
             said += [(1.0 / mean, f"column {column.name!r}")] if mean > 0 else []
     return tuple(
         f"record {table.label}: {where} says {other:.6g} Hz, but {table.choices_key}.rate = {rate:g} holds"
