@@ -127,8 +127,7 @@ def add_product(matrix_t, vector, result):  # type: ignore[no-untyped-def]
 @kernel
 def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
     """y = C x + D u."""
-    for k in range(result.size):
-        result[k] = 0.0
+    result[:] = 0.0
     add_product(Ct, state, result)
     add_product(Dt, measured, result)
 
@@ -136,8 +135,7 @@ def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
 @kernel
 def advance_states(At, Bt, state, measured, scratch):  # type: ignore[no-untyped-def]
     """x⁺ = A x + B u; ``scratch`` is as long as the state."""
-    for k in range(scratch.size):
-        scratch[k] = 0.0
+    scratch[:] = 0.0
     add_product(At, state, scratch)
     add_product(Bt, measured, scratch)
     copy(scratch, state)
