@@ -263,5 +263,12 @@ def test_every_registered_norm_judges(name: str) -> None:
 
 
 def test_a_norm_that_is_not_registered_cannot_be_chosen() -> None:
-    with pytest.raises(ValidationError, match="'vc', 'nist-a', 'iso-2631-2', 'din-4150-3' or 'din-4150-3-floors'"):
-        CriteriaSettings(norms=("bs-7385-2",))
+    with pytest.raises(ValidationError) as refused:
+        CriteriaSettings(norms=("no-such-norm",))
+    assert all(repr(name) in str(refused.value) for name in REGISTERED)
+
+
+def test_a_statistic_chosen_replaces_rms_alone() -> None:
+    slow = Norm("slow", ("a",), lambda name, axis, band: Limit(1e-5, statistic="slow" if band.nominal < 10 else "rms"))
+    chosen = slow.by("max_1s")
+    assert chosen.kinds == {("velocity", "slow"), ("velocity", "max_1s")}

@@ -39,7 +39,7 @@ def test_a_section_is_made(section: Callable[[Shown], Section | None], shown: Sh
     assert sorted(drawn) == sorted(path.stem for path in (tmp_path / "figures").iterdir())
     assert len(drawn) == len(found.figures)
     assert len(seen.xpath(".//table")) == sum(bool(table.rows) for table in found.tables)
-    assert seen.xpath(".//td | .//li | .//figure | .//p")
+    assert seen.xpath(".//td | .//li | .//figure | .//p | .//dd")
     for table in found.tables:
         assert {len(row) for row in table.rows} <= {1, len(table.head)}, table.title
     for picture in found.figures:

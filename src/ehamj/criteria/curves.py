@@ -150,14 +150,17 @@ class Norm:
                     )
         return found
 
-    def by(self, statistic: BandStatistic) -> Self:
-        """The same norm, its limits of RMS in bands held against another statistic of those levels."""
+    def by(self, statistic: BandStatistic, every: bool = False) -> Self:
+        """The same norm, its limits of RMS in bands, or ``every`` limit there, held against another statistic."""
 
         def rule(name: str, axis: str, band: Band) -> Limit | None:
             limit = self.rule(name, axis, band)
-            return replace(limit, statistic=statistic) if limit is not None and limit.statistic != "peak" else limit
+            if limit is None or limit.statistic == "peak" or not (every or limit.statistic == "rms"):
+                return limit
+            return replace(limit, statistic=statistic)
 
-        return replace(self, rule=rule, practices={name: norm.by(statistic) for name, norm in self.practices.items()})
+        practices = {name: norm.by(statistic, every) for name, norm in self.practices.items()}
+        return replace(self, rule=rule, practices=practices)
 
     def limit(self, name: str, axis: str, band: Band | None) -> Limit | None:
         """Limit of a class along an axis in a band (None: of the whole history), None where the norm says nothing."""

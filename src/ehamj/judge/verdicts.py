@@ -100,7 +100,7 @@ def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = 
 
 def strongest_second(norm: Norm) -> Norm | None:
     """A norm by the largest sliding 1 s RMS; None where all its limits are peaks."""
-    return norm.by("max_1s") if any(statistic != "peak" for _, statistic in norm.kinds) else None
+    return norm.by("max_1s", every=True) if any(statistic != "peak" for _, statistic in norm.kinds) else None
 
 
 def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None, usable_to: float = np.inf) -> AtPlace:
