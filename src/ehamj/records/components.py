@@ -12,7 +12,7 @@ import numpy as np
 
 from ehamj.records.channel import Channel, Place, Record, Response
 from ehamj.records.choices import AxisChoice, Choices
-from ehamj.records.units import Quantity, is_motion, is_silent, motion_unit, unit
+from ehamj.records.units import Quantity, is_motion, is_silent, kind_of, motion_unit, unit
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
@@ -208,7 +208,7 @@ def agreed_unit(
     found = None if isinstance(stated, str) and is_silent(stated) else stated
     if isinstance(found, str):
         try:
-            found = None if users and unit(found).kind in ("counts", "voltage") else motion_unit(found)
+            found = None if users and kind_of(found) in ("counts", "voltage") else motion_unit(found)
         except ValueError as error:
             if users is None:
                 raise ValueError(f"ground.file: the unit of {name!r}: {error}; ground.unit can say it") from None
@@ -237,11 +237,7 @@ def agreed_unit(
 
 def _volts(stated: object) -> float | None:
     """How many volts the unit of a sensor's voltage is, None of others."""
-    try:
-        found = unit(stated) if isinstance(stated, str) else None
-    except ValueError:
-        return None
-    return found.size if found is not None and found.kind == "voltage" else None
+    return unit(stated).size if isinstance(stated, str) and kind_of(stated) == "voltage" else None
 
 
 def recorded(label: str, channels: Sequence[Channel], notes: Sequence[str] = (), name: str | None = None) -> Record:

@@ -16,10 +16,10 @@ from ehamj.records.tables.header import (
     header_cells,
     is_time,
     is_unit_row,
-    kind_of,
     named,
 )
 from ehamj.records.tables.preamble import Facts, facts, states
+from ehamj.records.units import kind_of
 from ehamj.records.units import unit as unit_of
 
 COMMENTS = ("#", "%", "!", "//", "*")
