@@ -2,11 +2,9 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isclose, isfinite
-from pathlib import Path
 
 import numpy as np
 
@@ -16,23 +14,6 @@ from ehamj.records.units import Quantity, is_motion, is_silent, kind_of, motion_
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
-
-
-@contextmanager
-def reading(path: Path, how: str, key: str = "ground.file") -> Iterator[None]:
-    """Turns whatever a library raises at a damaged file into a ValueError: it cannot be read ``how``."""
-    try:
-        yield
-    except Exception as error:
-        said = " ".join(str(error).split())[:400]  # one line, whatever the library quotes
-        raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {said}") from error
-
-
-def existing(path: Path, key: str = "ground.file") -> Path:
-    """The path; raises ValueError, naming ``key``, where there is no such file."""
-    if not path.is_file():
-        raise ValueError(f"{key} = {path.name!r}: there is no such file in {path.parent}")
-    return path
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 from ehamj.records.channel import Record
 from ehamj.records.choices import Choices
 from ehamj.records.esm import looks_esm, read_esm
+from ehamj.records.files import named_by
 from ehamj.records.ide import read_ide
 from ehamj.records.matlab import read_matlab
 from ehamj.records.peer import looks_peer, read_peer
@@ -54,8 +55,7 @@ def reader_of(path: Path) -> Reader:
     """The reader of a file; the last one, of seismic formats, takes what no other does."""
     ending = path.suffix.lower()
     found = next((reader for reader in READERS.values() if ending in reader.endings), None)
-    several = sorted(path.parent.glob(path.name)) if set(path.name) & set("*?[") else []
-    files = [one for one in (path, *several) if one.is_file()]
+    files = named_by(path)
     if found is None and files:
         with files[0].open("rb") as file:
             head = file.read(HEAD)

@@ -11,13 +11,13 @@ import numpy as np
 
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
-from ehamj.records.components import Component, Loaded, reading, record_of
+from ehamj.records.components import Component, Loaded, record_of
+from ehamj.records.files import matching, reading
 from ehamj.records.formats import read_record, record_format
 from ehamj.records.joining import alike, joined
 from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
 from ehamj.records.orientation import of_header, turned
 from ehamj.records.responses import Responses, open_responses, sensed_by
-from ehamj.records.text import matching
 from ehamj.records.units import Quantity
 
 if TYPE_CHECKING:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid, rounding
-from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, answers_of, record_of
+from ehamj.records.files import bounded, existing, reading
 from ehamj.records.units import is_silent, time_unit
 from ehamj.signals import Array
 

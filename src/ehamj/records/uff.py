@@ -13,7 +13,8 @@ import numpy as np
 from ehamj.records.channel import Place, Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, record_of
+from ehamj.records.files import existing, reading
 from ehamj.records.units import Quantity, is_silent, kind_of, motion_unit, time_unit
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
