@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ehamj.records.said import one_line
+
 
 def existing(path: Path, key: str = "ground.file") -> Path:
     """The path; raises ValueError, naming ``key``, where there is no such file."""
@@ -32,7 +34,7 @@ def reading(path: Path, how: str, key: str = "ground.file") -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        said = " ".join(str(error).split())[:400]  # one line, whatever the library quotes
+        said = one_line(error)[:400]  # whatever the library quotes
         raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {said}") from error
 
 
