@@ -28,6 +28,7 @@ class Loaded:
     time: float = 0.0
     """Of the first sample, on the file's own clock [s]."""
     response: Response | None = None
+    """Counts per SI unit at frequencies [Hz]; None where the samples are in their unit already."""
     notes: tuple[str, ...] = ()
     calibration: float = 1.0
     """Factor on the samples that the file states [-]."""

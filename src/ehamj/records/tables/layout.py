@@ -65,7 +65,10 @@ def layout(lines: Sequence[str], choices: TableChoices, told: str, key: str) -> 
         raise ValueError(
             f"{told}: no row of numbers was found{_seen(sample)}; {key}.delimiter and {key}.decimal may help"
         )
-    found = [places(lines, shape, choices, marks) for shape in candidates]
+    try:
+        found = [places(lines, shape, choices, marks) for shape in candidates]
+    except ValueError as error:
+        raise ValueError(f"{told}: {error}; correct {key}.header or {key}.unit_line") from None
     shape = chosen(
         candidates,
         [_fits(one, shape, choices) for one, shape in zip(found, candidates, strict=True)],

@@ -187,7 +187,8 @@ def _even(
 ) -> tuple[list[str], int]:
     """Rows that all have as many cells as there are columns, and how many did not and are empty now."""
     width, dialect = len(found.columns), found.dialect
-    wrong = [n for n, row in enumerate(rows) if _count(dialect)(row) != width]
+    count_of = _count(dialect)
+    wrong = [n for n, row in enumerate(rows) if count_of(row) != width]
     wrong = [n for n in wrong if not _trimmed(rows, n, dialect, width)]
     if not ended and (not wrong or wrong[-1] != len(rows) - 1) and _breaks_off(rows, dialect):
         wrong.append(len(rows) - 1)
