@@ -140,7 +140,7 @@ def _load(one: Found, name: str, number: int, label: str, choices: Choices) -> L
     stated = unit_of(name, one.key, one.scopes, number, one.columns, choices)
     rates = one.clock.rates(where)
     if one.clock.times is None:
-        return Loaded(samples, rates[0], stated, one.clock.begin())
+        return Loaded(samples, rates[0], stated, one.clock.begin(where))
     time, resolution = one.clock.seconds(where)
     rate, index, notes = clock(time, label, choices.gaps, resolution, rates[0] if rates else None)
     if any(abs(stored / rate - 1.0) > 1e-3 for stored in rates):
