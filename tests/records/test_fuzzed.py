@@ -12,6 +12,7 @@ import pyuff
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from nptdms import ChannelObject, TdmsWriter
+from oracles.damage import damaged
 from oracles.records import motion, read
 from pydantic import ValidationError
 from scipy.io import savemat, wavfile
@@ -125,29 +126,6 @@ FORMATS: dict[str, tuple[str, Callable[[Path], None]]] = {
 }
 
 
-def damaged(content: bytes, random: np.random.Generator) -> bytes:
-    """A file with bytes turned, lost, doubled, or set to what makes numbers large."""
-    found = bytearray(content)
-    for _ in range(int(random.integers(1, 5))):
-        # Headers are at the front: half of the damage is done there.
-        reach = len(found) if random.random() < 0.5 else min(len(found), 400)
-        at, length = int(random.integers(0, max(1, reach))), int(random.integers(1, 9))
-        kind = random.integers(0, 6)
-        if kind == 0:
-            found[at : at + 1] = bytes([int(random.integers(0, 256))])
-        elif kind == 1:
-            del found[at : at + length]
-        elif kind == 2:
-            found[at:at] = found[at : at + 40]
-        elif kind == 3:
-            found[at : at + length] = bytes([random.choice([0, 0x7F, 0xFF, 0x39])]) * length
-        elif kind == 4:
-            found = found[: max(1, at)]
-        else:
-            found[at : at + 1] = random.choice([b"9", b"-", b"e", b" ", b"\n", b"."])
-    return bytes(found)
-
-
 def outcome(path: Path, **options: Any) -> str:
     """What becomes of a file: empty for a record, else the refusal."""
     try:
@@ -171,7 +149,7 @@ def test_damaged_files_are_refused_or_read(tmp_path: Path, name: str) -> None:
     tracemalloc.start()
     try:
         for _ in range(MANY):
-            (tmp_path / file).write_bytes(damaged(intact, random))
+            (tmp_path / file).write_bytes(damaged(intact, random, 400, texts=True))
             tracemalloc.reset_peak()
             begin = time.perf_counter()
             said = outcome(tmp_path / file, **options)

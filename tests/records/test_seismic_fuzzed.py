@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from obspy import read_inventory as obspy_inventory
+from oracles.damage import damaged
 from oracles.records import read
 from oracles.seismic import flat, metadata, trace, write
 
@@ -38,24 +39,8 @@ FORMATS: dict[str, Callable[[Path], Path]] = {
 }
 
 
-def damaged(content: bytes, random: np.random.Generator) -> bytes:
-    """A file with bytes turned, lost, doubled, or set to what makes numbers large; half of it in the head."""
-    found = bytearray(content)
-    for _ in range(int(random.integers(1, 5))):
-        reach = len(found) if random.random() < 0.5 else min(len(found), 640)
-        at, length = int(random.integers(0, max(1, reach))), int(random.integers(1, 9))
-        kind = random.integers(0, 5)
-        if kind == 0:
-            found[at : at + 1] = bytes([int(random.integers(0, 256))])
-        elif kind == 1:
-            del found[at : at + length]
-        elif kind == 2:
-            found[at:at] = found[at : at + 40]
-        elif kind == 3:
-            found[at : at + length] = bytes([random.choice([0, 0x7F, 0xFF, 0x39])]) * length
-        else:
-            found = found[: max(1, at)]
-    return bytes(found)
+BY_RECORD = ("Steim", "integers")
+"""Formats of miniSEED, which has records that can be left out."""
 
 
 def outcome(path: Path, **choices: Any) -> str:
@@ -77,17 +62,16 @@ def outcome(path: Path, **choices: Any) -> str:
     return ""
 
 
-@pytest.mark.parametrize("damage", ["refuse", "skip"])
-@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize(
+    ("kind", "damage"), [*((kind, "refuse") for kind in FORMATS), *((kind, "skip") for kind in BY_RECORD)]
+)
 def test_damaged_records_are_refused_or_read(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str, damage: str
 ) -> None:
-    if damage == "skip" and kind not in ("Steim", "integers"):
-        pytest.skip("only miniSEED has records of its own")
     path = FORMATS[kind](tmp_path / "a.rec")
     intact, random, refused = path.read_bytes(), np.random.default_rng(5), 0
     for _ in range(MANY):
-        path.write_bytes(damaged(intact, random))
+        path.write_bytes(damaged(intact, random, 640))
         refused += bool(outcome(path, axes={"1": "z"}, damaged=damage, gaps="interpolate", **SI))
     assert refused > MANY / 20  # the damage does some
     assert "Traceback" not in capfd.readouterr().err
@@ -102,7 +86,7 @@ def mangled(text: str, random: np.random.Generator) -> bytes:
     """Metadata with absurd numbers, or elements that are lost or doubled."""
     kind = random.integers(0, 4)
     if kind == 0:
-        return damaged(text.encode(), random)
+        return damaged(text.encode(), random, 640)
     pattern = (NUMBER, ELEMENT, BLOCK)[kind - 1]
     for _ in range(int(random.integers(1, 4))):
         places = list(pattern.finditer(text))
@@ -139,7 +123,7 @@ def test_damaged_poles_and_zeros_are_refused_or_evaluated(tmp_path: Path) -> Non
     path = write(tmp_path / "a.mseed", trace(COUNTS))
     random, refused = np.random.default_rng(7), 0
     for _ in range(2 * MANY):
-        (tmp_path / "a.pz").write_bytes(damaged(POLES.encode(), random))
+        (tmp_path / "a.pz").write_bytes(damaged(POLES.encode(), random, 640))
         refused += bool(outcome(path, inventory=str(tmp_path / "a.pz")))
     assert refused > MANY / 4
 

@@ -1,5 +1,6 @@
 """What a control is: what a scenario, a sum of laws and a design may ask of it."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
@@ -50,12 +51,8 @@ class ControlSettings(Settings):
         return None
 
 
-class DigitalSettings(ControlSettings):
-    """What every architecture has; it alone commands the valves.
-
-    An architecture builds its `controller`. The other methods say what a sum of laws, a design or a study may do with
-    it; by default its loops are its fields of that kind, and nothing depends on the machine or must be known to others.
-    """
+class SampledSettings(ControlSettings):
+    """Clock and converter of a digital law: what an architecture has, and a synthesis or adaptation that makes one."""
 
     rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
     delay: NotNegative | None = Field(None, description="computation delay [s]; without: one sample")
@@ -80,41 +77,6 @@ class DigitalSettings(ControlSettings):
     def hold(self) -> float:
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
-
-    def controller(self, plant: Plant, sensors: "Sensors") -> Controller:
-        """The law for a plant that is measured by ``sensors``."""
-        raise NotImplementedError
-
-    def beside(self, others: "Sequence[DigitalSettings]", plant: Plant, sensors: "Sensors") -> Controller:
-        """The law as it runs while ``others`` do."""
-        return self.controller(plant, sensors)
-
-    @property
-    def members(self) -> "tuple[DigitalSettings, ...]":
-        """The laws that add up, each as it runs: this one alone."""
-        return (self,)
-
-    def with_member(self, number: int, member: "DigitalSettings") -> "DigitalSettings":
-        """The whole with another law in place of one of its `members`."""
-        return member
-
-    def loops(self) -> dict[str, MotionLoop]:
-        """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name."""
-        fields = ((name, getattr(self, name)) for name in type(self).model_fields)
-        return {name: loop for name, loop in fields if isinstance(loop, MotionLoop) and loop.crossing}
-
-    def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
-        """The settings for a machine: names and frequencies of its modes [Hz], height of its centre of gravity [m]."""
-        return self
-
-    def isolating_from(self, hertz: float) -> Self:
-        """The settings that leave what is slower to the floor; unchanged where an architecture cannot."""
-        able = "isolate_from" in type(self).model_fields
-        return self.model_copy(update={"isolate_from": hertz}) if able else self
-
-    def asked(self, motion: str, s: complex, creep: float) -> complex:
-        """Piston velocity that a broadband loop asks for per displacement of a motion, at s = jω [rad/s]; 0: none."""
-        return 0.0
 
     def digital(
         self, block: Block, inputs: tuple[str, ...], plant: Plant, *, anti_windup: AntiWindup | Array
@@ -150,6 +112,49 @@ class DigitalSettings(ControlSettings):
             from_rest=True,
             anti_windup=gain,
         )
+
+
+class DigitalSettings(SampledSettings):
+    """What every architecture has; it alone commands the valves.
+
+    An architecture builds its `controller`. The other methods say what a sum of laws, a design or a study may do with
+    it; by default its loops are its fields of that kind, and nothing depends on the machine or must be known to others.
+    """
+
+    @abstractmethod
+    def controller(self, plant: Plant, sensors: "Sensors") -> Controller:
+        """The law for a plant that is measured by ``sensors``."""
+
+    def beside(self, others: "Sequence[DigitalSettings]", plant: Plant, sensors: "Sensors") -> Controller:
+        """The law as it runs while ``others`` do."""
+        return self.controller(plant, sensors)
+
+    @property
+    def members(self) -> "tuple[DigitalSettings, ...]":
+        """The laws that add up, each as it runs: this one alone."""
+        return (self,)
+
+    def with_member(self, number: int, member: "DigitalSettings") -> "DigitalSettings":
+        """The whole with another law in place of one of its `members`."""
+        return member
+
+    def loops(self) -> dict[str, MotionLoop]:
+        """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name."""
+        fields = ((name, getattr(self, name)) for name in type(self).model_fields)
+        return {name: loop for name, loop in fields if isinstance(loop, MotionLoop) and loop.crossing}
+
+    def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
+        """The settings for a machine: names and frequencies of its modes [Hz], height of its centre of gravity [m]."""
+        return self
+
+    def isolating_from(self, hertz: float) -> Self:
+        """The settings that leave what is slower to the floor; unchanged where an architecture cannot."""
+        able = "isolate_from" in type(self).model_fields
+        return self.model_copy(update={"isolate_from": hertz}) if able else self
+
+    def asked(self, motion: str, s: complex, creep: float) -> complex:
+        """Piston velocity that a broadband loop asks for per displacement of a motion, at s = jω [rad/s]; 0: none."""
+        return 0.0
 
 
 SHARED = tuple(name for name in DigitalSettings.model_fields if name != "kind")

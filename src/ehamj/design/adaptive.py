@@ -23,7 +23,7 @@ from ehamj.control import Controller, PythonController
 from ehamj.control.blocks import TWO_PI, Block
 from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import volts
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import SampledSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
@@ -34,7 +34,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Positive
 
 
-class LineSettings(DigitalSettings):
+class LineSettings(SampledSettings):
     """Which lines are cancelled, and how fast."""
 
     kind: Literal["lines"] = "lines"

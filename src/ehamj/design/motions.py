@@ -10,6 +10,7 @@ back by the same map (`Block.sampled`): peaks of responses, and with them H∞ n
 loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
+from abc import abstractmethod
 from dataclasses import replace
 from typing import Annotated
 
@@ -25,7 +26,7 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
 from ehamj.control.inverse import volts
 from ehamj.control.law import stack
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import SampledSettings
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
@@ -53,7 +54,7 @@ class MotionWeights(Settings):
     gain: Positive = Field(1.0, description="factor on the loop that is found; below one it buys margins [-]")
 
 
-class SynthesisSettings(DigitalSettings):
+class SynthesisSettings(SampledSettings):
     """What every synthesised law has around the loops of heave, roll and pitch.
 
     The default weights of each synthesis leave the default machine 6 dB, 45° and a disk margin of 0.5 with its mass
@@ -77,6 +78,7 @@ class SynthesisSettings(DigitalSettings):
     plant_order: Annotated[int, Field(ge=4)] = Field(12, description="states kept of each motion's plant")
     order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
 
+    @abstractmethod
     def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
         """The loop of one motion by the synthesis: the bilinear image from blended displacement [m, rad], of roll and
         pitch also from the feet's mean sideways velocity [m/s], to piston velocity [m/s, rad/s].
@@ -84,7 +86,6 @@ class SynthesisSettings(DigitalSettings):
         Raises:
             InputError: if there is none.
         """
-        raise NotImplementedError
 
     def law(self, scenario: Scenario, model: LinearModel) -> Controller:
         """The law for the linearised machine and the instruments of a scenario; ground and control play no part.

@@ -19,7 +19,7 @@ import numpy as np
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController, blocks
 from ehamj.control.inertial import MotionLoop
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import DigitalSettings, SampledSettings
 from ehamj.design.kinds import DESIGNABLE
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
@@ -45,7 +45,7 @@ SLOWED: Final = (1.0, 0.85, 0.7, 0.55, 0.4)
 class Design:
     """A law: its settings, and what it has in hand on each machine; ``tuned``: its gains were chosen."""
 
-    settings: DigitalSettings
+    settings: SampledSettings
     law: LinearController
     reports: Mapping[str, LoopReport]
     requirements: Requirements
@@ -97,7 +97,7 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
 
 
 def judged(
-    settings: DigitalSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
+    settings: SampledSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
 ) -> Design:
     """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
     models = machines if feeds_back(law) else {}
