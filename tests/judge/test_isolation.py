@@ -68,7 +68,8 @@ class Motion:
         rows: int | None = None,
         criteria: CriteriaSettings | None = None,
     ) -> Any:
-        found, left_open = isolation(self.dataset(rows), plant or plant_of(), RATE, usable_to, criteria)
+        norms = criteria and criteria.chosen()
+        found, left_open = isolation(self.dataset(rows), plant or plant_of(), RATE, usable_to, norms)
         return {**found.to_dict(), "undecided": left_open}
 
     def dataset(self, rows: int | None = None) -> xr.Dataset:

@@ -31,7 +31,7 @@ def judged(floor: np.ndarray, machine: np.ndarray, criteria: CriteriaSettings = 
         "machine_velocity": np.zeros((floor.size, 6)),
     }
     dataset = make_dataset(TIMES, values, {}, {"mount": list(MOUNTS)})
-    return isolation(dataset, parse_scenario({}).plant, RATE, criteria=criteria)
+    return isolation(dataset, parse_scenario({}).plant, RATE, norms=criteria.chosen())
 
 
 def strike(begin: float) -> tuple[np.ndarray, np.ndarray]:

@@ -2,21 +2,27 @@
 
 import shutil
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from harness import Cli
 from lxml import html
 
+from ehamj.criteria.curves import CANDIDATES
+from ehamj.errors import InputError
 from ehamj.replay import write_replay
-from ehamj.report import write_report
+from ehamj.report import Shown, write_report
 from ehamj.result import Result, load_result
+from ehamj.run.drive import drive
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario
 
 NAME = "my limits/spindle <nose> & table, 100 %.csv"
 LIMITS = "# title: spindle <nose>\nband [Hz],rough [um/s],fine cut [um/s]\n8,100,50\n10,20,10\n12.5,20,10\n"
+PEAK = "# statistic: peak\nfrequency [Hz],rough [um/s],fine cut [um/s]\n8,100,50\n10,20,10\n"
 SCENARIO = f"""
 duration = 6.0
 plates = "tied"
@@ -53,24 +59,54 @@ def test_the_file_gives_the_verdict_and_the_resolved_scenario_runs_again(folder:
     assert judged(simulate(load_scenario(elsewhere / "again.toml"))) == judged(result)
 
 
-def test_report_and_replay_take_any_name_and_outlive_the_file(folder: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    out.mkdir()
-    simulate(load_scenario(folder / "machine.toml")).save(out)
-    for there in (True, False):
-        if not there:
+def test_report_and_replay_take_any_name(folder: Path, tmp_path: Path) -> None:
+    result = simulate(load_scenario(folder / "machine.toml"))
+    write_report(tmp_path, {"run": result})
+    seen = html.fromstring((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert seen.xpath('//*[@id="classes"]//h3')[0].text_content() == "Class met: spindle <nose>"
+    assert any("rough" in cell.text_content() for cell in seen.xpath('//section[@id="classes"]//tbody//td'))
+    (drawn,) = (name for name in seen.xpath("//figure/@id") if "spindle" in name)
+    assert not set(drawn) - set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_")
+    write_replay(tmp_path / "replay.rrd", {"run": replace(result)})
+
+
+@pytest.mark.parametrize("text", [LIMITS, f"# statistic: l10\n{LIMITS}", PEAK], ids=["band", "l10", "peak"])
+def test_a_result_holds_the_limits_that_judged_it(folder: Path, tmp_path: Path, text: str) -> None:
+    """After the file has other limits, and after it is gone, the page's norm is the one of the verdict."""
+    (folder / NAME).write_text(text, encoding="utf-8")
+    scenario = load_scenario(folder / "machine.toml")
+    before = scenario.criteria.norm(scenario.criteria.norms[0])
+    simulate(scenario).save(tmp_path)
+    for then in (text.replace("20,10", "2000,1000").replace("fine cut", "other"), None):
+        if then is None:
             shutil.rmtree(folder / "my limits")
-        result = load_result(out)
-        write_report(out, {"run": result})
-        seen = html.fromstring((out / "report.html").read_text(encoding="utf-8"))
-        assert seen.xpath('//*[@id="classes"]//h3')[0].text_content() == "Class met: spindle <nose>"
-        assert any("rough" in cell.text_content() for cell in seen.xpath('//section[@id="classes"]//tbody//td'))
-        drawn = [name for name in seen.xpath("//figure/@id") if "spindle" in name]
-        assert len(drawn) == (1 if there else 0)
-        assert not any(
-            set(name) - set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") for name in drawn
-        )
-    write_replay(out / "replay.rrd", {"run": replace(result)})
+        else:
+            (folder / NAME).write_text(then, encoding="utf-8")
+        after = Shown.of({"run": load_result(tmp_path)}).norms[Path(NAME).name]
+        assert (after.title, after.classes, after.note) == (before.title, before.classes, before.note)
+        for name, axis, band in product(before.classes, "xyz", (*CANDIDATES, None)):
+            assert after.limit(name, axis, band) == before.limit(name, axis, band)
+
+
+def test_a_run_is_judged_by_the_file_as_it_was_when_it_began(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What takes hours must not fail at its end because of a file that was there."""
+
+    def gone(*arguments: Any) -> Any:
+        shutil.rmtree(folder / "my limits")
+        return drive(*arguments)
+
+    monkeypatch.setattr("ehamj.run.simulate.drive", gone)
+    assert judged(simulate(load_scenario(folder / "machine.toml")))[:2] == ("rough", "fine cut")
+
+
+def test_limits_that_a_result_does_not_hold_are_not_guessed(folder: Path) -> None:
+    result = simulate(load_scenario(folder / "machine.toml"))
+    criteria = dict(result.summary.criteria)
+    name = Path(NAME).name
+    criteria[name] = criteria[name].model_copy(update={"own_limits": None})
+    shown = Shown.of({"run": replace(result, summary=result.summary.model_copy(update={"criteria": criteria}))})
+    with pytest.raises(InputError, match="does not hold the limits; run it again"):
+        _ = shown.norms
 
 
 def test_a_file_that_cannot_be_used_is_refused_before_anything_runs(folder: Path, cli: Cli, tmp_path: Path) -> None:

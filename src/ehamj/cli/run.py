@@ -93,7 +93,7 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
         say(f"vibration class, {direction}: {said}")
     quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
     if quiet:
-        words = ", ".join(f"{dB:.0f} dB at {band} Hz" for band, dB in quiet.items())
+        words = ", ".join(f"{round(dB)} dB at {band} Hz" for band, dB in quiet.items())
         say(f"vertical attenuation, floor to machine: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")

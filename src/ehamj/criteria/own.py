@@ -14,9 +14,10 @@ peak belongs to; a table of one row holds at all frequencies.
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from ehamj.criteria.curves import Limit, Norm, Quantity
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.statistics import WORDS, BandStatistic, Statistic
+from ehamj.findings import Finding
 from ehamj.records.lines import lines_of
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
@@ -41,6 +43,51 @@ LINES: Final = 50
 """Lines in which statements are looked for."""
 
 
+class OwnClass(Finding):
+    """Limits of one class over the rows."""
+
+    name: str
+    quantity: Quantity
+    limits: tuple[float, ...]
+    """[m], [m/s] or [m/s²]."""
+
+
+class OwnLimits(Finding):
+    """What a file states, as a result keeps it: the file may change, or go."""
+
+    file: str
+    """Its name without the folder."""
+    title: str
+    over: Literal["band", "frequency"]
+    """Whether rows are third-octave bands, or points of a curve."""
+    frequency: tuple[float, ...]
+    """Of each row [Hz]."""
+    statistic: Statistic
+    classes: tuple[OwnClass, ...]
+    """From coarsest to strictest."""
+
+    def norm(self) -> "OwnNorm":
+        """The norm with these limits.
+
+        Raises:
+            ValueError: for rows that no level can be held against.
+        """
+        frequency = np.array(self.frequency)
+        curves = {one.name: Curve(one.quantity, np.array(one.limits)) for one in self.classes}
+        order, note = tuple(curves), f"Limits of {self.file}."
+        if self.statistic == "peak":
+            return OwnNorm(self.title, order, whole=_of_the_peak(self.over, frequency, curves), note=note, stated=self)
+        rule = _in_bands(self.over, frequency, curves, self.statistic)
+        return OwnNorm(self.title, order, rule, note=note, stated=self)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OwnNorm(Norm):
+    """A norm with what its file states."""
+
+    stated: OwnLimits
+
+
 class Curve(NamedTuple):
     """Limits of one class over the rows, [SI]."""
 
@@ -48,7 +95,7 @@ class Curve(NamedTuple):
     values: Array
 
 
-def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices | None = None) -> Norm:
+def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices | None = None) -> OwnNorm:
     """The norm that a file states.
 
     Args:
@@ -68,13 +115,17 @@ def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices 
         kind = _kind(columns)
         _check_rows(columns, table)
         curves = {column.name: _curve(column, table[:, k]) for k, column in enumerate(columns[1:], start=1)}
-        compared = _statistic(stated.get("statistic", statistic))
-        order = _ordered(curves, table[:, 0])
-        note = f"Limits of {path.name}."
-        title = stated.get("title") or path.stem
-        if compared == "peak":
-            return Norm(title, order, whole=_of_the_peak(kind, table[:, 0], curves), note=note)
-        return Norm(title, order, _in_bands(kind, table[:, 0], curves, compared), note=note)
+        return OwnLimits(
+            file=path.name,
+            title=stated.get("title") or path.stem,
+            over=kind,
+            frequency=tuple(table[:, 0].tolist()),
+            statistic=_statistic(stated.get("statistic", statistic)),
+            classes=tuple(
+                OwnClass(name=one, quantity=curves[one].quantity, limits=tuple(curves[one].values.tolist()))
+                for one in _ordered(curves, table[:, 0])
+            ),
+        ).norm()
     except ValueError as error:
         raise InputError(f"{told}: {str(error).removeprefix(f'{told}: ').removeprefix(f'{KEY}: ')}") from error
 
@@ -98,7 +149,7 @@ def _statistic(text: str) -> Statistic:
     raise ValueError(f"it states 'statistic: {text}'; that must be one of {', '.join(WORDS)}")
 
 
-def _kind(columns: Sequence[Column]) -> str:
+def _kind(columns: Sequence[Column]) -> Literal["band", "frequency"]:
     """Whether limits stand for bands, or for points of a curve."""
     first, *classes = columns
     if first.name.lower() not in ("band", "frequency") or (first.unit or "").lower() != "hz":
@@ -109,7 +160,7 @@ def _kind(columns: Sequence[Column]) -> str:
     names = [column.name for column in classes]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"two columns are called {twice!r}; each class needs a name of its own")
-    return first.name.lower()
+    return "band" if first.name.lower() == "band" else "frequency"
 
 
 def _check_rows(columns: Sequence[Column], table: Array) -> None:

@@ -1,12 +1,13 @@
 """How well a run is isolated: attenuation and levels in third-octaves, and what the norms say of every place."""
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from ehamj.criteria.curves import ORDERS, Kind, Quantity
+from ehamj.criteria.curves import ORDERS, Kind, Norm, Quantity
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.estimate.counted import LONGEST_TAPER, settled
 from ehamj.estimate.sliding import TIMES, averaging_time
@@ -95,7 +96,7 @@ def isolation(
     plant: Plant,
     rate: float,
     usable_to: float = float("inf"),
-    criteria: CriteriaSettings | None = None,
+    norms: Mapping[str, Norm] | None = None,
     usable_from: float = 0.0,
 ) -> tuple[Isolation, list[str]]:
     """Attenuation and criteria of a run, and in words what to know of its levels.
@@ -107,10 +108,10 @@ def isolation(
         plant: what was simulated; the mounts' positions count.
         rate: recording rate [Hz].
         usable_to: frequency above which the ground is not known [Hz].
-        criteria: the norms that judge.
+        norms: that judge, by name, the one of the verdict first; those of a scenario that names none by default.
         usable_from: frequency below which the ground is not known [Hz].
     """
-    norms = (criteria or CriteriaSettings()).chosen()
+    norms = norms or CriteriaSettings().chosen()
     end = duration_of(dataset)
     begin = settled(end)
     known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)

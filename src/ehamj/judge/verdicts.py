@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from ehamj.criteria.curves import WHOLE, Norm, Verdict, where
+from ehamj.criteria.own import OwnLimits, OwnNorm
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
@@ -50,6 +51,8 @@ class ByNorm(Finding):
     title: str
     places: dict[str, AtPlace]
     verdict: InWords
+    own_limits: OwnLimits | None = None
+    """What it judged by, where that is a user's file; of other norms no key."""
 
 
 class Beside(Finding):
@@ -122,7 +125,8 @@ def _open(verdict: Verdict) -> Verdict:
 def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None, usable_to: float = np.inf) -> ByNorm:
     """Title of the norm, what it says of each place, and the verdict in words; see `at_place`."""
     places = {place: at_place(norm, levels, place, peaks, usable_to) for place in levels.places}
-    return ByNorm(title=norm.title, places=places, verdict=_in_words(places, norm))
+    own = {"own_limits": norm.stated} if isinstance(norm, OwnNorm) else {}
+    return ByNorm(title=norm.title, places=places, verdict=_in_words(places, norm), **own)
 
 
 def worst_class(classes: Sequence[str | None], order: Sequence[str]) -> str | None:
@@ -166,7 +170,7 @@ def _classes(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> 
 
 
 def undecided(
-    norms: dict[str, Norm], seconds: float, rate: float, usable_to: float, usable_from: float = 0.0
+    norms: Mapping[str, Norm], seconds: float, rate: float, usable_to: float, usable_from: float = 0.0
 ) -> list[str]:
     """In words: bands that the norms need, and that a longer run or a higher recording rate would decide.
 
@@ -194,7 +198,7 @@ def undecided(
     return found
 
 
-def unheld(norms: dict[str, Norm], found: Mapping[str, ByNorm], usable_to: float, usable_from: float) -> list[str]:
+def unheld(norms: Mapping[str, Norm], found: Mapping[str, ByNorm], usable_to: float, usable_from: float) -> list[str]:
     """In words: norms that need bands of which the ground says nothing, so that the classes named are no verdicts.
 
     Args:

@@ -8,10 +8,9 @@ from typing import Any
 
 from ehamj import plots
 from ehamj.criteria.curves import Norm
+from ehamj.criteria.norms import NORMS
 from ehamj.errors import InputError
 from ehamj.evaluation import Evaluation, evaluate
-from ehamj.judge.verdicts import ByNorm
-from ehamj.plant.axes import AXES
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
@@ -58,14 +57,18 @@ class Shown:
 
     @cached_property
     def norms(self) -> dict[str, Norm]:
-        """Those that judged the first result, by name; a file that is not there any more leaves its classes alone."""
+        """Those that judged the first result, by name; a user's own as the result holds it, not as its file is now.
+
+        Raises:
+            InputError: if the result does not hold limits of a file that it names.
+        """
         criteria, found = self.scenario.criteria, {}
         for entry in criteria.norms:
             name = Path(entry).name
-            try:
-                found[name] = criteria.norm(entry)
-            except InputError:
-                found[name] = _remembered(self.first.summary.criteria[name])
+            own = self.first.summary.criteria[name].own_limits
+            if own is None and entry not in NORMS:
+                raise InputError(f"criteria.norms = {name!r}: the result does not hold the limits; run it again")
+            found[name] = criteria.norm(entry) if own is None else own.norm()
         return found
 
     @property
@@ -92,13 +95,6 @@ class Shown:
                 floors.append(repr(floor))
                 yield "floor" if len(floors) == 1 else f"floor of {label}", plots.FLOOR_COLOR, floor
             yield label, self.colors[label], found.get("machine", {})
-
-
-def _remembered(judged: ByNorm) -> Norm:
-    """A norm of which only what it said is known: its title, and the classes that it named, without limits."""
-    verdicts = [verdict for place in judged.places.values() for verdict in place.along(AXES)]
-    classes = dict.fromkeys(name for v in verdicts for name in (v.met, v.next_class) if name is not None)
-    return Norm(judged.title, tuple(classes) or ("its coarsest class",))
 
 
 def ground_parts(scenario: Scenario) -> tuple[Any, ...]:

@@ -1,5 +1,6 @@
 """From a scenario to a model that stands in its equilibrium, its controller and everything that drives it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -9,6 +10,7 @@ from ehamj.control import AnyController, LinearController, PythonController
 from ehamj.control.commands import Passive
 from ehamj.control.loop import DigitalLoop, make_loop
 from ehamj.control.noise import ReadingNoise
+from ehamj.criteria.curves import Norm
 from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion
@@ -23,6 +25,8 @@ class Prepared:
     """A scenario ready to step: ``steps`` steps, of which the first and each ``every``-th later one is recorded."""
 
     scenario: Scenario
+    norms: Mapping[str, Norm]
+    """That judge what is simulated, as their files are now."""
     model: mujoco.MjModel
     data: mujoco.MjData
     motion: Motion
@@ -63,7 +67,7 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
-    scenario.criteria.chosen()  # files with limits are refused before anything runs
+    norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
     if controller is None:
         controller = scenario.controller()
@@ -90,4 +94,4 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     if controller is not None:
         made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.laws.base * timestep)
         noise = None if made.silent else made
-    return Prepared(scenario, model, data, motion, commands, load, controller, loop, noise, every, steps)
+    return Prepared(scenario, norms, model, data, motion, commands, load, controller, loop, noise, every, steps)

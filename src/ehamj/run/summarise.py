@@ -43,7 +43,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     # Counted: one state before each step and, at the end of a complete run, the last one.
     states = max(steps + (failure is None), 1)
     shares = saturation(driven.tally, states, plant.mounts)
-    isolated, undecided = isolation(dataset, plant, rate, usable_to, scenario.criteria, usable_from)
+    isolated, undecided = isolation(dataset, plant, rate, usable_to, prepared.norms, usable_from)
     clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []

@@ -87,4 +87,4 @@ def told(shown: Shown, processing: bool) -> list[str]:
         for text in (*older, *result.summary.warnings):
             if bool(PROCESSING.match(text)) == processing:
                 found.setdefault(text, []).append(label)
-    return [text if len(who) == len(shown.results) else f"{', '.join(who)}: {text}" for text, who in found.items()]
+    return [text if len(who) == len(shown.results) else f"{'; '.join(who)}: {text}" for text, who in found.items()]
