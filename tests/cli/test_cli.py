@@ -4,7 +4,9 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import obspy
@@ -14,7 +16,8 @@ from harness import Cli, Said
 
 from ehamj.cli import app
 from ehamj.plant.mounts import MOUNTS
-from ehamj.result import load_result
+from ehamj.result import Result, load_result
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import shipped_scenarios
 
 pytestmark = pytest.mark.usefixtures("empty_folder")
@@ -492,3 +495,16 @@ def test_a_report_of_no_result_is_refused(cli: Cli) -> None:
     Path("empty").mkdir()
     assert "is no result folder" in cli("report", "empty").message
     assert tree() == {"empty": None}
+
+
+def test_a_band_that_passes_as_it_is_has_zero_decibels(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And no minus zero; what is amplified keeps its sign."""
+
+    def passed(*arguments: Any, **options: Any) -> Result:
+        result = simulate(*arguments, **options)
+        bands = {"5": -0.3, "10": 0.3, "20": -0.6}
+        return replace(result, summary=result.summary.changed(attenuation_db={"z": bands}))
+
+    monkeypatch.setattr("ehamj.run.simulate.simulate", passed)
+    said = cli(*QUICK)
+    assert "floor to machine: 0 dB at 5 Hz, 0 dB at 10 Hz, -1 dB at 20 Hz\n" in said.out

@@ -430,11 +430,20 @@ TIMES = np.arange(1000) / 100.0
 WAVE = np.sin(TAU * TIMES)
 
 FAULTS = {
-    "inventory": ("m/s", {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a text table has units"),
+    "inventory": (
+        "m/s",
+        {"inventory": "b.xml"},
+        r"ground\.inventory = 'b\.xml' is of use with a record in a seismic format only, and .* is a text table; leave",
+    ),
+    "damaged": (
+        "m/s",
+        {"file": "b.wav", "damaged": "skip"},
+        r"ground\.damaged = 'skip' is of use with a text table or a record in a seismic format only, and 'b\.wav'",
+    ),
     "table": (
         "m/s",
         {"file": "b.mseed", "table": {}},
-        r"ground\.table is for tables of text, and 'b\.mseed' is a seism",
+        r"ground\.table is of use with a text table only, and 'b\.mseed' is a rec",
     ),
     "pre_filter": (
         "m/s",

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.records import by_axis
 
 from ehamj.ground.records import RecordGround
-from ehamj.records.channel import Record
 from ehamj.records.components import answers_of
 
 ROWS = "".join(f"{k / 100:.2f},{k % 7}.5,{k % 5}.25\n" for k in range(600))
@@ -16,10 +16,6 @@ ROWS = "".join(f"{k / 100:.2f},{k % 7}.5,{k % 5}.25\n" for k in range(600))
 def ground(folder: Path, head: str, **settings: Any) -> RecordGround:
     (folder / "a.csv").write_text(head + "\n" + ROWS)
     return RecordGround(kind="record", file=str(folder / "a.csv"), **settings)
-
-
-def by_axis(record: Record) -> dict[str, np.ndarray]:
-    return {channel.axis: channel.samples for channel in record.channels}
 
 
 @pytest.mark.parametrize(("unit", "volts"), [("V", 1.0), ("mV", 1e-3), ("µV", 1e-6)])

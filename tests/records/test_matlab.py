@@ -232,10 +232,10 @@ def test_only_what_is_picked_is_judged(tmp_path: Path) -> None:
 def test_signals_of_two_clocks_begin_where_the_later_does(tmp_path: Path) -> None:
     signals = {
         name: {
-            "x_values": {"start_value": begin, "increment": 1 / rate},
+            "x_values": {"start_value": begin / unit, "increment": 1 / rate / unit, "quantity": {"label": label}},
             "y_values": {"values": NOISE[0], "quantity": {"label": "m/s"}},
         }
-        for name, begin, rate in (("a", 0.0, 500.0), ("b", 2.0, 1000.0))
+        for name, begin, rate, label, unit in (("a", 0.0, 500.0, "s", 1.0), ("b", 2.0, 1000.0, "ms", 1e-3))
     }
     savemat(tmp_path / "a.mat", signals)
     record = read(tmp_path / "a.mat", axes={"a": "x", "b": "z"})

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from oracles.records import read
 from oracles.tables import CLOCKS, FIELD, HEADERS, RATE, TIME_UNITS, UNITS, Written, sines
 
 from ehamj.records.channel import Record
@@ -18,10 +19,6 @@ from ehamj.records.tables import read_table
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
-
-
-def read(path: Path, **choices: Any) -> Record:
-    return reader_of(path).read(path, Choices.model_validate(choices))
 
 
 def read_text(folder: Path, text: str | bytes, name: str = "a.csv", **choices: Any) -> Record:
@@ -476,6 +473,11 @@ FAULTS: dict[str, tuple[str, dict[str, Any], str]] = {
     ),
     "no rows": ("time [s], z [m]\n", {}, r"'a\.csv': no row of numbers was found \(line 'time \[s\], z \[m\]' is none"),
     "empty": ("", {}, r"no row of numbers was found; it is empty"),
+    "header below the rows": (
+        f"time [s],z [m]\n{T}end,here\n",
+        {"table": {"header": 32}},
+        r"'a\.csv': there is no row of numbers after line 32; correct ground\.table\.header or",
+    ),
     "binary": ("time [s],z [m]\n\x00\x01\n", {}, r"is no text: it holds the control character 0x00 in line 2"),
     "no header": (
         T,

@@ -265,7 +265,11 @@ FAULTS: dict[str, tuple[list[dict[str, Any]] | str, dict[str, Any], str]] = {
     ),
     "backwards": (written(NOISE[0], -1e-3), {}, r"steps of -0\.001; times must rise"),
     "no step": (written(NOISE[0], 0.0), {}, r"steps of 0; times must rise"),
-    "inventory": ([response(NOISE[0], 3)], {"inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': "),
+    "inventory": (
+        [response(NOISE[0], 3)],
+        {"inventory": "b.xml"},
+        r"ground\.inventory = 'b\.xml' is of use with .*is a universal",
+    ),
     "fewer than stated": (
         written(NOISE[0], 1e-3).replace("      5000", "      6000"),
         {},

@@ -159,7 +159,7 @@ def test_samples_at_the_full_scale_are_called_clipped(tmp_path: Path) -> None:
         ({"full_scale": 1.0, "axes": {"1": "z"}}, r"ground\.quantity = 'auto', .*'1' holds; set ground\.unit"),
         ({"full_scale": 1.0, "unit": "g"}, r"ground\.axes does not say which axis '1' is; name it"),
         ({"full_scale": 1.0, "unit": "g", "axes": {"2": "z"}}, r"ground\.axes names '2', .*it holds '1'"),
-        ({"full_scale": 1.0, "inventory": "b.xml"}, r"ground\.inventory = 'b\.xml': a WAV file"),
+        ({"full_scale": 1.0, "inventory": "b.xml"}, r"ground\.inventory = 'b\.xml' is of use with .*is a WAV file"),
     ],
 )
 def test_faults_are_named(tmp_path: Path, options: dict[str, Any], message: str) -> None:

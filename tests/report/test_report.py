@@ -617,6 +617,15 @@ def test_warnings_stand_on_top_and_processing_below(results: dict[str, Result]) 
     assert [item.text_content() for item in seen.xpath('//*[@id="inputs"]//ul/li')] == [steps]
 
 
+def test_names_of_several_results_that_share_a_warning_are_told_apart(results: dict[str, Result]) -> None:
+    """Names have commas themselves."""
+    odd, quiet = (results["passive"].summary.changed(warnings=found) for found in (["odd"], []))
+    runs = {"recorded, passive": odd, "recorded, soft": odd, "quiet": quiet}
+    seen = text_of({name: replace(results["passive"], summary=summary) for name, summary in runs.items()}, warnings)
+    (told,) = seen.xpath('//*[@id="warnings"]//li')
+    assert told.text_content() == "recorded, passive; recorded, soft: odd"
+
+
 def test_the_notes_of_a_real_record_are_told_apart() -> None:
     start = Start(MOUNTS, np.zeros((4, 2)), 20.0, 0)
     notes = load_scenario("recorded").ground.motion(start).notes

@@ -176,6 +176,11 @@ class Norm:
         return frozenset(limit.kind for table in self._limits.values() for limit in table.values())
 
     @cached_property
+    def statistics(self) -> frozenset[Statistic]:
+        """What the levels are of that the norm limits."""
+        return frozenset(statistic for _, statistic in self.kinds)
+
+    @cached_property
     def swinging(self) -> frozenset[Quantity]:
         """Quantities of which the norm limits the peak by the frequency of its swing."""
         return frozenset(limit.quantity for table in self._limits.values() for limit in table.values() if limit.corners)

@@ -27,7 +27,7 @@ from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.statistics import WORDS, BandStatistic, Statistic
 from ehamj.findings import Finding
-from ehamj.records.lines import text_of
+from ehamj.records.lines import lines_of
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
 from ehamj.records.units import motion_unit
@@ -111,7 +111,7 @@ def own_norm(name: str, statistic: BandStatistic = "rms", written: TableChoices 
     try:
         found = read_table(path, KEY, written)
         columns, table = found.columns, found.values()
-        stated = _stated(text_of(path, KEY, written.encoding if written else None).lines[:LINES])
+        stated = _stated(lines_of(path, KEY, written.encoding if written else None).lines[:LINES])
         kind = _kind(columns)
         _check_rows(columns, table)
         curves = {column.name: _curve(column, table[:, k]) for k, column in enumerate(columns[1:], start=1)}

@@ -10,7 +10,7 @@ from typing import Final, Self
 
 import numpy as np
 from scipy.fft import prev_fast_len
-from scipy.signal.windows import blackmanharris
+from scipy.signal.windows import general_cosine
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.estimate.counted import Counted
@@ -140,7 +140,7 @@ class _Search:
 
 @lru_cache(maxsize=2)
 def _window(size: int) -> Array:
-    return np.asarray(blackmanharris(size, sym=False))
+    return np.asarray(general_cosine(size, np.abs(COSINES), sym=False))
 
 
 def _energy(spectrum: ComplexArray, nu: float) -> float:

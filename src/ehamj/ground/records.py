@@ -14,7 +14,7 @@ from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
 from ehamj.records.channel import USABLE, Record
 from ehamj.records.choices import Choices
-from ehamj.records.readers import READERS, reader_of
+from ehamj.records.readers import READERS, check_used, reader_of
 from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
 from ehamj.settings import FileName
@@ -55,18 +55,7 @@ class RecordGround(Choices, GroundSettings, Treatment):
         """The raw record."""
         path = Path(self.file)
         reader = reader_of(path)
-        if self.inventory is not None and not reader.responds:
-            name = Path(self.inventory).name
-            raise ValueError(f"ground.inventory = {name!r}: a {reader.title} has units; leave inventory out")
-        if self.table is not None and reader is not READERS["table"]:
-            raise ValueError(f"ground.table is for tables of text, and {path.name!r} is a {reader.title}; leave it out")
-        for key, value, plain, readers in (
-            ("response", self.response, None, ("seismic",)),
-            ("overlap", self.overlap, "refuse", ("seismic",)),
-            ("damaged", self.damaged, "refuse", ("seismic", "table")),
-        ):
-            if value != plain and reader not in [READERS[name] for name in readers]:
-                raise ValueError(f"ground.{key} = {value!r} is of no use with a {reader.title}; leave it out")
+        check_used(path, reader, self)
         return reader.read(path, self)
 
     def motion(self, start: Start) -> Motion:

@@ -27,8 +27,8 @@ def band_gain(frequency: Array, band: tuple[float, float, float, float]) -> Arra
 def decimated(samples: Array, factor: int) -> Array:
     """Every ``factor``-th of ``samples`` (n,), shape (ceil(n / factor),), after a filter without phase.
 
-    The filter is one up to `USABLE` of the result's Nyquist frequency and exactly zero from there on up; the flank is a
-    cosine. Samples should begin and end near zero: they are taken to be zero outside.
+    The filter is one up to `USABLE` of the result's Nyquist frequency and exactly zero from that on; between them the
+    flank is a cosine. Samples should begin and end near zero: they are taken to be zero outside.
     """
     if factor == 1:
         return samples

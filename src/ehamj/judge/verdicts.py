@@ -100,7 +100,7 @@ def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = 
 
 def strongest_second(norm: Norm) -> Norm | None:
     """A norm by the largest sliding 1 s RMS; None where all its limits are peaks."""
-    return norm.by("max_1s", every=True) if any(statistic != "peak" for _, statistic in norm.kinds) else None
+    return norm.by("max_1s", every=True) if norm.statistics - {"peak"} else None
 
 
 def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None, usable_to: float = np.inf) -> AtPlace:
@@ -111,7 +111,7 @@ def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None,
         axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
         for k, axis in enumerate(AXES)
     }
-    if usable_to < PEAKS_TO and any(statistic == "peak" for _, statistic in norm.kinds):
+    if usable_to < PEAKS_TO and "peak" in norm.statistics:
         verdicts = {axis: verdict if verdict.met is None else _open(verdict) for axis, verdict in verdicts.items()}
     worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
     return AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
@@ -218,13 +218,13 @@ def unheld(norms: Mapping[str, Norm], found: Mapping[str, ByNorm], usable_to: fl
     low = [band for band in everything if band.edges[0] < usable_from]
     high = [band for band in everything if band.edges[1] > usable_to]
     sides = ((low, f"from {usable_from:.3g} Hz on"), (high, f"up to {usable_to:.3g} Hz"))
-    peaks = [name for name in norms if usable_to < PEAKS_TO and not all(v.decided for v in _every(found[name]))]
-    peaks = [name for name in peaks if any(statistic == "peak" for _, statistic in norms[name].kinds)]
-    said = [
-        f"no verdict by {', '.join(peaks)}: peaks need the ground up to {PEAKS_TO:g} Hz, and it is known up to "
-        f"{usable_to:.3g} Hz only; classes named are the best that may be met"
-    ]
-    said = said if peaks else []
+    limited = [name for name, norm in norms.items() if usable_to < PEAKS_TO and "peak" in norm.statistics]
+    said = []
+    if peaks := [name for name in limited if not all(verdict.decided for verdict in _every(found[name]))]:
+        said.append(
+            f"no verdict by {', '.join(peaks)}: peaks need the ground up to {PEAKS_TO:g} Hz, and it is known up to "
+            f"{usable_to:.3g} Hz only; classes named are the best that may be met"
+        )
     if not everything:
         return said
     along = "" if len(axes) == len(AXES) else f" along {', '.join(axes)}"

@@ -12,6 +12,7 @@ from ehamj.settings import FileName, Positive, Settings
 AxisChoice = dict[str, Place] | None
 QuantityChoice = Literal["auto", "displacement", "velocity", "acceleration"]
 GapChoice = Literal["error", "interpolate"]
+ResponseChoice = Literal["stages", "sensitivity"]
 
 
 class Choices(Settings):
@@ -45,7 +46,7 @@ class Choices(Settings):
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"
     )
-    response: Literal["stages", "sensitivity"] | None = Field(
+    response: ResponseChoice | None = Field(
         None,
         description="which counts where the instrument's stages and its overall sensitivity disagree: the stages, or "
         "the sensitivity, to which their shape is scaled; default: neither, the record is refused",

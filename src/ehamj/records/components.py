@@ -2,37 +2,18 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isclose, isfinite
-from pathlib import Path
 
 import numpy as np
 
 from ehamj.records.channel import Channel, Place, Record, Response
 from ehamj.records.choices import AxisChoice, Choices
-from ehamj.records.units import Quantity, is_motion, is_silent, motion_unit, unit
+from ehamj.records.units import Quantity, is_motion, is_silent, kind_of, motion_unit, unit
 from ehamj.signals import Array
 
 STANDARD_AXES: dict[str, Place] = {"E": "x", "N": "y", "Z": "z", "x": "x", "y": "y", "z": "z"}
-
-
-@contextmanager
-def reading(path: Path, how: str, key: str = "ground.file") -> Iterator[None]:
-    """Turns whatever a library raises at a damaged file into a ValueError: it cannot be read ``how``."""
-    try:
-        yield
-    except Exception as error:
-        said = " ".join(str(error).split())[:400]  # one line, whatever the library quotes
-        raise ValueError(f"{key} = {path.name!r} cannot be read{how}: {said}") from error
-
-
-def existing(path: Path, key: str = "ground.file") -> Path:
-    """The path; raises ValueError, naming ``key``, where there is no such file."""
-    if not path.is_file():
-        raise ValueError(f"{key} = {path.name!r}: there is no such file in {path.parent}")
-    return path
 
 
 @dataclass(frozen=True)
@@ -47,6 +28,7 @@ class Loaded:
     time: float = 0.0
     """Of the first sample, on the file's own clock [s]."""
     response: Response | None = None
+    """Counts per SI unit at frequencies [Hz]; None where the samples are in their unit already."""
     notes: tuple[str, ...] = ()
     calibration: float = 1.0
     """Factor on the samples that the file states [-]."""
@@ -208,7 +190,7 @@ def agreed_unit(
     found = None if isinstance(stated, str) and is_silent(stated) else stated
     if isinstance(found, str):
         try:
-            found = None if users and unit(found).kind in ("counts", "voltage") else motion_unit(found)
+            found = None if users and kind_of(found) in ("counts", "voltage") else motion_unit(found)
         except ValueError as error:
             if users is None:
                 raise ValueError(f"ground.file: the unit of {name!r}: {error}; ground.unit can say it") from None
@@ -237,11 +219,7 @@ def agreed_unit(
 
 def _volts(stated: object) -> float | None:
     """How many volts the unit of a sensor's voltage is, None of others."""
-    try:
-        found = unit(stated) if isinstance(stated, str) else None
-    except ValueError:
-        return None
-    return found.size if found is not None and found.kind == "voltage" else None
+    return unit(stated).size if isinstance(stated, str) and kind_of(stated) == "voltage" else None
 
 
 def recorded(label: str, channels: Sequence[Channel], notes: Sequence[str] = (), name: str | None = None) -> Record:

@@ -9,7 +9,9 @@ from pathlib import Path
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.components import Component, Loaded, record_of
-from ehamj.records.text import check_quantity, decoded, matching, numbers
+from ehamj.records.files import matching
+from ehamj.records.lines import lines_of
+from ehamj.records.text import check_quantity, numbers
 
 QUANTITIES = {
     "ACCELERATION": "acceleration",
@@ -41,7 +43,7 @@ def read_esm(path: Path, choices: Choices = SILENT) -> Record:
     """
     components = []
     for file in matching(path):
-        lines = decoded(file)
+        lines = lines_of(file, "ground.file").lines
         header = _header(lines)
         stream = header.get("STREAM") or ITACA_AXES.get(header.get("COMPONENT", ""), "")
         station = ".".join(header.get(key, "") for key in ("NETWORK", "STATION_CODE", "LOCATION"))

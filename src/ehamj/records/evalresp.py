@@ -15,6 +15,7 @@ import numpy as np
 
 from ehamj.arrays import ComplexArray
 from ehamj.records.instrument import DISAGREEMENT, Instrument
+from ehamj.records.said import one_line, warned
 from ehamj.records.units import Quantity, motion_unit, unit
 from ehamj.signals import Array
 
@@ -166,7 +167,7 @@ def _evaluated(
     """Response at frequencies [Hz] and what was said of it; zero outside the band of a list."""
     inside = np.ones(frequency.shape, bool) if band is None else (frequency >= band[0]) & (frequency <= band[1])
     values, failure = np.zeros(frequency.shape, complex), None
-    with _LOCK, warnings.catch_warnings(record=True) as warned, _overheard() as printed:
+    with _LOCK, warnings.catch_warnings(record=True) as caught, _overheard() as printed:
         warnings.simplefilter("always")
         try:
             if inside.any():
@@ -175,14 +176,13 @@ def _evaluated(
         except Exception as error:  # evalresp raises what it likes
             failure = error
     if failure is not None:
-        why = "; ".join([" ".join(str(failure).split()), *printed])
+        why = "; ".join([one_line(failure), *printed])
         raise ValueError(f"ground.inventory: the response of {name} cannot be evaluated: {why}") from failure
     if not np.isfinite(values).all():
         raise ValueError(f"ground.inventory: the response of {name} is not finite at some frequencies")
     if inside.all() and not values.any() and (frequency > 0).any():
         raise ValueError(f"ground.inventory: the response of {name} is zero at all frequencies")
-    said = [" ".join(str(one.message).split()) for one in warned if not issubclass(one.category, DeprecationWarning)]
-    return values, list(dict.fromkeys([*said, *printed]))
+    return values, list(dict.fromkeys([*warned(caught), *printed]))
 
 
 @contextmanager
@@ -201,8 +201,8 @@ def _overheard() -> Iterator[list[str]]:
             sink.seek(0)
             for line in sink.read().decode(errors="replace").splitlines(keepends=True):
                 if "WARNING" in line or "EVRESP" in line or "Note:" in line:
-                    heard.append(" ".join(line.split()))
+                    heard.append(one_line(line))
                 elif heard and line.startswith("\t"):  # goes on with what was said
-                    heard[-1] += " " + " ".join(line.split())
+                    heard[-1] += " " + one_line(line)
                 else:
                     os.write(2, line.encode())

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ehamj.plain.xml import check_xml, is_xml
 from ehamj.records.gse import read_gse
+from ehamj.records.orientation import UNSET
 
 if TYPE_CHECKING:
     from obspy import Inventory, Stream
@@ -45,7 +46,7 @@ def _sac_ascii_places(path: str) -> None:
 
 def _on_earth(header: Any) -> None:
     for at, what in ((31, "STLA"), (32, "STLO"), (35, "EVLA"), (36, "EVLO")):
-        if not (abs(header[at]) <= 360.0 or header[at] == -12345.0):
+        if not (abs(header[at]) <= 360.0 or header[at] == UNSET):
             raise ValueError(f"its header states {what} = {header[at]:g}, which is no place on Earth in degrees")
 
 

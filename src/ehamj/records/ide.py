@@ -1,6 +1,5 @@
 """Records of enDAQ loggers (IDE files), through idelib, which applies their calibration."""
 
-import logging
 import os
 import re
 import warnings
@@ -12,11 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, answers_of, record_of
+from ehamj.records.files import bounded, existing, reading
+from ehamj.records.said import logged, one_line
 from ehamj.records.units import is_motion
 
 PLAIN = {
@@ -48,7 +48,7 @@ def read_ide(path: Path, choices: Choices = SILENT) -> Record:
     existing(path)
     with _opened(path) as content:
         held = [
-            Held(channel, sub, f"{_shown(channel.name)}/{_shown(sub.name)}", str(sub.units[1] or ""))
+            Held(channel, sub, f"{one_line(channel.name)}/{one_line(sub.name)}", str(sub.units[1] or ""))
             for channel in content.channels.values()
             for sub in channel.subchannels
         ]
@@ -58,16 +58,11 @@ def read_ide(path: Path, choices: Choices = SILENT) -> Record:
             raise ValueError(f"ground.file = {path.name!r} holds no channel of motion; it holds {told or 'none'}")
         components = []
         for one in taken:
-            own = _shown(one.subchannel.name)
+            own = one_line(one.subchannel.name)
             components.append(Component(one.name, partial(_load, path, one, choices), (own, *answers_of(own))))
         over = ", ".join(f"{one.name} [{one.unit}]" for one in held if one not in taken)
         notes = [f"channels that hold no motion are passed over: {over}"] if over else []
         return record_of(path.name, components, choices, "set the channel's unit", notes)
-
-
-def _shown(name: Any) -> str:
-    """A name on one line."""
-    return " ".join(str(name).split())
 
 
 @contextmanager
@@ -75,27 +70,17 @@ def _opened(path: Path) -> Iterator[Any]:
     """The file's channels and data; raises ValueError for what idelib would guess, evaluate, or only warn of."""
     from idelib.importer import openFile, readData
 
-    with bounded(path) as file, warnings.catch_warnings():
+    with bounded(path) as file, warnings.catch_warnings(), logged("idelib") as said:
         for kind in (UserWarning, UnicodeWarning):  # of formats that are missing, and names that cannot be read
             warnings.simplefilter("error", kind)
-        said: list[str] = []
-        handler = logging.Handler(logging.WARNING)
-        handler.emit = lambda record: said.append(record.getMessage()[:80])  # type: ignore[method-assign]
-        logger = logging.getLogger("idelib")
-        logger.addHandler(handler)
-        quiet, logger.propagate = logger.propagate, False
-        try:
-            with reading(path, " as an IDE file"):
-                _check(file)
-                file.seek(0)
-                content = openFile(file, quiet=True)
-                readData(content)
-                if content.fileDamaged or said:
-                    raise ValueError("; ".join(said) or "it breaks off; save it again from the logger's program")
-            yield content
-        finally:
-            logger.removeHandler(handler)
-            logger.propagate = quiet
+        with reading(path, " as an IDE file"):
+            _check(file)
+            file.seek(0)
+            content = openFile(file, quiet=True)
+            readData(content)
+            if content.fileDamaged or said:
+                raise ValueError("; ".join(said) or "it breaks off; save it again from the logger's program")
+        yield content
 
 
 def _check(file: Any) -> None:

@@ -2,17 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ehamj.arrays import ComplexArray
 from ehamj.records.channel import Response
+from ehamj.records.choices import ResponseChoice
 from ehamj.records.orientation import Orientation
 from ehamj.records.units import Quantity
 from ehamj.signals import Array
-
-ResponseChoice = Literal["stages", "sensitivity"]
 
 DISAGREEMENT = 0.05
 """How far sensitivity and stages may be apart, relative: what evalresp warns at, and half a decibel in the levels."""
@@ -29,9 +28,9 @@ class Instrument:
     stages: Callable[[Array], ComplexArray] | None
     """Response of all stages at frequencies [Hz], shape (n,); None where only a sensitivity is stated."""
     product: float | None
-    """The stages' own sensitivity, where the stated one holds."""
+    """The stages' own sensitivity where the stated one holds [counts per SI unit]; None where that is unknown."""
     stated: float | None
-    """Overall sensitivity; None where none is stated."""
+    """Overall sensitivity [counts per SI unit]; None where none is stated."""
     unit: tuple[str, float] = ("m", 1.0)
     """Of what is sensed, as the metadata spell it, and its SI value; for messages."""
     where: str = ""

@@ -1,7 +1,7 @@
 """The traces of one channel on one grid: gaps, overlaps, and clocks that were set anew."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,8 +17,6 @@ OFF_GRID = 1e-2
 
 SAME_RATE = 1e-6
 """How far the rates of traces of one channel may differ, relative: rounding of what headers hold."""
-
-OverlapChoice = Literal["refuse", "first", "last"]
 
 
 def alike(traces: "Sequence[Trace]") -> bool:

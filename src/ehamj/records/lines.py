@@ -28,7 +28,7 @@ class Text(NamedTuple):
     ended: bool
 
 
-def text_of(path: Path, key: str, encoding: str | None = None) -> Text:
+def lines_of(path: Path, key: str, encoding: str | None = None) -> Text:
     """The lines of a text file.
 
     Without ``encoding`` a byte order mark says it, else what does not decode as UTF-8 is Windows' Western European

@@ -33,19 +33,17 @@ class Found:
 
     @property
     def length(self) -> int:
-        return max(self.numbers.shape) if self.clock is None or self.clock.length is None else self._along
-
-    @property
-    def _along(self) -> int:
         """Samples along the dimension that the times have, or along the longer one."""
         wanted = self.clock.length if self.clock is not None else None
-        return wanted if wanted in self.numbers.shape and wanted is not None else max(self.numbers.shape)
+        return wanted if wanted is not None and wanted in self.numbers.shape else max(self.numbers.shape)
 
     @property
     def columns(self) -> int:
+        """Number of channels."""
         return int(np.prod(self.numbers.shape)) // self.length
 
     def column(self, number: int) -> np.ndarray:
+        """The values of a channel, from 0, as stored, shape (length,)."""
         values = self.numbers.read().reshape(self.numbers.shape)
         return values[:, number] if values.shape[0] == self.length else values[number]
 
@@ -142,7 +140,7 @@ def _load(one: Found, name: str, number: int, label: str, choices: Choices) -> L
     stated = unit_of(name, one.key, one.scopes, number, one.columns, choices)
     rates = one.clock.rates(where)
     if one.clock.times is None:
-        return Loaded(samples, rates[0], stated, one.clock.begin())
+        return Loaded(samples, rates[0], stated, one.clock.begin(where))
     time, resolution = one.clock.seconds(where)
     rate, index, notes = clock(time, label, choices.gaps, resolution, rates[0] if rates else None)
     if any(abs(stored / rate - 1.0) > 1e-3 for stored in rates):

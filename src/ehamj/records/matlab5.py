@@ -50,11 +50,11 @@ class Element(NamedTuple):
 
 def variables(content: bytes) -> dict[str, Value]:
     """The variables of a file; raises ValueError where it is not laid out as it must be."""
-    return Reader("<" if content[126:128] == b"IM" else ">").variables(content)
+    return Level5("<" if content[126:128] == b"IM" else ">").variables(content)
 
 
-class Reader:
-    """Reads elements of one byte order."""
+class Level5:
+    """Reads the elements of a file, which have one byte order."""
 
     def __init__(self, order: str) -> None:
         self.order = order

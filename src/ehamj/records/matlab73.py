@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.records.components import reading
-from ehamj.records.matlab_values import DEEPEST, MOST_PARTS, Numbers, Opaque, Value, bounded, dense
+from ehamj.records.files import reading
+from ehamj.records.matlab_values import DEEPEST, MOST_PARTS, Numbers, Opaque, Value, check_size, dense
 
 FILTERS = {1: "deflate", 2: "shuffle", 3: "Fletcher's checksum"}
 """HDF5 filters that MATLAB uses; others would be loaded from plug-ins."""
@@ -99,7 +99,7 @@ class Hdf5:
             _check_stored(item, f"{name}.{key}")
             parts.append(np.asarray(item[()]))
         shape = (int(group.attrs["MATLAB_sparse"]), parts[2].size - 1)
-        bounded(name, shape)
+        check_size(name, shape)
         matrix = csc_matrix((parts[0].ravel(), parts[1].ravel(), parts[2].ravel()), shape=shape)
         return Numbers(shape, lambda: dense(matrix, name))
 
@@ -112,7 +112,7 @@ def _refers(item: Any) -> bool:
 
 def _check_stored(item: Any, name: str) -> None:
     """Raise ValueError where a dataset is too large, or needs more than MATLAB's own filters."""
-    bounded(name, item.shape or ())
+    check_size(name, item.shape or ())
     plan = item.id.get_create_plist()
     for number in range(plan.get_nfilters()):
         code, _, _, words = plan.get_filter(number)
@@ -120,4 +120,4 @@ def _check_stored(item: Any, name: str) -> None:
             told = f"{code} {words.decode(errors='replace')}".strip()
             raise ValueError(f"{name} is stored with the filter {told}; known are {', '.join(FILTERS.values())}")
     if item.chunks is not None:
-        bounded(f"a chunk of {name}", item.chunks)
+        check_size(f"a chunk of {name}", item.chunks)

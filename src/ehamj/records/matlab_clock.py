@@ -95,10 +95,11 @@ class Clock:
         size = _size(self.unit, f"{where}: {self.name}", "time")
         return time * size, rounding(stored) * size
 
-    def begin(self) -> float:
-        """Time of the first sample that is stated beside a step [in the step's unit], 0 where it is not."""
-        found = _number(self.start)
-        return found if np.isfinite(found) else 0.0
+    def begin(self, where: str) -> float:
+        """Time of the first sample [s], stated beside a step and in its unit, 0 where it is not."""
+        found, (name, _, written) = _number(self.start), self.stated[0]
+        size = 1.0 if split(name)[0] in RATES else _size(written, f"{where}: {name}", "time")
+        return found * size if np.isfinite(found) else 0.0
 
 
 def _size(written: str, what: str, kind: str) -> float:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ehamj.plain.hdf5 import check_hdf5
-from ehamj.records.components import existing, reading
+from ehamj.records.files import existing, reading
 from ehamj.records.matlab5 import HEADER, variables
 from ehamj.records.matlab73 import Hdf5
 from ehamj.records.matlab_values import Numbers, Opaque, Value

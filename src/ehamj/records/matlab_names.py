@@ -8,7 +8,7 @@ import re
 from typing import Any
 
 from ehamj.records.choices import Choices
-from ehamj.records.units import is_silent, time_unit, unit
+from ehamj.records.units import is_silent, kind_of, unit
 
 Scope = dict[str, Any]
 """A struct, or the file's variables: what stands beside an array."""
@@ -73,17 +73,9 @@ def unit_of(name: str, key: str, scopes: tuple[Scope, ...], number: int, columns
             texts += [v for k, v in place.items() if plain(k) in ("unit", "units")]
         for text in texts:
             chosen = text[number] if isinstance(text, list) and len(text) == columns else text
-            if isinstance(chosen, str) and not is_silent(chosen) and not _of_time(chosen):
+            if isinstance(chosen, str) and not is_silent(chosen) and kind_of(chosen) != "time":
                 return chosen.strip()
     return None
-
-
-def _of_time(text: str) -> bool:
-    try:
-        time_unit(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _testlab(name: str, quantity: Scope, choices: Choices) -> str | None:

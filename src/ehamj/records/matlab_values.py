@@ -36,7 +36,7 @@ Value = dict[str, Any] | list[Any] | str | Numbers | Opaque
 """A struct, a struct array or cell array, a text, numbers, or what cannot be read; structs and lists hold values."""
 
 
-def bounded(name: str, shape: Any, most: int = MOST) -> None:
+def check_size(name: str, shape: Any, most: int = MOST) -> None:
     """Raise ValueError where an array would be larger than ``most``."""
     size = float(np.prod([float(n) for n in shape]))
     if not 0 <= size <= most:
@@ -45,7 +45,7 @@ def bounded(name: str, shape: Any, most: int = MOST) -> None:
 
 def dense(matrix: Any, name: str) -> np.ndarray:
     """A sparse matrix in full, after a look at its indices, which the compiled code trusts."""
-    bounded(name, matrix.shape)
+    check_size(name, matrix.shape)
     try:
         matrix.check_format(full_check=True)
     except ValueError as error:

@@ -8,7 +8,9 @@ from pathlib import Path
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.components import Component, Loaded, record_of
-from ehamj.records.text import check_quantity, decoded, matching, numbers
+from ehamj.records.files import matching
+from ehamj.records.lines import lines_of
+from ehamj.records.text import check_quantity, numbers
 from ehamj.records.units import time_unit
 
 HEADER = 4
@@ -34,7 +36,7 @@ def read_peer(path: Path, choices: Choices = SILENT) -> Record:
     """
     components = []
     for file in matching(path):
-        lines = decoded(file)
+        lines = lines_of(file, "ground.file").lines
         name = lines[1].rpartition(",")[2].strip() if len(lines) > 1 and "," in lines[1] else ""
         answers = (name, file.name, file.stem, *(("Z",) if name.upper() in VERTICAL else ()))
         components.append(Component(file.name, partial(_load, file.name, lines, name), tuple(filter(None, answers))))

@@ -4,11 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ehamj.records.components import existing, reading
+from ehamj.records.choices import ResponseChoice
 from ehamj.records.epochs import Epoch, check_throughout
 from ehamj.records.evalresp import instrument_of
+from ehamj.records.files import existing, reading
 from ehamj.records.formats import read_inventory
-from ehamj.records.instrument import Instrument, ResponseChoice, Sensed, agreed_response
+from ehamj.records.instrument import Instrument, Sensed, agreed_response
 from ehamj.records.orientation import Orientation
 from ehamj.records.poles import PoleZeros, looks_like_poles, read_poles
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
-from ehamj.records.components import Component, Loaded, reading, record_of
+from ehamj.records.components import Component, Loaded, record_of
+from ehamj.records.files import matching, reading
 from ehamj.records.formats import read_record, record_format
 from ehamj.records.joining import alike, joined
 from ehamj.records.miniseed import check_whole, read_skipping, read_strictly
 from ehamj.records.orientation import of_header, turned
 from ehamj.records.responses import Responses, open_responses, sensed_by
-from ehamj.records.text import matching
+from ehamj.records.said import warned
 from ehamj.records.units import Quantity
 
 if TYPE_CHECKING:
@@ -189,6 +190,5 @@ def _open_file(path: Path, choices: Choices) -> tuple["Stream", list[str]]:
             trace.stats._format = form.name
             if form.name in ("SAC", "SACXY"):
                 trace.stats.sampling_rate = _rate_of(trace.stats.sac.delta)
-    texts = [" ".join(str(one.message).split()) for one in said if not issubclass(one.category, DeprecationWarning)]
-    texts = [text for text in texts if not text.startswith("Sample spacing read from SAC")]
-    return stream, [*notes, *(f"{path.name}: ObsPy says: {text}" for text in list(dict.fromkeys(texts))[:MOST_SAID])]
+    texts = [text for text in warned(said) if not text.startswith("Sample spacing read from SAC")]
+    return stream, [*notes, *(f"{path.name}: ObsPy says: {text}" for text in texts[:MOST_SAID])]

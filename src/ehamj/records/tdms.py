@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid, rounding
-from ehamj.records.components import Component, Loaded, answers_of, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, answers_of, record_of
+from ehamj.records.files import bounded, existing, reading
+from ehamj.records.said import logged, one_line
 from ehamj.records.units import is_silent, time_unit
 from ehamj.signals import Array
 
@@ -41,8 +42,8 @@ def read_tdms(path: Path, choices: Choices = SILENT) -> Record:
         for group in file.groups():
             times = [c for c in group.channels() if _is_time(c)]
             for channel in group.channels():
-                own = " ".join(channel.name.split())
-                name = " ".join(f"{channel.group_name}/{own}".split())
+                own = one_line(channel.name)
+                name = one_line(f"{channel.group_name}/{own}")
                 if channel.dtype.kind not in "iuf" or len(channel) < 2:
                     passed.append(name)
                 elif channel not in times:
@@ -60,14 +61,9 @@ def _opened(path: Path) -> "Iterator[TdmsFile]":
     from nptdms import TdmsFile
     from nptdms.log import log_manager
 
-    said: list[str] = []
-    handler = logging.Handler(logging.WARNING)
-    handler.emit = lambda record: said.append(record.getMessage()[:80])  # type: ignore[method-assign]
-    logger = logging.getLogger("nptdms")
-    logger.addHandler(handler)
     log_manager.console_handler.setLevel(logging.CRITICAL)  # what it warns of is refused, in our words
     try:
-        with bounded(path) as raw:
+        with bounded(path) as raw, logged("nptdms") as said:
             with reading(path, " as TDMS"):
                 file = TdmsFile.open(raw)
                 most = path.stat().st_size
@@ -79,7 +75,6 @@ def _opened(path: Path) -> "Iterator[TdmsFile]":
                     raise ValueError("; ".join(said) or "its last segment is cut off")
             yield file
     finally:
-        logger.removeHandler(handler)
         log_manager.console_handler.setLevel(log_manager.log_level)
 
 
@@ -102,7 +97,7 @@ def _stated(channel: "TdmsChannel") -> str | None:
 
 def _load(path: Path, channel: "TdmsChannel", times: "TdmsChannel | None", start: Any, choices: Choices) -> Loaded:
     """One channel, scaled as its properties say; ``times`` is the channel of times in its group."""
-    where = f"ground.file = {path.name!r}: channel {' '.join(channel.name.split())}"
+    where = f"ground.file = {path.name!r}: channel {one_line(channel.name)}"
     with reading(path, f" as TDMS: {where.rpartition(': ')[2]}"):
         samples = np.asarray(channel[:], float)
     properties, stated = channel.properties, _stated(channel)

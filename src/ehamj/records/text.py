@@ -1,28 +1,9 @@
 """What readers of texts with a header and a list of numbers share."""
 
-from pathlib import Path
-
 import numpy as np
 
-from ehamj.records.components import existing
 from ehamj.records.units import motion_unit
 from ehamj.signals import Array
-
-
-def matching(path: Path) -> list[Path]:
-    """The files that ``path`` names, whose last part may hold wildcards; raises ValueError where there is none."""
-    if path.is_file() or not set(path.name) & set("*?["):
-        return [existing(path)]
-    return sorted(one for one in path.parent.glob(path.name) if one.is_file()) or [existing(path)]
-
-
-def decoded(path: Path) -> list[str]:
-    """Lines of a text, whatever wrote it."""
-    raw = path.read_bytes()
-    try:
-        return raw.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        return raw.decode("latin-1").splitlines()
 
 
 def numbers(label: str, lines: list[str], first: int, stated: int, key: str) -> Array:

@@ -13,8 +13,9 @@ import numpy as np
 from ehamj.records.channel import Place, Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import clock, on_grid
-from ehamj.records.components import Component, Loaded, existing, reading, record_of
-from ehamj.records.units import Quantity, is_silent, motion_unit, time_unit, unit
+from ehamj.records.components import Component, Loaded, record_of
+from ehamj.records.files import existing, reading
+from ehamj.records.units import Quantity, is_silent, kind_of, motion_unit, time_unit
 
 DIRECTIONS: dict[int, Place] = {1: "x", 2: "y", 3: "z"}
 DATA_TYPES: dict[int, Quantity] = {8: "displacement", 11: "velocity", 12: "acceleration"}
@@ -175,10 +176,7 @@ def _unit(
     """The ordinate's unit as `record_of` takes it, and a remark where it is not written beside it."""
     holds, label = DATA_TYPES.get(int(content["ordinate_spec_data_type"])), _label(content, "ordinate")
     if not is_silent(label):
-        try:
-            known = unit(label).kind
-        except ValueError:
-            return label, []  # refused by record_of, in its words
+        known = kind_of(label)  # what is unknown is refused by record_of, in its words
         if holds is not None and known in DATA_TYPES.values() and known != holds:
             raise ValueError(f"ground.file: UFF component {name} is {holds} by its data type, but in {label!r}")
         return label, []

@@ -7,6 +7,7 @@ A unit is read by a small grammar, so that spellings need no table of their own:
 import re
 import unicodedata
 from fractions import Fraction
+from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
 Quantity = Literal["displacement", "velocity", "acceleration"]
@@ -133,6 +134,15 @@ def unit(text: str) -> Unit:
     return Unit(power.size, kind)
 
 
+@lru_cache(1000)
+def kind_of(text: str) -> Kind | None:
+    """What a unit is of, None where it is none that is known."""
+    try:
+        return unit(text).kind
+    except ValueError:
+        return None
+
+
 def motion_unit(text: str) -> tuple[Quantity, float]:
     """Quantity and SI value of a unit of motion.
 
@@ -151,11 +161,7 @@ def motion_unit(text: str) -> tuple[Quantity, float]:
 
 def is_motion(text: str) -> bool:
     """Whether a text states a unit of motion."""
-    try:
-        motion_unit(text)
-    except ValueError:
-        return False
-    return True
+    return kind_of(text) in ORDERS
 
 
 def time_unit(text: str) -> float:

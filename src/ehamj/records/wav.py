@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
-from ehamj.records.bounded import bounded
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
-from ehamj.records.components import Component, Loaded, existing, reading, record_of
+from ehamj.records.components import Component, Loaded, record_of
+from ehamj.records.files import bounded, existing, reading
 from ehamj.signals import Array
 
 CLIPPED = 1.0 - 1e-4

@@ -2,11 +2,10 @@
 
 import re
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 from ehamj.records.tables.cells import Dialect
-from ehamj.records.units import is_silent, unit
+from ehamj.records.units import ORDERS, Kind, is_motion, is_silent, kind_of
 
 OPENING = {"]": "[", ")": "(", "}": "{", ">": "<"}
 
@@ -63,15 +62,6 @@ class Named(NamedTuple):
     unit: str | None
 
 
-@lru_cache(1000)
-def kind_of(text: str) -> str | None:
-    """What a unit is of, None where it is none that is known."""
-    try:
-        return unit(text).kind
-    except ValueError:
-        return None
-
-
 def words(name: str) -> list[str]:
     """Words of a name in lower case; ``accZ`` and ``acc_z`` are two."""
     apart = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name)
@@ -107,13 +97,13 @@ def _multiple(cell: str) -> Named | None:
         name = re.sub(r"(?:\s+in)?[\s_,;:/]*$", "", cell[: begin.start()])
         if match is None or not name:
             continue
-        kind, last = kind_of(match[2]), words(name)[-1:]
+        last = words(name)[-1:]
         counts = match[1].isdigit() and (
             match[1] == "1"
             or bool(last and NUMBERED.fullmatch(last[0]))
             or (len(match[1]) == 1 and cell[begin.start() - 1] == "_")
         )
-        if not counts and (kind in ("displacement", "velocity", "acceleration") or (kind == "time" and is_time(name))):
+        if not counts and (is_motion(match[2]) or (kind_of(match[2]) == "time" and is_time(name))):
             return Named(name, cell[begin.start() :].strip())
     return None
 
@@ -163,12 +153,10 @@ def _parted(cell: str, apart: str) -> tuple[str, str, str]:
     return cell[: match.start()].strip(), match[0], cell[match.end() :].strip()
 
 
-def _believed(name: str, rest: str, kind: str) -> bool:
+def _believed(name: str, rest: str, kind: Kind) -> bool:
     """Whether the last part of a name is its unit: several letters, or a name that says what it is of."""
-    if kind not in ("time", "displacement", "velocity", "acceleration"):
-        return False
-    if kind == "time":
-        return is_time(name)
+    if kind not in ORDERS:
+        return kind == "time" and is_time(name)
     if len(rest) > 1 and rest.lower() != "in" and ("/" in rest or not rest.isupper()):
         return True  # z_in may be a signal that comes in
     return rest.islower() and any(word.startswith(QUANTITIES[kind]) for word in words(name))

@@ -5,7 +5,7 @@ import re
 from ehamj.records.lines import CONTROL, encoding_of
 from ehamj.records.table_choices import UNSAID
 from ehamj.records.tables.dialects import sample_of, shapes
-from ehamj.records.tables.layout import COMMENTS
+from ehamj.records.tables.places import COMMENTS
 
 OTHERS = re.compile(
     r"\s*(?:TIMESERIES |WID[12] |XW01|DELTA: |Origin Time|DATASET |EVENT_NAME:|PEER )|.*-12345\.0", re.DOTALL

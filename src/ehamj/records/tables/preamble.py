@@ -6,9 +6,9 @@ from functools import partial
 from typing import NamedTuple
 
 from ehamj.records.tables.cells import Dialect
-from ehamj.records.tables.header import PREFIX, bare_unit, header_cells, kind_of
+from ehamj.records.tables.header import PREFIX, bare_unit, header_cells
 from ehamj.records.tables.stamps import is_stamp
-from ehamj.records.units import unit
+from ehamj.records.units import is_motion, unit
 
 RATE = re.compile(
     r"(?:sampl(?:e|ing)|scan|data|acquisition|acq|logging|output data|abtast)[ -]?(?:rate|freq(?:uency)?|frequenz)"
@@ -93,7 +93,7 @@ def facts(
             cells = next(filter(None, ways), None)
             if cells is not None and len(cells) > 1:
                 units, at = (*map(bare_unit, cells), *[None] * (width - len(cells))), number
-            elif kind_of(value) in ("displacement", "velocity", "acceleration"):
+            elif is_motion(value):
                 common, at = value, number
     return Facts(tuple(rates), units, common, at, tuple(factors), fault)
 

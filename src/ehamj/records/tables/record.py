@@ -11,11 +11,11 @@ from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.clock import filled, on_grid
 from ehamj.records.components import STANDARD_AXES, Component, Loaded, answers_of, record_of
-from ehamj.records.tables.header import factor_of, kind_of
+from ehamj.records.tables.header import factor_of
 from ehamj.records.tables.layout import Column
 from ehamj.records.tables.table import Table, read_table
 from ehamj.records.tables.times import RowClock, row_clock
-from ehamj.records.units import is_silent
+from ehamj.records.units import is_motion, is_silent
 
 _COUNTERS = "index sample samples no no. nr nr. # scan row point number record count counter id"
 COUNTERS = frozenset(_COUNTERS.split())
@@ -75,7 +75,7 @@ def _passed(table: Table, clock: RowClock) -> dict[Column, str]:
             continue
         axis = {column.name, *answers_of(column.name)} & set(STANDARD_AXES)
         stated = None if column.unit is None or is_silent(column.unit) else column.unit
-        if stated is not None and not axis and kind_of(stated) not in ("displacement", "velocity", "acceleration"):
+        if stated is not None and not axis and not is_motion(stated):
             passed[column] = stated
         elif column.name.lower() in COUNTERS and stated is None and _counts(table, column):
             passed[column] = "counts rows"

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ehamj.records.lines import text_of
+from ehamj.records.lines import lines_of
 from ehamj.records.table_choices import UNSAID, TableChoices
 from ehamj.records.tables.cells import Dialect
 from ehamj.records.tables.layout import Column, Layout, layout
@@ -161,7 +161,7 @@ def read_table(path: Path, key: str = "ground.file", choices: TableChoices | Non
         ValueError: where the file cannot be read as a table, or in several ways; it names the choice that tells.
     """
     choices = choices or UNSAID
-    text = text_of(path, key, choices.encoding)
+    text = lines_of(path, key, choices.encoding)
     told = f"{key} = {path.name!r}"
     found = layout(text.lines, choices, told, choices_key(key))
     rows, numbers = _rows(text.lines, found)
@@ -187,7 +187,8 @@ def _even(
 ) -> tuple[list[str], int]:
     """Rows that all have as many cells as there are columns, and how many did not and are empty now."""
     width, dialect = len(found.columns), found.dialect
-    wrong = [n for n, row in enumerate(rows) if _count(dialect)(row) != width]
+    count_of = _count(dialect)
+    wrong = [n for n, row in enumerate(rows) if count_of(row) != width]
     wrong = [n for n in wrong if not _trimmed(rows, n, dialect, width)]
     if not ended and (not wrong or wrong[-1] != len(rows) - 1) and _breaks_off(rows, dialect):
         wrong.append(len(rows) - 1)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from ehamj.records.choices import Choices
 from ehamj.records.clock import clock
 from ehamj.records.table_choices import UNSAID
-from ehamj.records.tables.header import is_time, kind_of
+from ehamj.records.tables.header import is_time
 from ehamj.records.tables.layout import Column
 from ehamj.records.tables.preamble import Stated
 from ehamj.records.tables.stamps import is_date, parts_of, stamps
 from ehamj.records.tables.table import Table
-from ehamj.records.units import is_silent, time_unit
+from ehamj.records.units import is_silent, kind_of, time_unit
 from ehamj.signals import Array
 
 AGREE = 0.01

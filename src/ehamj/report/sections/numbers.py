@@ -50,8 +50,8 @@ def _bands(shown: Shown) -> Table:
             rows.append(row)
     note = (
         "Levels: RMS velocity over the whole run, of the floor at its worst mount, of the machine at its centre of "
-        "gravity. Attenuation "
-        "is counted from the mean of the mounts, which a passing wave makes smaller than a single mount's motion."
+        "gravity. Attenuation is counted from the mean of the mounts, which a passing wave makes smaller than a "
+        "single mount's motion."
     )
     return Table("Vertical, per third-octave band", head, rows, note)
 
