@@ -144,6 +144,7 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A valve option",
         "A valve state",
         "A ground",
+        "A reader of records",
         "A force",
         "An architecture",
         "A norm",
