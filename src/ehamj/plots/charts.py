@@ -1,4 +1,4 @@
-"""Charts of studies: lines in panels, maps of two parameters, root loci, directions."""
+"""Charts of studies: lines in panels, maps of two parameters, directions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -172,39 +172,6 @@ def map_chart(
     axes.set(xlabel=x[0], ylabel=y[0], xlim=(across.min(), across.max()), ylim=(up.min(), up.max()))
     _scales(axes, logarithmic)
     style.arrange(figure, [(axes, 1.15 * HEIGHT)], entries | _entries([axes]))
-    return figure
-
-
-@style.styled()
-def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> Figure:
-    """Root locus: poles [1/s] over a factor on the loop's gain, from cold to warm colours; the right half is unstable.
-
-    Args:
-        title: of the figure.
-        factors: (n,).
-        poles: complex, (n, poles), NaN where there is none.
-        span: largest imaginary part shown, over 2π [Hz].
-    """
-    factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
-    figure, (axes,) = style.new_figure(title)
-    inside = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
-    place = np.broadcast_to(factor[:, None], roots.shape)[inside]
-    drawn = axes.scatter(roots.real[inside], roots.imag[inside], c=place, s=5.0, cmap="viridis", linewidths=0.0)
-    ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
-    for row, marker, label in ends:
-        at = roots[row][inside[row]]
-        color = style.INK if marker == "x" else style.VERMILLION
-        axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
-    left, right = axes.get_xlim()
-    right = max(right, 0.08 * (right - left))
-    axes.axvspan(0.0, right, color=UNSTABLE, zorder=0)
-    axes.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4)
-    axes.set(xlim=(left, right), ylim=(0.0, 1.02 * span), ylabel="imaginary part/2π [Hz]")
-    axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
-    style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
-    box = axes.get_position()
-    beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
-    figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
     return figure
 
 
