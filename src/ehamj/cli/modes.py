@@ -53,6 +53,9 @@ def modes(
         Path | None, typer.Option(metavar="FILE.rrd", help="Also write the modes as an animated Rerun recording.")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="The controller's own poles too; with --measured, every other table too.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
@@ -93,10 +96,11 @@ def modes(
     if as_json:
         print_json(_plain(found, slopes, test) | ({} if replay is None else {"replay": str(replay)}))
         return
-    for key, some in found.items():
-        print_modes(f"{loaded.name}: {VARIANTS[key]}", some, key != "bypassed", list(places), slopes.get(key))
+    if test is None or everything or sensitivity or points:
+        for key, some in found.items():
+            print_modes(f"{loaded.name}: {VARIANTS[key]}", some, everything, list(places), slopes.get(key))
     if test is not None:
-        print_measured(f"{loaded.name}: identified from signals, valves held", test)
+        print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})")
 

@@ -66,12 +66,12 @@ def locus_chart(title: str, branches: Sequence[Branch], marks: Mapping[str, int]
 
 
 def _branch(axes: Axes, branch: Branch, marks: Mapping[str, int], view: View) -> None:
-    roots = np.asarray(branch.poles, complex) / (2.0 * np.pi)
+    roots: ComplexArray = np.asarray(branch.poles / (2.0 * np.pi), complex)
     seen = (roots.imag >= -1e-6 * view.top) & (roots.imag <= view.top) & (roots.real >= view.left)
     if not seen.any():
         return
     near = np.convolve(seen, [1, 1, 1], "same") > 0  # one step beyond the edge, so that lines reach it
-    roots = np.where(near & (roots.imag >= -1e-6 * view.top), roots, complex(np.nan))
+    roots = np.asarray(np.where(near & (roots.imag >= -1e-6 * view.top), roots, np.nan), complex)
     named = bool(branch.label)
     line = _without_small_steps(roots, view)
     axes.plot(
