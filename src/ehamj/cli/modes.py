@@ -66,7 +66,7 @@ def modes(
 
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
     `ring-down` jolts of the floor and free decays, `random` periodic noise and `sweep` a sine sweep of the floor,
-    `hammer` blows on an upper corner of the machine.
+    `hammer` blows on an upper corner of the machine. That table stands alone unless `--all` asks for the others.
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
@@ -83,10 +83,7 @@ def modes(
         with log.status(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
-        from ehamj.replay.modes import replay_modes
-
-        with log.status("drawing"):
-            replay_modes(replay, loaded, {SHORT[key]: found[key] for key in SHORT if key in found})
+        _draw(replay, loaded, found)
     if sensitivity:
         with log.status("changing every parameter"):
             slopes = {
@@ -103,6 +100,14 @@ def modes(
         print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})")
+
+
+def _draw(path: Path, scenario: Scenario, found: Mapping[str, Sequence[Mode]]) -> None:
+    """Write the recording."""
+    from ehamj.replay.modes import replay_modes
+
+    with log.status("drawing the modes"):
+        replay_modes(path, scenario, {SHORT[key]: found[key] for key in SHORT if key in found})
 
 
 def _loops(scenario: Scenario) -> dict[str, tuple[Loop | None, bool]]:

@@ -94,6 +94,7 @@ def _rocking_map(shown: Shown) -> Iterator[Picture]:
         ("slowest sway-rocking [Hz]", found["slowest"].values),
         boundary=("tips over", -found["tipping_margin"].values),
         points=[Line("this machine", [across], [height], color=1, marker="s")],
+        blank="a mode creeps: no frequency",
     )
     caption = "Mass and inertia about the CG kept, all mounts moved in proportion. ehamj study rocking has more."
     yield Picture("modes-map", figure, caption)
