@@ -75,9 +75,9 @@ def test_identified_modes_stand_beside_the_computed(cli: Cli) -> None:
 
 
 @pytest.fixture
-def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+def narrow(empty_folder: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """A terminal of eighty columns."""
-    monkeypatch.setattr(frame.out, "width", 80)
+    monkeypatch.setattr(frame.out, "_width", 80)
 
 
 @pytest.mark.usefixtures("narrow")

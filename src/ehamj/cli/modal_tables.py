@@ -91,7 +91,12 @@ def _mode_row(mode: Mode) -> list[str]:
     if mode.machine_moves:
         shape = motion(dict(zip(DOFS, mode.shape.tolist(), strict=True)), LEAST)
         moves = [shape, _turns(mode.centre), f"{mode.out_of_phase:.1f}°"]
-    return [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}".replace("-", "−"), *moves]
+    return [
+        mode.name,
+        f"{mode.frequency:.{2 if mode.frequency < 1000.0 else 1}f}",
+        f"{mode.damping_ratio:.4f}".replace("-", "−"),
+        *moves,
+    ]
 
 
 def _turns(centre: Axis | None) -> str:
