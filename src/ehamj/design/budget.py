@@ -18,17 +18,16 @@ from ehamj.arrays import Array
 from ehamj.control import LinearController
 from ehamj.control.inverse import instrument_poles, lag, valve_poles
 from ehamj.control.sensors import class_of
-from ehamj.design.prediction import OUTPUTS, Predicted, predicted
+from ehamj.design.prediction import OUTPUTS, predicted
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.findings import finite
 from ehamj.ground.broadband import BroadbandGround
 from ehamj.ground.motion import Start
-from ehamj.judge.attenuation import attenuation_at_cg
-from ehamj.judge.levels import BANDS, SLAB, ByBand, Levels, floor_as_whole, rms_in_bands
+from ehamj.judge.attenuation import attenuation_of
+from ehamj.judge.levels import BANDS, SLAB, ByBand, floor_as_whole, rms_in_bands
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel
-from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
 PER_BAND: Final = 6
@@ -147,12 +146,13 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
     command = seen.command[int(settled(duration) / duration * len(seen.command)) :]
     of_floor = float(np.sqrt(command.var(axis=0).mean()))
     levels = _levels(floor, rate, known)
+    total = with_noises(moved, list(noises.values()))
     return Budget(
         floor=levels,
         moved=moved,
         contributions=contributions | noises,
         noises=tuple(noises),
-        attenuation=_attenuation(seen, levels, with_noises(moved, list(noises.values())), scenario.plant, rate, known),
+        attenuation=attenuation_of(levels, total, _levels(seen.floor, rate, known), BANDS, scenario.plant),
         command={"floor": of_floor, "noise": _noise_command(model, loop)},
         limit=law.converter.voltage_limit,
         phases=_phases(model, loop, scenario) if feeds_back(law) else {},
@@ -165,14 +165,6 @@ def _levels(motion: Array, rate: float, known: tuple[Band, ...]) -> Array:
     found = np.full((len(BANDS), *motion.shape[1:]), np.nan)
     found[[BANDS.index(band) for band in known]] = rms_in_bands(motion, rate, known)
     return found
-
-
-def _attenuation(
-    seen: Predicted, floor: Array, machine: Array, plant: Plant, rate: float, known: tuple[Band, ...]
-) -> dict[str, ByBand]:
-    """As that of a run with these levels."""
-    mounts: dict[Any, Array] = {("velocity", "rms"): _levels(seen.floor, rate, known)}
-    return attenuation_at_cg(Levels(BANDS, floor, machine, {"floor": mounts}, np.empty(0)), plant)
 
 
 def _noises(model: LinearModel, loop: Loop, rate: float) -> dict[str, Array]:
