@@ -1,6 +1,7 @@
 """The rigid machine."""
 
-from typing import Self
+from collections.abc import Mapping
+from typing import Any, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -28,6 +29,14 @@ class Machine(Parameters):
     cg: Vector3 = quantity((0.0, 0.0, 0.75), "m", "r_CG", "centre of gravity from the mount plane's centre", "assumed")
     size: Vector3 = quantity((2.2, 1.6, 1.9), "m", "l", "outline: length in x, width in y, height", "assumed")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _who_gave_it(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping) or "inertia" not in table:
+            return table
+        sources = table.get("sources", {})
+        return {**table, "sources": {"inertia": "given", **sources}} if isinstance(sources, Mapping) else table
+
     @model_validator(mode="after")
     def _as_a_box(self) -> Self:
         whole = all(getattr(self, name) == type(self).model_fields[name].default for name in ("mass", "size"))
@@ -37,16 +46,13 @@ class Machine(Parameters):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What was assumed since nobody gave it, where that follows from nothing else that the page shows."""
-        if self.sources["inertia"] != "assumed" or self.inertia == type(self).model_fields["inertia"].default:
+        """What a reader must know that was assumed since nobody gave it."""
+        box = box_inertia(self.mass, self.size)
+        if self.sources["inertia"] != "assumed" or not np.allclose(self.inertia, box, rtol=1e-9):
             return ()
-        values, size = (
-            ", ".join(f"{entry:.4g}" for entry in self.inertia),
-            " × ".join(f"{side:g}" for side in self.size),
-        )
-        of = f"in proportion to {self.mass:g} kg"
-        if np.allclose(self.inertia, box_inertia(self.mass, self.size), rtol=1e-9):
-            of = f"that of a homogeneous box of {self.mass:g} kg, {size} m"
+        values = ", ".join(f"{entry:.4g}" for entry in self.inertia)
+        size = " × ".join(f"{side:g}" for side in self.size)
+        of = f"that of a homogeneous box of {self.mass:g} kg, {size} m"
         return (f"machine.inertia was not given: [{values}] kg m² is assumed, {of}",)
 
     @model_validator(mode="after")

@@ -38,8 +38,7 @@ def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str
     """Set the value of a dotted key, or of one in parts; ``said`` is what messages begin with.
 
     A table as a result holds it states its values' sources. The source of a replaced value goes; so do values that
-    came from the preset or oil that is replaced. An inertia that nobody gave follows: with the mass in proportion, as
-    that of a box whose size is replaced.
+    came from the preset or oil that is replaced, and an inertia that nobody gave with the mass or size that is.
     """
     *parents, last = (part.strip() for part in (key.split(".") if isinstance(key, str) else key))
     if parents[:1] == ["mount"]:
@@ -66,11 +65,9 @@ def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], v
         for name in [name for name, source in sources.items() if source != "given"]:
             at.pop(name, None)
             del sources[name]
-    if parents[-1:] == ["machine"] and sources.get("inertia") == "assumed" and {"mass", "inertia", "size"} <= at.keys():
-        if last == "mass" and isinstance(value, int | float) and value > 0:
-            at["inertia"] = [entry * value / at["mass"] for entry in at["inertia"]]
-        elif last == "size" and value != at["size"]:
-            del at["inertia"], sources["inertia"]
+    if parents[-1:] == ["machine"] and last in ("mass", "size") and sources.get("inertia") == "assumed":
+        at.pop("inertia", None)
+        del sources["inertia"]
 
 
 def _index(place: list[Any], part: str, said: str) -> int:
