@@ -8,9 +8,10 @@ from typing import Annotated, Any
 import typer
 
 from ehamj.cli.folders import check_out, new_folder
-from ehamj.cli.frame import Json, Out, Overwrite, Set, app, log
+from ehamj.cli.frame import Json, Out, Overwrite, Set, app
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.pages.words import decibel, number
@@ -63,7 +64,7 @@ def transmissibility(
         if OF_METHOD.get(name, settings.method) != settings.method:
             raise InputError(f"--{name}: belongs to --method {OF_METHOD[name]}; this measures by {settings.method}")
     found = _compare(source, stored, overrides or [], settings)
-    with new_folder(out_folder, overwrite) as (folder, target), log.status("writing"):
+    with new_folder(out_folder, overwrite) as (folder, target), doing("writing"):
         (target / "scenario.toml").write_text(found.scenario.to_toml(), encoding="utf-8")
         write_tables(target, found)
         write_transmissibility(target, found)
@@ -98,10 +99,10 @@ def _compare(source: str, stored: bool, overrides: list[str], settings: Transmis
         raise InputError(f"--set {overrides[0]!r}: a stored result cannot be changed; name its scenario.toml")
     result = load_result(source) if stored else None
     scenario = result.scenario if result else load_scenario(source, overrides)
-    with log.status("measuring"):
+    with doing("measuring") as step:
         if settings.method == "welch":
             return compare_result(result or simulate(scenario), settings)
-        return compare_scenario(scenario, settings)
+        return compare_scenario(scenario, settings, step)
 
 
 def _plain(found: Comparison) -> dict[str, Any]:

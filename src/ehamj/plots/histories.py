@@ -113,11 +113,12 @@ def history(
             entries.setdefault(style.shown(trace.label), _band_over_time(above, trace))
         above.axvspan(*window, color="#FFF3C4", zorder=0)
         above.margins(x=0)
-    above.set_xlabel("time [s], whole run" if window else "time [s]")
+        above.set_xlabel("time [s], whole run")
     in_full = below if window else [above, *below]
     for axes, traces in zip(in_full, (detail, *closer), strict=True):
         for trace in traces:
             entries.setdefault(style.shown(trace.label), _line_over_time(axes, trace, window))
+        axes.set_xlabel("time [s]")
         if window:
             axes.set_xlim(*window)
             axes.set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")

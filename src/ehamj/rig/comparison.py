@@ -1,6 +1,6 @@
 """Transmissibilities of one machine side by side: linear and measured, passive and under control; as files."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Final, Literal, NamedTuple, Self
 
@@ -192,8 +192,10 @@ def own_output(outputs: Sequence[str], dof: str) -> str:
     return next(name for name in outputs if name.endswith(f" {dof}"))
 
 
-def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> Comparison:
-    """Linear and measured by multisines, passive and under the scenario's control.
+def compare_scenario(
+    scenario: Scenario, settings: TransmissibilitySettings, progress: Callable[[str], None] = lambda step: None
+) -> Comparison:
+    """Linear and measured by multisines, passive and under the scenario's control; ``progress`` hears what runs.
 
     Raises:
         InputError: see `by_multisine`.
@@ -205,6 +207,7 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> 
     outputs, frequency = machine_channels(s.reference), lines(s.first, s.last, s.lines)
     variants = []
     for name, one in kinds.items():
+        progress(f"{name}, {len(s.dofs) * s.realisations} nonlinear runs")
         measured = by_multisine(one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence)
         loop = Loop.of(one, one.controller())
         at_lines = rigid_floor(model, frequency, loop, outputs, s.dofs)
