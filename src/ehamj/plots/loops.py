@@ -31,8 +31,8 @@ POINTS: Final = 400
 COLORS: Final = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE)
 BODE: Final = "Bode plot of each motion's loop gain, the others closed; lines at 0 dB and −180°."
 NYQUIST: Final = (
-    "Nyquist plot of the same, with the unit circle: gains and phases of all motions may change together by what the "
-    "disk margin says as long as no curve meets the disk. Curves above 2.25 are dotted and bent to a magnitude of 3."
+    "Nyquist plot of the same, with the unit circle: while a motion's curve stays out of the disk, its gain and phase "
+    "may change by what the disk margin says. Curves beyond 2.25 are dotted and bent to a magnitude of 3."
 )
 NICHOLS_PLOT: Final = "Nichols plot of the same: crosses and disks at −180° and what is alike."
 
@@ -53,13 +53,13 @@ def loop_figures(
         Response(name, hertz, gain, color)
         for (name, gain), color in zip(gains.items(), itertools.cycle(COLORS), strict=False)
     ]
-    title = f"Loop gain, {of}" if of else "Loop gain"
+    where = f" of the loop, {of}" if of else " of the loop"
     found: dict[str, tuple[str, Callable[[], Figure]]] = {
-        "bode": (BODE, lambda: bode(title, curves)),
-        "nyquist": (NYQUIST, lambda: nyquist(title, curves, disk)),
+        "bode": (BODE, lambda: bode(f"Bode plot{where}", curves)),
+        "nyquist": (NYQUIST, lambda: nyquist(f"Nyquist plot{where}", curves, disk)),
     }
     if nichols_too:
-        found["nichols"] = (NICHOLS_PLOT, lambda: nichols(title, curves, disk))
+        found["nichols"] = (NICHOLS_PLOT, lambda: nichols(f"Nichols plot{where}", curves, disk))
     return found
 
 
