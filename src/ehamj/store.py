@@ -7,9 +7,10 @@ from pathlib import Path
 from ehamj.replay import write_replay
 from ehamj.report import Shown, write_report
 from ehamj.result import Result
+from ehamj.run.progress import Progress, silent
 
 
-def write_run(folder: Path, results: Mapping[str, Result], progress: Callable[[str], None] = lambda step: None) -> None:
+def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent) -> None:
     """Write results into an existing folder; the first is the scenario's own, the others are its variants in order.
 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
