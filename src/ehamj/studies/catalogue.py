@@ -8,6 +8,7 @@ from ehamj.studies import (  # noqa: F401  # isort: skip
     gains,
     failed,
     levels,
+    tolerances,
     soft_mounts,
     waves,
 )
