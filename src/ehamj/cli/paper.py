@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Overwrite, app, log
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.folders import check_out, new_folder
 
 
 @app.command()

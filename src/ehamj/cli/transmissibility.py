@@ -6,12 +6,12 @@ from typing import Annotated, Any
 
 import typer
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, Set, app, log
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.errors import InputError
 from ehamj.findings import finite
+from ehamj.folders import check_out, new_folder
 from ehamj.result import load_result
 from ehamj.rig.comparison import Comparison, TransmissibilitySettings, compare_result, compare_scenario
 from ehamj.rig.tables import write_tables
