@@ -1,19 +1,20 @@
 """A run's folder: the result, its variants in folders of their own, replay and report."""
 
-from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from ehamj.errors import InputError
 from ehamj.folders import check_out, new_folder
-from ehamj.report import Shown
+from ehamj.report import Shown, write_report
 from ehamj.result import RESULT_FILES, SAVING, Result
 
 
-def write_run(folder: Path, results: Mapping[str, Result]) -> None:
+def write_run(folder: Path, results: Mapping[str, Result], progress: Callable[[str], None] = lambda step: None) -> None:
     """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
 
-    Replay and report show all of them together; a variant's folder holds its own as well.
+    Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
+    what was finished, and how many of how many files that makes.
     """
     shown = Shown.of(results)
     variants = {shown.scenario.variant(name).name: name for name in shown.scenario.compare}
@@ -21,23 +22,36 @@ def write_run(folder: Path, results: Mapping[str, Result]) -> None:
     for label in list(results)[1:]:
         (folder / variants[label]).mkdir()
         work.append((folder / variants[label], shown.only(label)))
+    jobs = [job for one in work for job in _jobs(*one)]
+    progress(f"{len(jobs)} files of {len(work)} runs")
+
+    def do(numbered: "tuple[str, Callable[[], None]]") -> str:
+        name, write = numbered
+        write()
+        return name
+
     with ThreadPoolExecutor() as pool:
-        list(pool.map(lambda one: _write_one(*one), work))
+        for count, finished in enumerate(as_completed([pool.submit(do, job) for job in jobs]), 1):
+            progress(f"{count} of {len(jobs)}, {finished.result()}")
 
 
-def _write_one(folder: Path, shown: Shown) -> None:
-    from ehamj.replay import write_replay
-    from ehamj.report import write_report
-
+def _jobs(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
+    """Name and writer of each file of a run; none needs another."""
     result = shown.first
-    result.write(folder)
+    yield f"result of {shown.label}", lambda: result.write(folder)
     output = result.scenario.output
     if not result.dataset.time.size:
         return  # it failed before its first row: there is nothing to show
     if output.replay:
-        write_replay(folder / "replay.rrd", shown.results, output.exaggeration)
+        yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
     if output.report:
-        write_report(folder, shown)
+        yield f"report of {shown.label}", lambda: write_report(folder, shown)
+
+
+def _write_replay(path: Path, shown: Shown) -> None:
+    from ehamj.replay import write_replay  # Rerun takes its time
+
+    write_replay(path, shown.results, shown.first.scenario.output.exaggeration)
 
 
 def save(result: Result, folder: str | Path, overwrite: bool = False, variants: Iterable[Result] = ()) -> None:
