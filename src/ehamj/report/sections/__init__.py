@@ -14,6 +14,7 @@ from ehamj.report.sections.machine import machine
 from ehamj.report.sections.modes import modes
 from ehamj.report.sections.numbers import numbers
 from ehamj.report.sections.relative import relative
+from ehamj.report.sections.runs import runs
 from ehamj.report.sections.spectra import spectra
 from ehamj.report.sections.spectrogram import spectrogram
 from ehamj.report.sections.transmissibility import transmissibility
@@ -23,6 +24,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     headline,
     classes,
     warnings,
+    runs,
     machine,
     attenuation,
     transmissibility,
