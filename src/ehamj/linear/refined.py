@@ -20,7 +20,7 @@ ROUNDING: Final = 1e-12
 """Share of the sum of its parts below which a sum is zero."""
 SINGULAR: Final = 1e14
 """Condition from which a pole is looked for."""
-STEPS: Final = 2
+STEPS: Final = 3
 """Of refinement: each gains as many digits as the condition leaves, four or more."""
 CHUNK: Final = 1 << 21
 """Numbers that are worked on together."""
