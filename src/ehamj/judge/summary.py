@@ -5,6 +5,7 @@ from typing import Any
 from pydantic import Field
 
 from ehamj.findings import Finding
+from ehamj.judge.faults import FaultFound
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
@@ -74,6 +75,8 @@ class Head(Finding):
 class Summary(Isolation, Head):
     """A run in numbers, SI."""
 
+    fault: list[FaultFound] = Field(default_factory=list)
+    """What struck, in order."""
     relative: dict[str, RelativeMotion] = Field(default_factory=dict)
     response_spectrum: ResponseSpectra | None = None
     warnings: list[str]
