@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from harness import Cli
 
+from ehamj.cli import frame
 from ehamj.rig import modal_test
 
 
@@ -71,6 +72,35 @@ def test_identified_modes_stand_beside_the_computed(cli: Cli) -> None:
     assert measured["missed"] == []
     for mode in measured["modes"]:
         assert mode["frequency_hz"] == pytest.approx(mode["computed_frequency_hz"], rel=2e-3)
+
+
+@pytest.fixture
+def narrow(empty_folder: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal of eighty columns."""
+    monkeypatch.setattr(frame.out, "_width", 80)
+
+
+@pytest.mark.usefixtures("narrow")
+def test_a_measurement_prints_one_table_of_eighty_columns(cli: Cli) -> None:
+    """The computed value beside the found one in the same row, and nothing else."""
+    lines = cli("passing-wave", "--measured", "ring-down")[1].splitlines()
+    assert max(map(len, lines)) <= 80 or lines[-1].startswith("found: ")
+    assert sum("─────" in line for line in lines) == 1
+    (heave,) = (line.split() for line in lines if line.startswith(" heave"))
+    assert float(heave[1]) == pytest.approx(528.0, abs=0.1)
+    assert float(heave[2]) == pytest.approx(float(heave[1]), rel=2e-3)
+    assert heave[-1] == "1.000"
+
+
+@pytest.mark.usefixtures("narrow")
+def test_poles_of_the_controller_are_named_in_a_line_unless_all_are_wanted(cli: Cli) -> None:
+    short, long = (cli("passing-wave", *more)[1] for more in ((), ("--all",)))
+    assert "controller 1 " not in short
+    assert "of the controller alone, least damped" in short
+    assert "controller 1 " in long
+    assert "controller alone" not in long
+    for said in (short, long):
+        assert [line for line in said.splitlines() if len(line) > 80] == []
 
 
 def test_an_unknown_measurement_is_refused(cli: Cli) -> None:

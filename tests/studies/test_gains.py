@@ -12,6 +12,7 @@ from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
+from ehamj.linear.modes import modes
 from ehamj.linear.sampled import spectral_radius
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
@@ -97,3 +98,23 @@ def test_a_slow_sensor_takes_gain_away() -> None:
     slow = Sensors(inertial=Geophone(kind="geophone", high=200.0))
     model = linear_model(MACHINE.plant)
     assert position_loop.highest_factor(model, Loop(LAW, slow, 0)) < 0.8 * position_loop.highest_factor(model, LOOP)
+
+
+def test_branches_end_at_the_modes_that_the_closed_loop_has() -> None:
+    """Followed from the passive pole in 13 steps, a mode arrives at what `modes` finds at the gain itself."""
+    model = linear_model(MACHINE.plant)
+    factors = np.linspace(0.0, 1.0, 13)
+    over = gains.modes_over_gain(model, factors, gains.root_locus(model, LOOP, factors))
+    there = {mode.name: mode for mode in modes(model, LOOP) if mode.machine_moves}
+    for name, mode in there.items():
+        end = over.sel(mode=name, factor=1.0)
+        assert float(end["frequency"]) == pytest.approx(mode.frequency, rel=1e-6)
+        assert float(end["damping"]) == pytest.approx(mode.damping_ratio, rel=1e-5)
+
+
+def test_a_branch_is_one_pole() -> None:
+    """Twice as many steps halve the largest step of every branch, but for those that meet on the real axis."""
+    model = linear_model(MACHINE.plant)
+    coarse, fine = (gains.root_locus(model, LOOP, np.linspace(0.0, 1.0, n)) for n in (21, 41))
+    steps = [np.nanmax(np.abs(np.diff(poles[:, np.abs(poles[0].imag) > 100.0], axis=0))) for poles in (coarse, fine)]
+    assert 1.7 < steps[0] / steps[1] < 2.3

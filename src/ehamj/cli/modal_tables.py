@@ -1,7 +1,7 @@
-"""The tables in which the command ``modes`` prints its findings."""
+"""The tables in which the command ``modes`` prints its findings, each within 80 columns."""
 
-import cmath
 import math
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,29 +10,43 @@ from numpy.typing import NDArray
 
 from ehamj.cli.printing import print_table, say
 from ehamj.linear.modes import Mode
-from ehamj.linear.shapes import Energies
+from ehamj.linear.shapes import Axis, Energies
+from ehamj.pages.words import motion, number
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.rig.modal_test import ModalTest
 
 NOTABLE = 0.005
 """Share, or slope, below which a table leaves a part out."""
+LEAST = 0.01
+"""Share of a shape's largest part below which a part is left out."""
 MOST = 7
 """Parameters named per mode."""
 
 
 def print_modes(
-    title: str, modes: Sequence[Mode], energies: bool, points: Sequence[str], slopes: xr.Dataset | None
+    title: str, modes: Sequence[Mode], everything: bool, points: Sequence[str], slopes: xr.Dataset | None
 ) -> None:
-    """Print modes and their shapes, where their energy is, how points move and which parameters move them."""
-    heads: tuple[str, ...] = ("mode", "f [Hz]", "ζ [-]", "shape (m, rad; largest 1)", "turns about", "out of step")
-    print_table(title, heads, map(_mode_row, modes))
+    """Print modes and their shapes, where their energy is, how points move and which parameters move them.
+
+    Poles of the controller are named in one line unless ``everything`` is wanted; one that grows always stands in the
+    table.
+    """
+    hidden = [mode for mode in modes if not everything and mode.name.split()[0] == "controller"]
+    hidden = [mode for mode in hidden if mode.damping_ratio > 0.0]
+    names = {mode.name for mode in hidden}
+    heads: tuple[str, ...] = ("mode", "f [Hz]", "ζ [-]", "shape (m, rad),\nlargest 1", "turns about [m]")
+    heads += ("out of\nstep",)
+    print_table(title, heads, (_mode_row(mode) for mode in modes if mode.name not in names), gap=1)
+    if hidden:
+        least = min(hidden, key=lambda mode: mode.damping_ratio)
+        where = f"least damped {least.damping_ratio:.3f} at {least.frequency:.4g} Hz"
+        say(f"and {len(hidden)} of the controller alone, {where}: --all\n")
+    energies = {mode.name: mode.energies for mode in modes if mode.energies is not None}
     if energies:
-        heads = ("mode", "kinetic, at the CG", "strain", "… by actuator", "ζ from", "… by actuator")
-        rows = (_energy_row(mode, mode.energies) for mode in modes if mode.energies is not None)
-        print_table(f"{title}; where the energy is, and what damps it", heads, rows)
+        _print_energies(title, energies, {mode.name: mode.damping_ratio for mode in modes})
     if points:
         moved = (
-            [mode.name, *(_parts(mode.points[name].tolist(), AXES) for name in points)]
+            [mode.name, *(motion(dict(zip(AXES, mode.points[name].tolist(), strict=True)), LEAST) for name in points)]
             for mode in modes
             if mode.machine_moves
         )
@@ -44,46 +58,97 @@ def print_modes(
 
 
 def print_measured(title: str, test: ModalTest) -> None:
-    """Print what was found beside what was computed; spreads are standard deviations over fits and records."""
-    heads = ("mode", "f found [Hz]", "computed", "off", "ζ found [-]", "computed", "off", "MAC")
+    """Print what was found beside what was computed; spreads are standard deviations, rounded up, over fits and
+    records."""
+    heads = ("mode", "f [Hz]", "found", "off %", "ζ [%]", "found", "off %", "MAC")
     rows = []
     for mode in test.modes:
-        row = [mode.name, f"{mode.frequency:.2f} ± {mode.frequency_spread:.2g}", "", ""]
-        row += [f"{mode.damping_ratio:.4f} ± {mode.damping_spread:.1g}", "", "", ""]
+        hertz = _with_spread(mode.frequency, mode.frequency_spread)
+        damping = _with_spread(100.0 * mode.damping_ratio, 100.0 * mode.damping_spread)
+        row = [mode.name, "", hertz, "", "", damping, "", ""]
         if (other := mode.computed) is not None:
-            row[2:4] = [f"{other.frequency:.2f}", f"{100 * (mode.frequency / other.frequency - 1):+.3f} %"]
-            off = 100 * (mode.damping_ratio / other.damping_ratio - 1)
-            row[5:8] = [f"{other.damping_ratio:.4f}", f"{off:+.2f} %", f"{mode.likeness:.4f}"]
+            row[1], row[3] = f"{other.frequency:.2f}", _signed(100.0 * (mode.frequency / other.frequency - 1.0))
+            row[4] = f"{100.0 * other.damping_ratio:.2f}"
+            row[6:] = [_signed(100.0 * (mode.damping_ratio / other.damping_ratio - 1.0)), f"{mode.likeness:.3f}"]
         rows.append(row)
-    print_table(title, heads, rows)
-    say(f"measured: {test.words}")
+    print_table(title, heads, rows, gap=1)
+    say(f"found: {test.words}")
     for name in test.missed:
         say(f"note: {name} was not found in the signals")
 
 
-def _parts(motion: Sequence[complex], names: Sequence[str], least: float = 0.01) -> str:
-    """A complex motion in words: the parts above a share of the largest, and their phases where not in step."""
-    largest = max(map(abs, motion))
-    words = []
-    for name, part in zip(names, motion, strict=True):
-        if abs(part) > least * largest and largest > 0.0:
-            angle = math.degrees(cmath.phase(part))
-            words.append(f"{name} {abs(part):.2g}" + (f"∠{angle:.0f}°" if abs(angle) > 1 else ""))
-    return ", ".join(words)
+def _with_spread(value: float, spread: float) -> str:
+    return f"{value:.2f} ±{math.ceil(100.0 * spread) / 100.0:.2f}".replace("-", "−")
+
+
+def _signed(value: float) -> str:
+    """To two digits with a sign; zero has none."""
+    return f"{value:+.2f}".replace("+0.00", "0.00").replace("-0.00", "0.00").replace("-", "−")
 
 
 def _mode_row(mode: Mode) -> list[str]:
-    motion = ["", "", ""]
+    moves = ["", "", ""]
     if mode.machine_moves:
-        motion = [_parts(mode.shape.tolist(), DOFS), str(mode.centre or "translates"), f"{mode.out_of_phase:.1f}°"]
-    return [mode.name, f"{mode.frequency:.2f}", f"{mode.damping_ratio:.4f}", *motion]
+        shape = motion(dict(zip(DOFS, mode.shape.tolist(), strict=True)), LEAST)
+        moves = [shape, _turns(mode.centre), f"{mode.out_of_phase:.1f}°"]
+    return [
+        mode.name,
+        f"{mode.frequency:.{2 if mode.frequency < 1000.0 else 1}f}",
+        f"{mode.damping_ratio:.4f}".replace("-", "−"),
+        *moves,
+    ]
 
 
-def _energy_row(mode: Mode, of: Energies) -> list[str]:
-    """Shares of energy; of the damping ratio, what is left beside membranes and leakage is the valves' doing."""
-    by = of.damping_by | {"valves": mode.damping_ratio - sum(of.damping_by.values())}
-    energy = [_shares(of.kinetic, "%"), _shares(of.strain_by, "%"), _shares(of.strain, "%", alike=True)]
-    return [mode.name, *energy, _shares(by), _shares(of.damping, alike=True)]
+def _turns(centre: Axis | None) -> str:
+    """The axis that a shape turns about, without units; far ones to the decimetre."""
+    words = "translates" if centre is None else str(centre).replace(" axis", "").removesuffix(" m")
+    return re.sub(r"(\d\d\.\d)\d", r"\1", words).replace("0.00", "0")
+
+
+def _print_energies(title: str, energies: Mapping[str, Energies], ratios: Mapping[str, float]) -> None:
+    """Shares of energy, and what damps; of the damping ratio, what is left beside membranes and leakage is the
+    valves' doing."""
+    kinetic = {name: _shares(one.kinetic, "%") for name, one in energies.items()}
+    strain = {name: {what: 100.0 * part for what, part in one.strain_by.items()} for name, one in energies.items()}
+    each = {name: _shares(one.strain, "%", alike=True) for name, one in energies.items()}
+    causes = _columns(strain)
+    heads = ("mode", "kinetic at CG", *(cause.replace(" ", "\n") for cause in causes), "strain by\nactuator")
+    rows = [[name, kinetic[name], *_cells(strain[name], causes), each[name]] for name in energies]
+    print_table(f"{title}; where the energy is, strain in %", heads, rows, gap=1)
+    damping = {
+        name: {what: 100.0 * part for what, part in one.damping_by.items()}
+        | {"valves": 100.0 * (ratios[name] - sum(one.damping_by.values()))}
+        for name, one in energies.items()
+    }
+    causes = _columns(damping)
+    heads = ("mode", "ζ [%]", *(cause.replace(" ", "\n") for cause in causes), "by actuator")
+    rows = [
+        [
+            name,
+            f"{100.0 * ratios[name]:.2f}".replace("-", "−"),
+            *_cells(damping[name], causes),
+            _shares({mount: 100.0 * part for mount, part in one.damping.items()}, alike=True),
+        ]
+        for name, one in energies.items()
+    ]
+    print_table(f"{title}; what the damping ratio consists of, in %", heads, rows, gap=1)
+
+
+def _columns(parts: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """What is notable in any mode, in the order in which it is given."""
+    seen = {
+        what: None
+        for own in parts.values()
+        for what, part in own.items()
+        if abs(part) > NOTABLE * sum(map(abs, own.values()))
+    }
+    return list(seen)
+
+
+def _cells(parts: Mapping[str, float], causes: Sequence[str]) -> list[str]:
+    """Shares to three digits; what is not notable stays empty."""
+    least = NOTABLE * sum(map(abs, parts.values()))
+    return [number(parts[cause], 2) if abs(parts.get(cause, 0.0)) > least else "" for cause in causes]
 
 
 def _shares(parts: Mapping[str, float], unit: str = "", alike: bool = False) -> str:

@@ -53,6 +53,9 @@ def modes(
         Path | None, typer.Option(metavar="FILE.rrd", help="Also write the modes as an animated Rerun recording.")
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing recording.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="The controller's own poles too; with --measured, every other table too.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Natural frequencies, damping and shapes of the machine: passive, and under the scenario's digital controller.
@@ -63,7 +66,7 @@ def modes(
 
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
     `ring-down` jolts of the floor and free decays, `random` periodic noise and `sweep` a sine sweep of the floor,
-    `hammer` blows on an upper corner of the machine.
+    `hammer` blows on an upper corner of the machine. That table stands alone unless `--all` asks for the others.
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
@@ -80,10 +83,7 @@ def modes(
         with log.status(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
-        from ehamj.replay.modes import replay_modes
-
-        with log.status("drawing"):
-            replay_modes(replay, loaded, {SHORT[key]: found[key] for key in SHORT if key in found})
+        _draw(replay, loaded, found)
     if sensitivity:
         with log.status("changing every parameter"):
             slopes = {
@@ -93,12 +93,21 @@ def modes(
     if as_json:
         print_json(_plain(found, slopes, test) | ({} if replay is None else {"replay": str(replay)}))
         return
-    for key, some in found.items():
-        print_modes(f"{loaded.name}: {VARIANTS[key]}", some, key != "bypassed", list(places), slopes.get(key))
+    if test is None or everything or sensitivity or points:
+        for key, some in found.items():
+            print_modes(f"{loaded.name}: {VARIANTS[key]}", some, everything, list(places), slopes.get(key))
     if test is not None:
-        print_measured(f"{loaded.name}: identified from signals, valves held", test)
+        print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})")
+
+
+def _draw(path: Path, scenario: Scenario, found: Mapping[str, Sequence[Mode]]) -> None:
+    """Write the recording."""
+    from ehamj.replay.modes import replay_modes
+
+    with log.status("drawing the modes"):
+        replay_modes(path, scenario, {SHORT[key]: found[key] for key in SHORT if key in found})
 
 
 def _loops(scenario: Scenario) -> dict[str, tuple[Loop | None, bool]]:

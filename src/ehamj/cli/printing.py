@@ -13,14 +13,17 @@ from rich.text import Text
 
 from ehamj.cli.frame import out
 
-NUMBER = re.compile(r"[-+−–]?[\d.]*(e[-+]\d+)?")
+NUMBER = re.compile(r"[-+−–]?[\d.]*(e[-+]\d+)?( ±[\d.]+)?")
 """What a table puts to the right."""
 
 
-def print_table(title: str, heads: Sequence[str], rows: Iterable[Sequence[str | Text]], whole: int = 1) -> None:
-    """Print a table: cells as they are, numbers to the right, and in the first ``whole`` columns no line breaks."""
+def print_table(
+    title: str, heads: Sequence[str], rows: Iterable[Sequence[str | Text]], whole: int = 1, gap: int = 2
+) -> None:
+    """Print a table: cells as they are, numbers to the right, in the first ``whole`` columns no line breaks, and so
+    many spaces between columns (1 or more)."""
     cells = [[cell if isinstance(cell, Text) else Text(cell) for cell in row] for row in rows]
-    table = Table(title=Text(title), box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table = Table(title=Text(title), box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, gap - 1, 0, 0))
     for k, head in enumerate(heads):
         number = all(NUMBER.fullmatch(row[k].plain) for row in cells)
         table.add_column(Text(head), no_wrap=number or k < whole, justify="right" if number else "left")

@@ -13,6 +13,7 @@ is taken as straight (ramp-invariant discretisation), so that the filter's phase
 
 import math
 import zlib
+from functools import cache
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
@@ -50,6 +51,12 @@ def _values(unit: str, noise: float, low: float, high: float) -> dict[str, tuple
         made[name] = (float, quantity(default, unit + over, symbol, text, "assumed", ge=0))
     text = "the reading is limited to ± this (inf: not)"
     return made | {"range": (Unlimited, quantity(math.inf, unit, "R", text, "assumed", gt=0))}
+
+
+@cache
+def _butterworth(order: int, kind: str) -> tuple[Array, Array, Array, Array]:
+    """State space of an analog filter with its corner at 1 rad/s; a loop with 24 instruments asks 24 times."""
+    return tuple(signal.tf2ss(*signal.butter(order, 1.0, kind, analog=True)))
 
 
 class Instrument(Parameters):
@@ -115,7 +122,7 @@ class Instrument(Parameters):
         for kind, corner in self.filters:
             omega = 2 * np.pi * corner
             # In units of the corner the coefficients are of size one.
-            A, B, C, D = signal.tf2ss(*signal.butter(self.order, 1.0, kind, analog=True))
+            A, B, C, D = _butterworth(self.order, kind)
             total = total.then(Block(omega * A, omega * B, C, D))
         return total
 

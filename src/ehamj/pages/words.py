@@ -1,5 +1,6 @@
 """How the page writes numbers, names and units."""
 
+import cmath
 import math
 from collections.abc import Mapping
 from typing import Any, Final
@@ -68,6 +69,27 @@ def measured(value: float | None) -> str:
 def decibel(value: float | None) -> str:
     """A level difference to a tenth of a decibel."""
     return DASH if value is None else f"{value:.1f}".replace("-0.0", "0.0").replace("-", "−")
+
+
+def motion(parts: Mapping[str, complex], least: float, digits: str = ".2g", in_step: float = 1.0) -> str:
+    """A complex motion in words, such as ``y 0.77, rx −1``.
+
+    Args:
+        parts: by name.
+        least: share of the largest part below which a part is left out.
+        digits: format of the sizes.
+        in_step: phase below which parts count as in step, or against each other: they get a sign; others an angle
+            [deg].
+    """
+    largest = max(map(abs, parts.values()))
+    words = []
+    for name, part in parts.items():
+        if abs(part) > least * largest:
+            size, angle = abs(part), math.degrees(cmath.phase(part))
+            if abs(angle) > 180.0 - in_step:
+                size, angle = -size, 0.0
+            words.append(f"{name} {size:{digits}}" + (f"∠{angle:.0f}°" if abs(angle) > in_step else ""))
+    return ", ".join(words).replace("-", "−")
 
 
 def plain(value: Any) -> str:

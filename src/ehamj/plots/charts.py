@@ -1,4 +1,4 @@
-"""Charts of studies: lines in panels, maps of two parameters, root loci, directions."""
+"""Charts of studies: lines in panels, directions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,9 +24,10 @@ COLORS: Final = (
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
 LONGEST: Final = 50
 """Letters of a name in the legend."""
-UNSTABLE: Final = "#F3D9D5"
 HEIGHT: Final = 190.0
 """Height of a single panel [pt]."""
+ROW: Final = 11.0
+"""Height of a row of names above the axes [pt]."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Line:
         return self.color if isinstance(self.color, str) else COLORS[self.color % len(COLORS)]
 
 
-def _draw(axes: Axes, lines: Sequence[Line]) -> None:
+def draw(axes: Axes, lines: Sequence[Line]) -> None:
     for line in lines:
         look: dict[str, Any] = {"color": line.hue, "label": line.label or "_"}
         if line.marker:
@@ -58,7 +59,7 @@ def _draw(axes: Axes, lines: Sequence[Line]) -> None:
         axes.plot(np.asarray(line.x, float), np.asarray(line.y, float), **look)
 
 
-def _entries(axes: Sequence[Axes]) -> dict[str, Artist]:
+def entries_of(axes: Sequence[Axes]) -> dict[str, Artist]:
     """What has a name, once."""
     entries: dict[str, Artist] = {}
     for one in axes:
@@ -67,7 +68,7 @@ def _entries(axes: Sequence[Axes]) -> dict[str, Artist]:
     return entries
 
 
-def _scales(axes: Axes, wanted: str) -> None:
+def set_scales(axes: Axes, wanted: str) -> None:
     """Make the axes logarithmic that ``wanted`` names: "x", "y" or "xy"."""
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         if name in wanted:
@@ -95,7 +96,7 @@ def lines_chart(
     """
     figure, axes = style.new_figure(title, len(panels), sharex=True)
     for one, (quantity, lines) in zip(axes, panels.items(), strict=True):
-        _draw(one, lines)
+        draw(one, lines)
         one.set(xlabel=x, ylabel=quantity, **{f"{name}scale": "log" for name in logarithmic})
         if limits and quantity in limits:
             one.set_ylim(*limits[quantity])
@@ -104,17 +105,56 @@ def lines_chart(
     last = axes[-1]
     last.margins(x=0.03 if any(line.marker for lines in panels.values() for line in lines) else 0.0)
     for one in axes:
-        _scales(one, logarithmic)
-    for name, place in (marks or {}).items():
-        side, offset = ("left", 3) if _share(last, place) < 0.6 else ("right", -3)
-        axes[0].annotate(
-            name, (place, 1.0), (offset, -2), xycoords=("data", "axes fraction"), textcoords="offset points",
-            ha=side, va="top", fontsize=8.8, color=style.GREY,
-        )  # fmt: skip
+        set_scales(one, logarithmic)
     style.share(axes)
+    rows = _rows_of(last, marks or {})
     height = HEIGHT if len(axes) == 1 else 0.65 * HEIGHT
-    style.arrange(figure, [(one, height) for one in axes], _entries(axes), gap=12.0)
+    head = ROW * (1 + max(rows.values())) if rows else 0.0
+    style.arrange(figure, [(one, height) for one in axes], entries_of(axes), gap=12.0, head=head)
+    for name, row in rows.items():
+        _name(axes[0], name, (marks or {})[name], row, height)
     return figure
+
+
+def _rows_of(axes: Axes, marks: Mapping[str, float]) -> dict[str, int]:
+    """In which row above the axes each name stands: the lowest in which it lies on no other name, nor on its line."""
+    width = style.WIDTH - style.LEFT - 14.0
+    taken: list[list[tuple[float, float]]] = []
+    rows: dict[str, int] = {}
+    for name, place in sorted(marks.items(), key=lambda mark: -mark[1]):
+        at = width * _share(axes, place)
+        begin, end = _reach(at, name, width)
+        row = next(
+            (k for k, own in enumerate(taken) if all(end < left or begin > right for left, right in own)), len(taken)
+        )
+        if row == len(taken):
+            taken.append([])
+        taken[row].append((begin, end))
+        for below in taken[:row]:  # its line passes them
+            below.append((at - 2.0, at + 2.0))
+        rows[name] = row
+    return {name: rows[name] for name in marks}
+
+
+def _reach(at: float, name: str, width: float) -> tuple[float, float]:
+    """From where to where a name lies [pt]: right of its line, or left of it where there is no room."""
+    long = 5.0 * len(name) + 5.0
+    return (at, at + long) if at + long <= width + 12.0 else (at - long, at)
+
+
+def _name(axes: Axes, name: str, place: float, row: int, height: float) -> None:
+    """Write a mark's name above the axes, its line led up to it."""
+    width = style.WIDTH - style.LEFT - 14.0
+    right = _reach(at := width * _share(axes, place), name, width)[0] >= at
+    above = 1.0 + ROW * row / height
+    axes.plot(
+        [place, place], [1.0, above + (ROW - 3.0) / height], transform=axes.get_xaxis_transform(), clip_on=False,
+        color=style.GREY, linewidth=1.1, linestyle=(0, (1, 1.5)), label="_", scalex=False, scaley=False,
+    )  # fmt: skip
+    axes.annotate(
+        name, (place, above), (3 if right else -3, 1), xycoords=("data", "axes fraction"), textcoords="offset points",
+        ha="left" if right else "right", va="bottom", fontsize=8.8, color=style.GREY,
+    )  # fmt: skip
 
 
 def _share(axes: Axes, place: float) -> float:
@@ -122,90 +162,6 @@ def _share(axes: Axes, place: float) -> float:
     if axes.get_xscale() == "log":
         return float(np.log(place / low) / np.log(high / low))
     return (place - low) / (high - low)
-
-
-@style.styled()
-def map_chart(
-    title: str,
-    x: tuple[str, ArrayLike],
-    y: tuple[str, ArrayLike],
-    values: tuple[str, ArrayLike],
-    boundary: tuple[str, ArrayLike] | None = None,
-    points: Sequence[Line] = (),
-    levels: Sequence[float] | None = None,
-    logarithmic: str = "",
-) -> Figure:
-    """A quantity over two parameters as filled contours, with the boundary of stability.
-
-    Args:
-        title: of the figure.
-        x: name with unit, and values (n,).
-        y: name with unit, and values (m,).
-        values: name with unit, and values (m, n); NaN where there are none.
-        boundary: name, and a function (m, n) that is positive where designs are unstable: hatched.
-        points: designs marked.
-        levels: of the contours; round ones without.
-        logarithmic: "x", "y" or "xy".
-    """
-    from matplotlib import colormaps
-    from matplotlib.ticker import MaxNLocator
-
-    across, up = np.asarray(x[1], float), np.asarray(y[1], float)
-    field = np.ma.masked_invalid(np.asarray(values[1], float))
-    reach = np.full(field.shape, -1.0) if boundary is None else np.asarray(boundary[1], float)
-    field = np.ma.masked_where(reach > 0.0, field)
-    figure, (axes,) = style.new_figure(title)
-    if levels is None:
-        levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(float(field.min()), float(field.max()))
-    steps = np.asarray(levels, float)
-    colors = colormaps["viridis"](np.linspace(0.12, 0.98, len(steps) - 1))
-    axes.contourf(across, up, field, levels=steps, colors=colors, extend="neither", zorder=0.5)
-    drawn = axes.contour(across, up, field, levels=steps, colors="white", linewidths=0.6, zorder=0.6)
-    axes.clabel(drawn, fontsize=8, fmt=plain, colors=style.INK)
-    entries = {values[0]: style.line_key(color=colors[len(colors) // 2], linewidth=6.0)}
-    if boundary is not None and reach.max() > 0.0:
-        axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=[UNSTABLE], zorder=0.7)
-        axes.contour(across, up, reach, levels=[0.0], colors=[style.LIMIT_COLOR], linewidths=2.0, zorder=0.8)
-        entries[boundary[0]] = style.patch_key(facecolor=UNSTABLE, edgecolor=style.LIMIT_COLOR)
-    _draw(axes, points)
-    axes.grid(False)
-    axes.set(xlabel=x[0], ylabel=y[0], xlim=(across.min(), across.max()), ylim=(up.min(), up.max()))
-    _scales(axes, logarithmic)
-    style.arrange(figure, [(axes, 1.15 * HEIGHT)], entries | _entries([axes]))
-    return figure
-
-
-@style.styled()
-def locus_chart(title: str, factors: ArrayLike, poles: ArrayLike, span: float) -> Figure:
-    """Root locus: poles [1/s] over a factor on the loop's gain, from cold to warm colours; the right half is unstable.
-
-    Args:
-        title: of the figure.
-        factors: (n,).
-        poles: complex, (n, poles), NaN where there is none.
-        span: largest imaginary part shown, over 2π [Hz].
-    """
-    factor, roots = np.asarray(factors, float), np.asarray(poles, complex) / (2.0 * np.pi)
-    figure, (axes,) = style.new_figure(title)
-    inside = (roots.imag >= -1e-9) & (roots.imag <= span) & (np.abs(roots.real) <= span)
-    place = np.broadcast_to(factor[:, None], roots.shape)[inside]
-    drawn = axes.scatter(roots.real[inside], roots.imag[inside], c=place, s=5.0, cmap="viridis", linewidths=0.0)
-    ends = ((0, "x", "gain 0 (passive)"), (int(np.argmin(np.abs(factor - 1.0))), "s", "gain as designed"))
-    for row, marker, label in ends:
-        at = roots[row][inside[row]]
-        color = style.INK if marker == "x" else style.VERMILLION
-        axes.plot(at.real, at.imag, marker, color=color, markerfacecolor="none", label=label, markersize=6.0)
-    left, right = axes.get_xlim()
-    right = max(right, 0.08 * (right - left))
-    axes.axvspan(0.0, right, color=UNSTABLE, zorder=0)
-    axes.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4)
-    axes.set(xlim=(left, right), ylim=(0.0, 1.02 * span), ylabel="imaginary part/2π [Hz]")
-    axes.set_xlabel("real part/2π [Hz]; right of the red line: unstable")
-    style.arrange(figure, [(axes, 1.15 * HEIGHT)], _entries([axes]), right=70.0)
-    box = axes.get_position()
-    beside = figure.add_axes((box.x1 + 0.03, box.y0, 0.03, box.height))
-    figure.colorbar(drawn, cax=beside, label="factor on the loop's gain [-]")
-    return figure
 
 
 @style.styled()
@@ -218,16 +174,25 @@ def direction_chart(title: str, radius: str, degrees: ArrayLike, lines: Sequence
         degrees: directions [deg], (n,), of every line's ``y``.
         lines: their ``x`` is not used.
     """
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
     angle = np.radians(np.asarray(degrees, float))
     axes: Any
     figure, (axes,) = style.new_figure(title, subplot_kw={"projection": "polar"})
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(1)
-    axes.set_thetagrids(range(0, 360, 45), ["front", "45°", "left", "135°", "rear", "225°", "right", "315°"])
+    names = ["front, 0°", "45°", "left\n90°", "135°", "rear, 180°", "225°", "right\n270°", "315°"]
+    axes.set_thetagrids(range(0, 360, 45), names)
     around = np.append(angle, angle[0] + 2 * np.pi)
-    _draw(axes, [replace(line, x=around, y=np.append(line.y, np.ravel(line.y)[:1])) for line in lines])
-    axes.set_rlabel_position(22.5)
+    draw(axes, [replace(line, x=around, y=np.append(line.y, np.ravel(line.y)[:1])) for line in lines])
+    most = max((float(np.nanmax(line.y)) for line in lines), default=1.0)
+    axes.set_ylim(0.0, 1.05 * most)
+    axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], prune="lower"))
+    axes.yaxis.set_major_formatter(FuncFormatter(plain))
+    axes.set_rlabel_position(292.5)  # between right and 315°, where a wave along an axis draws no peak
     axes.tick_params(labelsize=8.5)
+    for name in axes.get_yticklabels():
+        name.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8})
     axes.set_xlabel(radius)
-    style.arrange(figure, [(axes, 1.3 * HEIGHT)], _entries([axes]), head=14.0)  # room for the name of the front
+    style.arrange(figure, [(axes, 1.5 * HEIGHT)], entries_of([axes]), head=14.0)  # room for the name of the front
     return figure

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 else:  # names for annotations: Matplotlib itself is imported when the first figure is drawn
-    Artist = Axes = Axis = Figure = Any
+    Artist = Axes = Axis = Figure = Text = Any
 
 
 INCH: Final = 72.0

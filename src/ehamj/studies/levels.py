@@ -17,8 +17,9 @@ from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.findings import finite
 from ehamj.labels import table
+from ehamj.pages.words import decibel
 from ehamj.plant.levers import plane, plane_fit
-from ehamj.plots import Figure, Line, lines_chart
+from ehamj.plots import Figure, Line, lines_chart, style
 from ehamj.result import Result
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import changed
@@ -30,6 +31,8 @@ from ehamj.studies.study import among, study
 BANDS: Final = ("2", "5", "10", "20", "50", "100")
 RECORD_RATE: Final = 4000.0
 """Rows per second [Hz]: motion above half of them would be read as if it were slow."""
+CLIPS: Final = 1e-3
+"""Share of time from which a command at its limit counts as clipping [-]."""
 SETTLED: Final = 2.0
 """Time from which pressures are judged [s]."""
 
@@ -67,9 +70,9 @@ def levels(scenario: Scenario, settings: LevelSettings, progress: Progress) -> O
         tables={"levels": found},
         drawings={
             "attenuation": Drawing(
-                "Vertical attenuation of the centre of gravity over the floor's level, per third-octave band; thick: "
-                f"the scenario's law, thin: isolating from {settings.isolate_from:g} Hz on. Below, the share of time "
-                "at which a command is at its limit.",
+                "Vertical attenuation of the centre of gravity over the floor's level, per third-octave band: under "
+                f"the scenario's law (everywhere), and isolating from {settings.isolate_from:g} Hz on. Crosses: a "
+                f"command is at its limit for {100 * CLIPS:g} % of the time or more. Below, how often that is.",
                 lambda: _chart(found),
             )
         },
@@ -153,12 +156,17 @@ def _answers(levels_over: xr.Dataset) -> list[str]:
     found = []
     for name in levels_over.law.values:
         one = levels_over.sel(law=name)
-        quiet = [str(level) for level in one.level.values if float(one.clipped.sel(level=level)) < 1e-3]
+        free = one.clipped.values < CLIPS
+        quiet = [str(level) for level, holds in zip(one.level.values, free, strict=True) if holds]
         until = f"up to {quiet[-1]} the valves do not clip" if quiet else "the valves clip at every level"
+        at_ten = one.attenuation.sel(band=10.0).values
+        if quiet and not free.all():
+            until += f", from {one.level.values[int(np.argmin(free))]} on they do"
+        if (gone := at_ten < 0.5 * np.nanmax(at_ten)).any():
+            until += f"; isolation collapses at {one.level.values[int(np.argmax(gone))]}"
         words = "; ".join(
-            f"{level} {float(one.attenuation.sel(level=level, band=10.0)):.0f} dB"
-            f" ({100 * float(one.clipped.sel(level=level)):.2g} %)"
-            for level in one.level.values
+            f"{level} {decibel(float(quieter))} dB ({100 * clipped:.2g} %)"
+            for level, quieter, clipped in zip(one.level.values, at_ten, one.clipped.values, strict=True)
         )
         found.append(f"Isolating {name}: {until}. At 10 Hz (share of time clipped): {words}.")
     worst = float(levels_over.warp.max())
@@ -167,17 +175,25 @@ def _answers(levels_over: xr.Dataset) -> list[str]:
 
 
 def _chart(levels_over: xr.Dataset) -> Figure:
+    """A panel per law: attenuation per band, crosses where valves clip; below, how often they do."""
     micro = 1e6 * levels_over.velocity.values
-    lines, shares = [], []
+    panels: dict[str, list[Line]] = {}
+    shares: list[Line] = []
     for row, name in enumerate(levels_over.law.values):
-        for column, band in enumerate(levels_over.band.values):
-            values = levels_over.attenuation.sel(law=name, band=band).values
-            label = f"{band:g} Hz" if row == 0 else (str(name) if column == 0 else "")
-            lines.append(Line(label, micro, values, column, row, width=2.0 if row == 0 else 1.0))
-        shares.append(
-            Line("", micro, 100 * levels_over.clipped.sel(law=name).values, 7, row, width=2.0 if row == 0 else 1.0)
-        )
-    panels = {"attenuation [dB]": lines, "clipped [%]": shares}
+        one = levels_over.sel(law=name)
+        clips = one.clipped.values >= CLIPS
+        lines = [
+            Line("" if row else f"{band:g} Hz", micro, one.attenuation.sel(band=band).values, column)
+            for column, band in enumerate(levels_over.band.values)
+        ]
+        at = np.tile(micro[clips], levels_over.sizes["band"])
+        dips = one.attenuation.transpose("band", "level").values[:, clips].ravel()
+        lines += [Line("", micro[~clips], level[~clips], k, marker=".") for k, level in
+                  enumerate(one.attenuation.transpose("band", "level").values)]  # fmt: skip
+        lines.append(Line("" if row else "valves clip", at, dips, style.INK, marker="x"))
+        panels[f"{name} [dB]"] = lines
+        shares.append(Line(f"isolating {name}", micro, 100 * one.clipped.values, style.INK, row))
+    panels["clipped [%]"] = shares
     across = "floor, RMS velocity per third-octave band [µm/s]"
-    marks = {str(level): float(at) for level, at in zip(levels_over.level.values[:5], micro[:5], strict=False)}
+    marks = {str(level): float(at) for level, at in zip(levels_over.level.values, micro, strict=True)}
     return lines_chart("Attenuation against the floor's level", across, panels, "x", marks=marks)

@@ -22,6 +22,7 @@ from ehamj.studies.outcome import Drawing, Outcome, Progress, silent
 from ehamj.studies.study import Range, among, study
 from ehamj.studies.variants import positions, preset, resized, still, with_every_actuator
 
+CREEPS = "a mode creeps: no frequency"
 SAMPLES, ORDER = 320, 22
 """Samples of a ring-down, and eigenvalues looked for in it."""
 
@@ -145,8 +146,8 @@ def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -
         notes=(
             "Mass and inertia about the CG are kept; the mounts keep their proportions, of which the distance in y is "
             "shown.",
-            "White: one of the two modes does not oscillate. Valves held, small motions. own-actuators.nc holds "
-            "all six modes, growth rate and tipping margin of each.",
+            "Grey: one of the two modes creeps back without oscillating, and has no frequency. Valves held, small "
+            "motions. own-actuators.nc holds all six modes, growth rate and tipping margin of each.",
         ),
         numbers={"designs": int(slow.size), "largest_deviation": worst, "tipping_designs": tips},
     )
@@ -180,5 +181,6 @@ def _chart(
         ("CG height [m]", found["height"].values),
         (name, found.transpose("height", "width").values),
         points=[Line("this machine", [across], [scenario.machine.cg[2]], color=1, marker="s"), *points],
+        blank=CREEPS,
         **options,
     )

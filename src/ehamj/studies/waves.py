@@ -28,6 +28,7 @@ from ehamj.studies.variants import still
 
 HELD = "valves held"
 TURNS = ("machine_velocity rx", "machine_velocity ry")
+EDGE = " That is the highest frequency looked at; above it rocks more still."
 SETTLED = 2.0
 """Time from which a run is evaluated, for one second [s]."""
 
@@ -40,7 +41,7 @@ class WaveSettings(Settings):
         tuple(np.geomspace(100.0, 2000.0, 27).tolist()), min_length=1, description="apparent wave speeds [m/s]"
     )
     directions: tuple[float, ...] = Field(
-        tuple(np.arange(0.0, 360.0, 5.0).tolist()),
+        tuple(np.arange(0.0, 360.0, 2.5).tolist()),
         min_length=1,
         description="directions of travel, from +x towards +y [deg]",
     )
@@ -103,7 +104,7 @@ def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Out
     return Outcome(
         title="Waves that rock the machine",
         question=f"Which wave of {settings.axis}-motion in the floor rocks this machine most?",
-        answers=_answers(worst, simulated),
+        answers=_answers(settings, worst, simulated),
         tables={
             "directions": _largest(found),
             **{key: _at(found, worst[name], name).to_dataset() for key, name in maps.items()},
@@ -117,11 +118,12 @@ def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Out
             for key, name in maps.items()
         }
         | {
-            "directions": Drawing(
-                "Largest rotation rate over the floor's velocity at any frequency, by the direction in which the wave "
-                "travels, seen from above.",
-                lambda: _directions(found),
+            key.replace("map", "directions"): Drawing(
+                f"Largest rotation rate over the floor's velocity at any frequency, {name}, by the direction in which "
+                "the wave travels, seen from above.",
+                partial(_directions, found, name),
             )
+            for key, name in maps.items()
         },
         notes=(
             "Plane waves of one frequency; every mount sees the same motion at its own time (coherent floor).",
@@ -132,7 +134,7 @@ def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Out
     )
 
 
-def _answers(worst: dict[str, dict[str, float]], simulated: float) -> tuple[str, ...]:
+def _answers(settings: WaveSettings, worst: dict[str, dict[str, float]], simulated: float) -> tuple[str, ...]:
     held = worst[HELD]
     slope = 2 * np.pi * held["frequency"] / held["speed"]
     off = simulated / held["rocking"] - 1.0
@@ -140,7 +142,7 @@ def _answers(worst: dict[str, dict[str, float]], simulated: float) -> tuple[str,
         *(
             f"{name.capitalize()}, the wave that rocks the machine most goes towards {one['direction']:.0f}° at "
             f"{one['speed']:.0f} m/s and {one['frequency']:.0f} Hz: {one['rocking']:.3g} rad/s per m/s of floor "
-            "velocity."
+            f"velocity.{EDGE if one['frequency'] == settings.frequencies[-1] else ''}"
             for name, one in worst.items()
         ),
         f"The floor itself turns at {slope:.3g} rad/m in the first of these waves; the mounts' distance averages, and "
@@ -227,18 +229,13 @@ def _map(found: xr.Dataset, worst: dict[str, float], system: str) -> Figure:
     )
 
 
-def _directions(found: xr.Dataset) -> Figure:
+def _directions(found: xr.Dataset, system: str) -> Figure:
     speeds = found["speed"].values
     chosen = [int(np.argmin(np.abs(np.log(speeds / speed)))) for speed in (100.0, 200.0, 500.0)]
+    values = found["rocking"].sel(system=system)
     lines = [
-        Line(
-            f"{speeds[k]:.0f} m/s, {system}",
-            [],
-            found["rocking"].sel(system=system).isel(speed=k).max("frequency"),
-            c,
-            d,
-        )
-        for d, system in enumerate(found["system"].values)
+        Line(f"{speeds[k]:.0f} m/s", [], values.isel(speed=k).max("frequency"), c)
         for c, k in enumerate(dict.fromkeys(chosen))
     ]
-    return direction_chart("Rocking by the wave's direction", "rad/s per m/s", found["direction"].values, lines)
+    over = "rotation rate over floor velocity [rad/m]"
+    return direction_chart(f"Rocking by the wave's direction, {system}", over, found["direction"].values, lines)

@@ -1,7 +1,5 @@
 """Modes of the machine: with the valves held, in each closed loop, and over CG height and footprint."""
 
-import cmath
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -10,7 +8,7 @@ import numpy as np
 from ehamj.evaluation import Evaluation
 from ehamj.linear.modes import Mode
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import DASH, number
+from ehamj.pages.words import DASH, motion, number
 from ehamj.plant.axes import DOFS
 from ehamj.plots import Line, map_chart
 from ehamj.report.shown import Shown
@@ -80,15 +78,7 @@ def _others(label: str, found: Sequence[Mode]) -> str:
 
 def _moves(mode: Mode) -> str:
     """The shape's parts, largest one; phases where they are not in step."""
-    largest = max(map(abs, mode.shape))
-    words = []
-    for dof, part in zip(DOFS, mode.shape.tolist(), strict=True):
-        if abs(part) > NOTABLE * largest:
-            size, angle = abs(part) / largest, math.degrees(cmath.phase(part))
-            if abs(angle) > 180.0 - IN_STEP:
-                size, angle = -size, 0.0
-            words.append(f"{dof} {size:.2f}" + (f"∠{angle:.0f}°" if abs(angle) > IN_STEP else ""))
-    return ", ".join(words).replace("-", "−")
+    return motion(dict(zip(DOFS, mode.shape.tolist(), strict=True)), NOTABLE, ".2f", IN_STEP)
 
 
 def _rocking_map(shown: Shown) -> Iterator[Picture]:
@@ -104,6 +94,7 @@ def _rocking_map(shown: Shown) -> Iterator[Picture]:
         ("slowest sway-rocking [Hz]", found["slowest"].values),
         boundary=("tips over", -found["tipping_margin"].values),
         points=[Line("this machine", [across], [height], color=1, marker="s")],
+        blank="a mode creeps: no frequency",
     )
     caption = "Mass and inertia about the CG kept, all mounts moved in proportion. ehamj study rocking has more."
     yield Picture("modes-map", figure, caption)
