@@ -8,7 +8,7 @@ pyplot never. Colours are those of Okabe and Ito, which most colour-blind people
 from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion, levels
 from ehamj.plots.charts import Line, direction_chart, lines_chart
 from ehamj.plots.files import inline, svg
-from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, history, thinned
+from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Moment, Trace, envelope, history, thinned
 from ehamj.plots.loci import Branch, View, locus_chart, view_of
 from ehamj.plots.machine import Foot, Mark, machine_plan, machine_side
 from ehamj.plots.maps import map_chart
@@ -42,6 +42,7 @@ __all__ = [
     "Limit",
     "Line",
     "Mark",
+    "Moment",
     "Response",
     "Trace",
     "View",

@@ -38,6 +38,14 @@ class Limit:
     values: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class Moment:
+    """A time [s] at which something happened."""
+
+    label: str
+    time: float
+
+
 def envelope(time: Array, values: Array, most: int = STRETCHES) -> tuple[Array, Array, Array]:
     """Lowest and highest value in each of at most ``most`` stretches of a record; no peak is lost.
 
@@ -82,6 +90,7 @@ def history(
     detail: Sequence[Trace],
     limits: Sequence[Limit] = (),
     window: tuple[float, float] | None = None,
+    moments: Sequence[Moment] = (),
 ) -> Figure:
     """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
 
@@ -93,6 +102,7 @@ def history(
         limits: drawn in the upper part, unless they are further off than `FAR_LIMIT` peaks: then they are only named.
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
+        moments: marked by vertical lines.
     """
     figure, (above, *below) = style.new_figure(title, 2 if window else 1)
     entries: dict[str, Artist] = {}
@@ -109,6 +119,7 @@ def history(
         entries.setdefault(style.shown(trace.label), _line_over_time(in_full, trace, window))
     entries |= _limits(above, [*whole, *([] if window else detail)], limits)
     for axes in (above, *below):
+        entries |= _moments(axes, moments, window if axes in below else None)
         axes.set_ylabel(quantity)
         linear_axis(axes.yaxis)
     style.arrange(figure, [(axes, 92.0 if window else 140.0) for axes in (above, *below)], entries)
@@ -133,6 +144,13 @@ def _line_over_time(axes: Axes, trace: Trace, window: tuple[float, float] | None
     time, values = thinned(trace.time[inside], finite(trace.values[inside]))
     (line,) = axes.plot(time, values, color=trace.color, linewidth=trace.width, linestyle=trace.dash)
     return line
+
+
+def _moments(axes: Axes, moments: Sequence[Moment], window: tuple[float, float] | None) -> dict[str, Artist]:
+    """Vertical lines at what falls into the window, or into the whole run."""
+    shown = [one for one in moments if window is None or window[0] <= one.time <= window[1]]
+    look: dict[str, Any] = {"color": style.MOMENT_COLOR, "linewidth": 1.3, "linestyle": (0, (1, 1)), "zorder": 4}
+    return {one.label: axes.axvline(one.time, **look) for one in shown}
 
 
 def _limits(axes: Axes, traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, Artist]:
