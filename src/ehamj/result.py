@@ -116,16 +116,22 @@ class Result:
                 path.write_text(text, encoding="utf-8")
 
 
+def check_result(folder: str | Path) -> Path:
+    """A folder, checked to hold the files of a result; raises InputError otherwise."""
+    folder = Path(folder)
+    missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
+    if missing:
+        raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
+    return folder
+
+
 def load_result(folder: str | Path) -> Result:
     """Read a result folder.
 
     Raises:
         InputError: if the folder is not a result, damaged, or its summary is not one of today's.
     """
-    folder = Path(folder)
-    missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
-    if missing:
-        raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
+    folder = check_result(folder)
     try:
         check_hdf5(folder / "result.nc")
         with xr.open_dataset(folder / "result.nc", engine="h5netcdf", phony_dims="access") as stored:

@@ -17,8 +17,9 @@ from ehamj.criteria.vc import CLASSES
 from ehamj.estimate.bands import bands
 from ehamj.judge import isolation, settled
 from ehamj.judge.levels import SLAB, floor_and_machine, levels_of
+from ehamj.judge.places import worst_class
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.verdicts import by_norm, undecided, worst_class
+from ehamj.judge.verdicts import by_norm, undecided
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.result import Result, make_dataset
@@ -432,7 +433,7 @@ def test_the_summary_has_what_a_person_asks_for_first(run: Result) -> None:
     asked = {"attenuation_db", "criterion", "peak", "rms", "saturation", "oil", "timing", "versions", "seed"}
     assert asked | {"complete", "warnings", "name"} <= set(run.summary)
     assert set(run.summary["attenuation_db"]) == {"x", "y", "z", "rx", "ry"}
-    assert {"floor", "machine", "verdict", "max_1s"} == set(run.summary["criterion"])
+    assert {"title", "floor", "machine", "decisive", "verdict", "max_1s"} == set(run.summary["criterion"])
     assert set(run.summary["saturation"]) == {"command", "spool", "spool_drive", "cavitation"}
     assert set(run.summary["saturation"]["command"]) == set(MOUNTS)
     assert (run.summary["seed"], run.summary["complete"]) == (7, True)

@@ -307,8 +307,11 @@ def test_page_tells_the_verdicts(sliding: Result) -> None:
     loudest = {**sliding.summary.criterion.max_1s, "verdict": {"vertical": "less quiet", "horizontal": "louder"}}
     criterion = {**sliding.summary.criterion, "verdict": words, "max_1s": loudest}
     written = page({"run": changed(sliding, criterion=criterion)}, factor=1.0, arrows=0.0, speed=1.0)
-    assert "- run, vertical: quiet, by RMS over the whole run; less quiet by the largest 1 s RMS\n" in written
-    assert "- run, horizontal: loud, undecided at 4, 5 Hz, by RMS over the whole run; louder by the " in written
+    assert "- run, vertical: quiet. Machine worst at " in written
+    assert "- run, horizontal: loud, undecided at 4, 5 Hz. Machine worst at " in written
+    rule = "VC curves, constant acceleration from 4 to 8 Hz"
+    assert f"- run, judged by: {rule}, RMS over the whole run\n" in written
+    assert "- run, by the largest 1 s RMS: vertical less quiet; horizontal louder\n" in written
 
 
 def test_page_tells_of_thinned_plots(sliding: Result, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -322,10 +325,10 @@ def test_viewer_starts_only_where_there_is_a_screen(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(replay.sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    assert not open_viewer(tmp_path / "replay.rrd")
+    assert open_viewer(tmp_path / "replay.rrd") == "no screen here"
     assert not started
     monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
-    assert open_viewer(tmp_path / "replay.rrd")
+    assert open_viewer(tmp_path / "replay.rrd") == ""
     (command,) = started
     assert command[command.index("--bind") + 1] == "127.0.0.1"
     assert command[-1] == str(tmp_path / "replay.rrd")

@@ -54,6 +54,8 @@ def run(
         print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
         _print_summary(summary, loaded.plant.mounts[0], folder)
+        if not loaded.output.replay:
+            say(f"replay: none (output.replay = false); `ehamj replay {folder}` builds it")
     if failures:
         raise failures[0]
 
@@ -91,10 +93,12 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
         _print_levels(summary, mount)
     for direction, said in summary.criterion.lines().items():
         say(f"vibration class, {direction}: {said}")
-    quiet = {band: dB for band, dB in summary.attenuation_db["z"].items() if dB is not None and band in SHOWN_BANDS}
-    if quiet:
-        words = ", ".join(f"{round(dB)} dB at {band} Hz" for band, dB in quiet.items())
-        say(f"vertical attenuation, floor to machine: {words}")
+    places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
+    for place, levels in places.items():
+        quiet = {band: dB for band, dB in levels.items() if dB is not None and band in SHOWN_BANDS}
+        if quiet:
+            words = ", ".join(f"{round(dB)} dB at {band} Hz" for band, dB in quiet.items())
+            say(f"vertical attenuation, floor to machine's {place}: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

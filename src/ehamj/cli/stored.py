@@ -18,23 +18,42 @@ Compare = Annotated[list[Path] | None, typer.Option("--compare", help="Another r
 
 
 @app.command()
-def replay(folder: ResultFolder, compare: Compare = None, as_json: Json = False) -> None:
-    """Build the Rerun recording of a stored result, and open it where there is a screen.
+def replay(
+    folder: ResultFolder,
+    compare: Compare = None,
+    rebuild: Annotated[
+        bool, typer.Option("--rebuild", help="Build RESULT/replay.rrd anew, with RESULT's own variants as `run` did.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Open the Rerun recording of a stored result where there is a screen; elsewhere, say where it is.
 
-    With `--compare` (repeatable) the recording shows the results side by side with one exaggeration and one clock, in
-    RESULT/replay-compare.rrd.
+    RESULT/replay.rrd is opened as it is; one that is not there is built first, with the variants that ran with RESULT
+    side by side.
+
+    With `--compare` (repeatable) RESULT and the others named are shown side by side, with one exaggeration and one
+    clock, without RESULT's own variants; this recording is built each time, as RESULT/replay-compare.rrd.
     """
-    from ehamj.replay import open_viewer, write_replay
+    from ehamj.replay import open_viewer
 
-    shown = _side_by_side([folder, *(compare or ())])
+    if compare and rebuild:
+        raise InputError("--rebuild: is for RESULT's own recording; --compare always builds another, so leave one out")
     path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
-    write_replay(path, shown, next(iter(shown.values())).scenario.output.exaggeration)
-    opened = open_viewer(path)
-    if as_json:
-        print_json({"replay": str(path), "opened": opened})
+    _check_result(folder)
+    built = bool(compare) or rebuild or not path.is_file()
+    if built:
+        _build_replay(path, [folder, *(compare or _variants(folder))])
     else:
-        hint = "" if opened else f"  (no screen here; open it with: rerun {path})"
-        say(f"replay: {path}{hint}")
+        _check_recording(path)
+    why = open_viewer(path)
+    if as_json:
+        print_json({"replay": str(path), "opened": not why, "built": built})
+        return
+    say(f"replay: {path}" + ("" if built else " (as it is; --rebuild builds it anew)"))
+    if why:
+        import rerun
+
+        say(f"{why}; open it with: rerun {path}  (Rerun {rerun.__version__}, on this or another machine)")
 
 
 @app.command()
@@ -46,10 +65,7 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
     """
     from ehamj.report import write_report
 
-    shown = _side_by_side([folder, *(compare or _variants(folder))])
-    for label, result in shown.items():
-        if not result.dataset.time.size:
-            raise InputError(f"result {label!r}: failed before its first row, so that there is nothing to report")
+    shown = _side_by_side([folder, *(compare or _variants(folder))], "report")
     name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
     with log.status("drawing"):
         write_report(folder, shown, name, figures)
@@ -58,6 +74,32 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
         print_json({"report": str(path), "results": list(shown)})
     else:
         say(f"report: {path}")
+
+
+def _check_result(folder: Path) -> None:
+    """Raise InputError unless a folder holds a result."""
+    from ehamj.result import check_result
+
+    check_result(folder)
+
+
+def _check_recording(path: Path) -> None:
+    """Raise InputError unless a recording is whole."""
+    from ehamj.replay import check_whole
+
+    try:
+        check_whole(path)
+    except OSError as error:
+        raise InputError(f"recording {str(path)!r}: is damaged; --rebuild builds it anew from the result") from error
+
+
+def _build_replay(path: Path, folders: Sequence[Path]) -> None:
+    """Write the recording of some stored results, exaggerated as the first one asks."""
+    from ehamj.replay import write_replay
+
+    shown = _side_by_side(folders, "replay")
+    with log.status("building the recording"):
+        write_replay(path, shown, next(iter(shown.values())).scenario.output.exaggeration)
 
 
 def _variants(folder: Path) -> list[Path]:
@@ -70,11 +112,15 @@ def _variants(folder: Path) -> list[Path]:
     return [one for one in folders if one.is_dir()]
 
 
-def _side_by_side(folders: Sequence[Path]) -> "dict[str, Result]":
+def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     """Stored results by a label: their scenario's name, with the folder's name or path where that is not enough.
 
+    Args:
+        folders: of the results.
+        to: what is done with them, for the message.
+
     Raises:
-        InputError: if a folder is named twice.
+        InputError: if a folder is named twice, or holds no row.
     """
     from ehamj.result import load_result
 
@@ -87,4 +133,7 @@ def _side_by_side(folders: Sequence[Path]) -> "dict[str, Result]":
     for wheres in ([path.name for path in paths], paths):
         if len(set(labels)) < len(labels):
             labels = [f"{name} ({where})" for name, where in zip(names, wheres, strict=True)]
+    for label, result in zip(labels, results, strict=True):
+        if not result.dataset.time.size:
+            raise InputError(f"result {label!r}: failed before its first row, so that there is nothing to {to}")
     return dict(zip(labels, results, strict=True))

@@ -91,8 +91,9 @@ class Verdict(Finding):
 
     A level exactly at its limit meets the class. ``margin_db`` is what the class met leaves in its deciding band, the
     one with the least; None where nothing moves or no class is met. ``excess_db`` is by how much the next stricter
-    class is exceeded at worst, in ``next_band``. ``decided``: every band of the norm is known, or even the coarsest
-    class is not met. A band is named `WHOLE` where a limit of the whole history decides.
+    class is exceeded at worst, in ``next_band``. ``decided``: every band that could decide is known. Those are the
+    bands in which the class met, or a coarser one, has a limit; where even the coarsest is not met, none is left.
+    A band is named `WHOLE` where a limit of the whole history decides.
     """
 
     met: str | None = Field(alias="class")
@@ -103,7 +104,9 @@ class Verdict(Finding):
     next_band: str | None = Field(alias="next_band_hz")
     excess_db: float | None
     undecided: tuple[str, ...] = Field(alias="undecided_bands_hz")
-    """Bands of the criterion in which the level is not known."""
+    """Bands that could decide, and in which the level is not known."""
+    bands: int | None = None
+    """How many bands there are that could decide, known or not; None in a result that is older."""
     factor: float | None = None
     """Largest level over the norm's base curve, for a norm that has one."""
     statistic: Statistic | None = None
@@ -204,8 +207,6 @@ class Norm:
             raise InputError(f"norm {self.title!r}: limits {wanted}; the levels are {given}")
         known = _known(levels, measured)
         limits = [(band, limit) for name in self.classes for band, limit in self._limits[name, axis].items()]
-        unknown = {band for band, limit in limits if (band, limit.kind) not in known}
-        undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
         several = {limit.statistic for _, limit in limits}
         statistic = several.pop() if len(several) == 1 else None
         met = deciding = margin = following = following_band = excess = None
@@ -228,15 +229,19 @@ class Norm:
             if decider[1] is None:
                 peaks = _nearest(limit, known[None, limit.kind], (swings or {}).get(limit.quantity))
         base = {} if self.base is None else self._shares(self.base, axis, known, {})
+        could = self._could_decide(axis, met, deciding is None)
+        unknown = {band for band, kind in could if (band, kind) not in known}
+        undecided = tuple(_name(band) for band in (*CANDIDATES, None) if band in unknown)
         return Verdict(
             met=met,
-            decided=deciding is not None and (met is None or not undecided),
+            decided=deciding is not None and not undecided,
             deciding_band=deciding,
             margin_db=margin,
             next_class=following,
             next_band=following_band,
             excess_db=excess,
             undecided=undecided,
+            bands=len({band for band, _ in could}),
             statistic=statistic,
             **peaks,
             **({} if self.base is None else {"factor": max(base.values(), default=None)}),
@@ -247,6 +252,26 @@ class Norm:
         if verdict.met is None:
             return -1, -(verdict.excess_db or 0.0)
         return self.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
+
+    def could_decide(self, axis: str, met: str | None, nothing_known: bool = False) -> tuple[str, ...]:
+        """Bands by which a class met along an axis might yet turn out coarser, from low to high; last `WHOLE`.
+
+        They are those in which it or a coarser one has a limit, of a class that is not met none: in what is known it is
+        missed already. Where ``nothing_known`` they are all in which the norm has one.
+        """
+        could = {band for band, _ in self._could_decide(axis, met, nothing_known)}
+        return tuple(_name(band) for band in (*CANDIDATES, None) if band in could)
+
+    def _could_decide(self, axis: str, met: str | None, nothing_known: bool) -> set[tuple[Band | None, Kind]]:
+        names = self.classes[: 0 if met is None else self.classes.index(met) + 1]
+        limits = (self._limits[name, axis] for name in (self.classes if nothing_known else names))
+        return {(band, limit.kind) for table in limits for band, limit in table.items()}
+
+    def kind_at(self, verdict: Verdict, axis: str) -> Kind:
+        """The kind of level that decided along an axis."""
+        name = verdict.met or self.classes[0]
+        limits = self._limits[name, axis].items()
+        return next(limit.kind for band, limit in limits if _name(band) == verdict.deciding_band)
 
     def _shares(
         self,

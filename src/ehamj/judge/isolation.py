@@ -83,6 +83,14 @@ class Isolation(Finding):
     """By each norm."""
     analysis: Analysis
 
+    def attenuation_at_worst(self, axis: str) -> ByBand:
+        """Least attenuation of all places along x, y or z: band → dB, None where it is undecided at the CG."""
+        tables = [self.attenuation_db[axis], *(table[axis] for table in self.attenuation_at_db.values())]
+        return {
+            band: None if own is None else min(v for table in tables if (v := table.get(band)) is not None)
+            for band, own in tables[0].items()
+        }
+
     def in_bands(self, quantity: Quantity, statistic: BandStatistic = "rms") -> Places:
         """Levels in bands of a quantity by a statistic; empty where these were not taken."""
         if statistic == "rms":

@@ -47,6 +47,18 @@ class Levels:
     mount, machine and points not."""
     behind: Array = field(repr=False)
     """RMS velocity of the floor over the whole run behind the filters of the sliding levels, (bands, mount, axis)."""
+    mounts: tuple[str, ...]
+    seconds: float
+    """How long is counted [s]."""
+
+    def row(self, band: str | None) -> int | None:
+        """Where a band lies, by its name; None where it is not known."""
+        return next((k for k, one in enumerate(self.bands) if one.name == band), None)
+
+    def loudest(self, place: str, kind: Kind, axis: str, band: str) -> int | None:
+        """The mount of floor or feet with the largest level of a kind in a band; None of other places and bands."""
+        found, row = self.places[place][kind], self.row(band)
+        return None if found.ndim < 3 or row is None else int(np.argmax(found[row, :, AXES.index(axis)]))
 
     def at(self, place: str) -> dict[Kind, Array]:
         """Levels of a place by kind, (n, axis); of floor and feet those of the worst mount."""
@@ -77,7 +89,8 @@ def levels_of(
         peak = np.abs(velocity).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
         places[place]["velocity", "peak"] = peak[None]
     slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
-    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind)
+    seconds = Counted(len(dataset["time"]), rate).length
+    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds)
 
 
 def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:

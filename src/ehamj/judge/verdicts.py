@@ -1,48 +1,48 @@
-"""What a norm says of each place: class per axis, the axis that decides, and the verdict in words."""
+"""What the norms say of all places: the verdict by the worst of them in words, and what they leave undecided."""
 
-from collections.abc import Mapping, Sequence
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final, Self
 
 import numpy as np
 
-from ehamj.criteria.curves import WHOLE, Norm, Verdict, where
+from ehamj.criteria.curves import Norm, Verdict
 from ehamj.criteria.own import OwnLimits, OwnNorm
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
 from ehamj.estimate.statistics import SHORT, WORDS
 from ehamj.findings import Finding
+from ehamj.judge.headline import DIRECTIONS, Direction, direction
 from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks
+from ehamj.judge.places import PEAKS_TO, AtPlace, at_place
 from ehamj.plant.axes import AXES
 
-PEAKS_TO: Final = 80.0
-"""Frequency up to which the ground must be known for its peaks to be [Hz]: the common range of DIN 45669-1."""
-
-AT_BEST: Final = "at best"
-"""Before a class that is met as far as bands are known."""
-
-
-class AtPlace(Finding):
-    """What a norm says of one place."""
-
-    x: Verdict
-    y: Verdict
-    z: Verdict
-    worst: str | None
-    """The coarsest class met; None where not even the coarsest is."""
-    deciding_axis: str | None
-
-    def along(self, axes: Sequence[str]) -> list[Verdict]:
-        """The verdicts along some axes."""
-        return [getattr(self, axis) for axis in axes]
+OLDER: Final = ", of the centre of gravity alone (an earlier version's result: run it again for the worst place)"
+"""What to know of a verdict that an earlier version gave."""
 
 
 class InWords(Finding):
-    """The verdict of floor and machine in words, along z and across."""
+    """The verdict of floor and machine at its worst place in words, along z and across."""
 
     vertical: str
     horizontal: str
+
+
+class Directions(Finding):
+    """What decides along z and across."""
+
+    vertical: Direction
+    horizontal: Direction
+
+    @classmethod
+    def of(cls, places: Mapping[str, AtPlace], norm: Norm, levels: Levels) -> Self:
+        """Of all places; arguments as of `ehamj.judge.headline.direction`."""
+        return cls(**{name: direction(places, axes, norm, levels) for name, axes in DIRECTIONS.items()})
+
+    def in_words(self) -> InWords:
+        """The classes of floor and machine."""
+        return InWords(**{name: getattr(self, name).classes(name) for name in DIRECTIONS})
 
 
 class ByNorm(Finding):
@@ -60,42 +60,77 @@ class Beside(Finding):
 
     floor: AtPlace
     machine: AtPlace
+    """At its centre of gravity."""
+    places: dict[str, AtPlace] | None = None
+    """Every place; None in a result that is older."""
     verdict: InWords
 
 
 class Criterion(Finding):
     """What the first norm says of floor and machine."""
 
+    title: str = ""
+    """Of the norm, with its rule at low frequency."""
     floor: AtPlace
     machine: AtPlace
+    """At its centre of gravity."""
+    decisive: Directions | None = None
+    """By the worst of all places; None in a result that is older, whose verdict is that of the centre of gravity."""
     verdict: InWords
     max_1s: Beside | None = None
     """By the largest sliding 1 s RMS; None for a norm of peaks, and in a result that is older."""
 
     def lines(self) -> dict[str, str]:
-        """The verdict as a reader is told it, each class with the statistic of the levels that it is by."""
-        found: dict[str, str] = {}
-        for direction, axes in (("vertical", ("z",)), ("horizontal", ("x", "y"))):
-            parts = [*self.floor.along(axes), *self.machine.along(axes)]
-            if all(verdict.deciding_band is None for verdict in parts):
-                found[direction] = "not judged: the run is too short for any band of the criterion"
-                continue
-            by = dict.fromkeys(v.statistic for v in parts if v.statistic is not None)
-            said = getattr(self.verdict, direction)
-            found[direction] = f"{said}, by {' and '.join(WORDS[name] for name in by)}" if by else said
-            if self.max_1s is not None and "max_1s" not in by:
-                found[direction] += f"; {getattr(self.max_1s.verdict, direction)} by the {SHORT['max_1s']}"
+        """The headline: the verdict of each direction with place, margin and band, and by which rule and levels.
+
+        The keys are ``vertical``, ``horizontal``, ``judged by``, and ``by the largest 1 s RMS`` where a norm has it.
+        """
+        found = {name: self._line(name) for name in DIRECTIONS}
+        by = dict.fromkeys(v.statistic for v in self._verdicts() if v.statistic is not None)
+        rule = [self.title, " and ".join(WORDS[name] for name in by)]
+        if any(rule):
+            found["judged by"] = ", ".join(text for text in rule if text)
+        if self.max_1s is not None and "max_1s" not in by:
+            said = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in DIRECTIONS)
+            found[f"by the {SHORT['max_1s']}"] = "; ".join(said)
         return found
+
+    def briefly(self) -> dict[str, str]:
+        """Of each direction the machine's class at its worst place with margin and band, and the floor's."""
+        if self.decisive is None:
+            return {name: self._line(name) for name in DIRECTIONS}
+        return {name: getattr(self.decisive, name).machine() for name in DIRECTIONS}
+
+    def _line(self, name: str) -> str:
+        said = str(getattr(self.verdict, name))
+        if self.decisive is None:
+            told = [one for place in (self.floor, self.machine) for one in place.along(DIRECTIONS[name])]
+            return f"{said}{OLDER}" if any(one.deciding_band for one in told) else "not judged: no band is decided"
+        details = getattr(self.decisive, name).details()
+        return f"{said}. {details}" if details else said
+
+    def _verdicts(self) -> list[Verdict]:
+        if self.decisive is None:
+            return [*self.floor.along(AXES), *self.machine.along(AXES)]
+        directions = (self.decisive.vertical, self.decisive.horizontal)
+        return [one.verdict for found in directions for one in (found.floor, found.worst)]
 
 
 def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = None) -> Criterion:
     """What a norm says of floor and machine, beside it by the largest 1 s RMS where it limits levels in bands."""
-    places = {place: judged.places[place] for place in ("floor", "machine")}
+    found: dict[str, Any] = {}
     if beside := strongest_second(norm):
-        loudest = {place: at_place(beside, levels, place, peaks) for place in places}
-        words = InWords(vertical=_classes(loudest, ("z",), beside), horizontal=_classes(loudest, ("x", "y"), beside))
-        return Criterion(**places, verdict=judged.verdict, max_1s=Beside(**loudest, verdict=words))
-    return Criterion(**places, verdict=judged.verdict)
+        loudest = {place: at_place(beside, levels, place, peaks) for place in judged.places}
+        words = Directions.of(loudest, beside, levels).in_words()
+        found["max_1s"] = Beside(floor=loudest["floor"], machine=loudest["machine"], places=loudest, verdict=words)
+    return Criterion(
+        title=norm.title,
+        floor=judged.places["floor"],
+        machine=judged.places["machine"],
+        decisive=Directions.of(judged.places, norm, levels),
+        verdict=judged.verdict,
+        **found,
+    )
 
 
 def strongest_second(norm: Norm) -> Norm | None:
@@ -103,70 +138,12 @@ def strongest_second(norm: Norm) -> Norm | None:
     return norm.by("max_1s", every=True) if norm.statistics - {"peak"} else None
 
 
-def at_place(norm: Norm, levels: Levels, place: str, peaks: Peaks | None = None, usable_to: float = np.inf) -> AtPlace:
-    """What a norm says of a place; ``peaks`` beside those of velocity, the ground being known to ``usable_to`` [Hz]."""
-    peaks = peaks or Peaks()
-    found, swings = levels.at(place) | peaks.levels.get(place, {}), peaks.swings.get(place, {})
-    verdicts = {
-        axis: norm.judge(axis, {kind: t[:, k] for kind, t in found.items()}, levels.bands, swings.get(axis))
-        for k, axis in enumerate(AXES)
-    }
-    if usable_to < PEAKS_TO and "peak" in norm.statistics:
-        verdicts = {axis: verdict if verdict.met is None else _open(verdict) for axis, verdict in verdicts.items()}
-    worst = worst_class([verdict.met for verdict in verdicts.values()], norm.classes)
-    return AtPlace(**verdicts, worst=worst, deciding_axis=_deciding_axis(verdicts, norm))
-
-
-def _open(verdict: Verdict) -> Verdict:
-    """A verdict by peaks of which some part is not known: they may be larger."""
-    return verdict.changed(decided=False, undecided_bands_hz=tuple(dict.fromkeys((*verdict.undecided, WHOLE))))
-
-
 def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None, usable_to: float = np.inf) -> ByNorm:
     """Title of the norm, what it says of each place, and the verdict in words; see `at_place`."""
     places = {place: at_place(norm, levels, place, peaks, usable_to) for place in levels.places}
     own = {"own_limits": norm.stated} if isinstance(norm, OwnNorm) else {}
-    return ByNorm(title=norm.title, places=places, verdict=_in_words(places, norm), **own)
-
-
-def worst_class(classes: Sequence[str | None], order: Sequence[str]) -> str | None:
-    """The coarsest of several classes; None (not even the coarsest is met) is worst of all.
-
-    ``order`` is that of the norm's classes, coarsest first.
-    """
-    return None if None in classes else min((name for name in classes if name is not None), key=list(order).index)
-
-
-def _deciding_axis(verdicts: Mapping[str, Verdict], norm: Norm) -> str | None:
-    """The axis with the coarsest class, and of those the one nearest to the limit; None where nothing is known."""
-    known = [axis for axis, verdict in verdicts.items() if verdict.deciding_band is not None]
-    return min(known, key=lambda axis: norm.rank(verdicts[axis]), default=None)
-
-
-def _in_words(places: Mapping[str, AtPlace], norm: Norm) -> InWords:
-    return InWords(
-        vertical=f"{_sentence(places, ('z',), norm)} (actuated)",
-        horizontal=f"{_sentence(places, ('x', 'y'), norm)} (not actuated)",
-    )
-
-
-def _class_in_words(verdicts: Sequence[Verdict], norm: Norm) -> str:
-    if any(verdict.deciding_band is None for verdict in verdicts):
-        return "undecided"
-    met = worst_class([verdict.met for verdict in verdicts], norm.classes)
-    if met is None:
-        return f"worse than {norm.classes[0]}"
-    return met if all(verdict.decided for verdict in verdicts) else f"{AT_BEST} {met}"
-
-
-def _sentence(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
-    missing = list(dict.fromkeys(band for verdict in places["machine"].along(axes) for band in verdict.undecided))
-    return _classes(places, axes, norm) + (f", undecided {where(missing)}" if missing else "")
-
-
-def _classes(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm) -> str:
-    before, after = (_class_in_words(places[who].along(axes), norm) for who in ("floor", "machine"))
-    return f"floor {before}, machine {after}"
+    verdict = Directions.of(places, norm, levels).in_words()
+    return ByNorm(title=norm.title, places=places, verdict=verdict, **own)
 
 
 def undecided(

@@ -20,12 +20,12 @@ from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
 from ehamj.replay.marks import arrow_scale, log_arrows, log_bar
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
-from ehamj.replay.recording import fixed, recorded, result_color
+from ehamj.replay.recording import check_whole, fixed, recorded, result_color
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
 from ehamj.replay.spectrogram import heats_of, log_heats
 from ehamj.result import Result
 
-__all__ = ["open_viewer", "write_replay"]
+__all__ = ["check_whole", "open_viewer", "write_replay"]
 
 
 def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float | Literal["auto"] = "auto") -> None:
@@ -73,13 +73,14 @@ def _application(title: str, labels: Iterable[str], factor: float) -> str:
     return f"ehamj {plain} {zlib.crc32(what.encode()):08x}"
 
 
-def open_viewer(path: Path) -> bool:
-    """Start the Rerun viewer on a recording where there is a screen; whether it was started."""
-    screen = sys.platform in ("darwin", "win32") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    if not screen or importlib.util.find_spec("rerun_cli") is None:
-        return False
+def open_viewer(path: Path) -> str:
+    """Start the Rerun viewer on a recording where there is a screen: why it was not started, "" where it was."""
+    if not (sys.platform in ("darwin", "win32") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return "no screen here"
+    if importlib.util.find_spec("rerun_cli") is None:
+        return "the Rerun viewer is not installed here"
     # Rerun listens on all interfaces unless told otherwise. A viewer that is already open takes the file.
     command = [sys.executable, "-m", "rerun", "--bind", "127.0.0.1", str(Path(path).resolve())]
     silent = subprocess.DEVNULL
     subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
-    return True
+    return ""

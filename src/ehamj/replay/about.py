@@ -80,7 +80,7 @@ def _figures(result: Result) -> dict[str, str]:
         "vertical velocity of the CG, RMS": _speed(cg_z),
         "vertical velocity of the CG, peak": _speed(_peak(cg[:, 2])),
         "vertical velocity of the floor, RMS": _speed(floor_z),
-        "attenuation, vertical RMS": f"{attenuation} dB" if moving else "–",
+        "attenuation of the CG, vertical RMS": f"{attenuation} dB" if moving else "–",
         "horizontal velocity of the CG, RMS": _speed(math.hypot(_rms(cg[:, 0]), _rms(cg[:, 1]))),
         "largest stroke": length_text(_peak(stroke)),
         "largest command": f"{_peak(data.valve_command.values):.3g} V",
@@ -112,7 +112,7 @@ def _speed(velocity: float) -> str:
 def _warnings(results: Mapping[str, Result]) -> list[str]:
     """Failures and warnings, once where results share them; nothing when there is nothing to say."""
     said = _labels_of(results, lambda result: filter(None, (result.summary.failure, *result.summary.warnings)))
-    whose = {text: "" if len(labels) == len(results) else f"{', '.join(labels)}: " for text, labels in said.items()}
+    whose = {text: "" if len(labels) == len(results) else f"{'; '.join(labels)}: " for text, labels in said.items()}
     lines = [f"- {labels}{text}" for text, labels in whose.items()]
     return ["## Warnings", "\n".join(lines)] if said else []
 
@@ -142,10 +142,10 @@ def _parameters(results: Mapping[str, Result]) -> list[str]:
     found = _labels_of(results, lambda result: [_tables(result.scenario)])
     parts = []
     for text, labels in found.items():
-        whose = f" of {', '.join(labels)}" if len(found) > 1 else ""
+        whose = f" of {'; '.join(labels)}" if len(found) > 1 else ""
         parts += [f"## Parameters{whose}", text]
     said = _labels_of(results, lambda r: [_line("ground", r.scenario.ground), _line("control", r.scenario.control)])
-    lines = [f"- {', '.join(labels)}: {line}" for line, labels in said.items()]
+    lines = [f"- {'; '.join(labels)}: {line}" for line, labels in said.items()]
     return [*parts, "## Ground and control", "\n".join(lines)]
 
 

@@ -3,7 +3,7 @@
 from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.verdicts import AT_BEST
+from ehamj.judge.headline import AT_BEST
 from ehamj.pages.words import decibel, number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results
@@ -24,12 +24,12 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
 
 
 def verdict(result: Result) -> list[tuple[str, str]]:
-    """The verdict's lines as the summary says them: vertical apart from horizontal, each with the levels it is by."""
+    """The headline as the summary says it: vertical apart from horizontal, and what both are judged by."""
     return list(result.summary.criterion.lines().items())
 
 
-def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:
-    """A class with its margin and the band that decides, and the axis if given; ``worse`` than the coarsest class.
+def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:
+    """A class with its margin and the band that decides, and axis and place if given; ``worse`` than the coarsest one.
 
     A class is met at best where bands are not known in which the norm has limits.
     """
@@ -37,6 +37,7 @@ def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "") -> str:
         return "not judged"
     decided_by = where([verdict.deciding_band]) if verdict.peak is None else peak_in_words(verdict, norm)
     decided_by = f"{axis} {decided_by}" if axis else decided_by.removeprefix("at ")
+    decided_by = f"{decided_by}, {place}" if place else decided_by
     if verdict.met is None:
         return f"{worse} {norm.classes[0]} ({decided_by})"
     met = verdict.met if verdict.decided else f"{AT_BEST} {verdict.met}"

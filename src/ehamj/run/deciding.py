@@ -9,7 +9,7 @@ from ehamj.arrays import Array
 from ehamj.control import LinearController
 from ehamj.criteria.curves import WHOLE
 from ehamj.estimate.sliding import averaging_time, levels_over_time
-from ehamj.judge.levels import BANDS
+from ehamj.judge.levels import BANDS, motions_of
 from ehamj.judge.verdicts import Criterion
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
@@ -30,7 +30,7 @@ class Window(NamedTuple):
 def clipped_when_it_counts(
     dataset: xr.Dataset, plant: Plant, rate: float, criterion: Criterion, law: LinearController | None
 ) -> list[str]:
-    """In words: mounts whose command was clipped in the second that decides the vertical verdict of the machine.
+    """In words: mounts whose command was clipped in the second that decides the machine's vertical verdict.
 
     Args:
         dataset: of a result.
@@ -39,10 +39,17 @@ def clipped_when_it_counts(
         criterion: what the first norm says.
         law: that ran, whose converter has a range of its own; None without, or of a Python function.
     """
-    band = criterion.machine.z.deciding_band
-    if band is None or not dataset.time.size:
+    if criterion.decisive is None or not dataset.time.size:
         return []
-    window = deciding(dataset["cg_velocity"].values[:, AXES.index("z")], rate, band)
+    worst = criterion.decisive.vertical.worst
+    band = worst.verdict.deciding_band
+    if band is None:
+        return []
+    velocity = motions_of(dataset, "velocity")[worst.place]
+    if velocity.ndim > 2:  # one per mount
+        mounts = range(len(plant.mounts)) if worst.mount is None else [plant.mounts.index(worst.mount)]
+        velocity = max((velocity[:, k] for k in mounts), key=lambda one: float(np.abs(one[:, AXES.index("z")]).max()))
+    window = deciding(velocity[:, AXES.index("z")], rate, band)
     if window is None:
         return []
     limit = np.array([actuator.voltage_limit for actuator in plant.actuators])

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 
 from ehamj import plots
+from ehamj.judge.headline import place_in_words
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, DASH, decibel
 from ehamj.plots import Levels
-from ehamj.report.sections.criteria import place_in_words
 from ehamj.report.sections.headline import HEADLINE_BANDS, OF_LEVELS
 from ehamj.report.shown import Shown, floor_moves, known
 

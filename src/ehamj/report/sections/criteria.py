@@ -9,7 +9,8 @@ import numpy as np
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
 from ehamj.estimate.statistics import SHORT, BandStatistic
-from ehamj.judge.verdicts import AtPlace
+from ehamj.judge.headline import place_in_words
+from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
 from ehamj.plots import Levels, Line
@@ -149,11 +150,6 @@ def _at_places(shown: Shown, norms: Mapping[str, Norm]) -> Table:
                 rows.append([who, *(_met(judged, axes, norm) for axes in (("z",), ("x", "y")))])
     head = ["", "vertical", "horizontal"]
     return Table("Criteria at every place", head, rows, _note(shown, norms), kind="words")
-
-
-def place_in_words(place: str) -> str:
-    """What a person calls a place of the summary."""
-    return {"feet": "worst foot", "machine": "centre of gravity"}.get(place, place)
 
 
 def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:

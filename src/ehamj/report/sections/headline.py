@@ -2,18 +2,22 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Final
 
-from ehamj.criteria.curves import Norm
+from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
-from ehamj.judge.verdicts import AtPlace
+from ehamj.judge.headline import place_in_words
+from ehamj.judge.places import AtPlace
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
 from ehamj.report.shown import Shown, floor_moves, known
 from ehamj.report.verdict import class_met
+from ehamj.result import Result
 
 OF_LEVELS: Final = "Of the RMS over the whole run."
 """What attenuation is of."""
+WORST: Final = "Worst place: of the centre of gravity, each foot and every point, the one with least in that band."
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
 OLDER: Final = (
@@ -30,11 +34,21 @@ PROCESSING: Final = re.compile(
 
 
 def headline(shown: Shown) -> Section:
-    """Vertical attenuation at a few bands."""
-    tables = {label: result.summary.attenuation_db["z"] for label, result in shown.results.items()}
-    rows = [[label, *(decibel(table.get(band)) for band in HEADLINE_BANDS)] for label, table in tables.items()]
-    note = OF_LEVELS + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
-    if not known(tables.values()):
+    """Vertical attenuation at a few bands, at the place of the machine that has least, and at its centre of gravity."""
+    rows: list[list[str]] = []
+    tables = []
+    for label, result in shown.results.items():
+        own = {
+            "worst place": result.summary.attenuation_at_worst("z"),
+            "centre of gravity": result.summary.attenuation_db["z"],
+        }
+        rows += [
+            [f"{label}, {place}", *(decibel(table.get(band)) for band in HEADLINE_BANDS)]
+            for place, table in own.items()
+        ]
+        tables += list(own.values())
+    note = f"{OF_LEVELS} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
+    if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):
         rows, note = [], "The ground is at rest: there is nothing to attenuate."
@@ -44,28 +58,56 @@ def headline(shown: Shown) -> Section:
 
 
 def classes(shown: Shown) -> Section:
-    """Vibration class per axis of the floor and of each machine, with margin and band: by the verdict's levels, and by
-    the largest second."""
-    norm = next(iter(shown.norms.values()))
-    columns = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.criterion)}
-    compared = dict.fromkeys(verdict.statistic for place in columns.values() for verdict in place.along(CRITERION_AXES))
+    """Vibration class per axis of the floor and of each machine where it is worst, with margin, band and place: by the
+    verdict's levels, and by the largest second."""
+    first, norm = next(iter(shown.norms.items()))
+    columns = {name: places for name, _, places in shown.with_floors(partial(_places, first))}
+    verdicts = [_worst(places, axis, norm)[1] for places in columns.values() for axis in CRITERION_AXES]
+    compared = dict.fromkeys(verdict.statistic for verdict in verdicts)
     rows = [[_by([name for name in compared if name])], *_met(columns, norm)]
-    beside = {name: place for name, _, place in shown.with_floors(lambda result: result.summary.criterion.max_1s or {})}
+    beside = {name: places for name, _, places in shown.with_floors(_by_largest_second)}
     if all(beside.values()) and "max_1s" not in compared:
         rows += [[_by(["max_1s"])], *_met(beside, norm)]
-    note = "Margin: below the limit of the class met, in the band that decides, where it is least."
-    if any(verdict.peak is not None for place in columns.values() for verdict in place.along(CRITERION_AXES)):
-        note = "Margin: below the limit of the class met, of the peak that comes nearest to it."
+    note = "At the worst of the machine's places. Margin: below the limit of the class met, in the band that decides."
+    if any(verdict.peak is not None for verdict in verdicts):
+        note = "At the worst of the machine's places. Margin: below the limit of the class met, of the nearest peak."
     rows = [row for row in rows if row != [""]]
     return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
 
 
-def _met(columns: Mapping[str, AtPlace], norm: Norm) -> list[list[str]]:
+def _places(norm: str, result: Result) -> dict[str, dict[str, AtPlace]]:
+    """What a norm says of the floor, and of every place of the machine."""
+    places = dict(result.summary.criteria[norm].places)
+    return {"floor": {"floor": places.pop("floor")}, "machine": places}
+
+
+def _by_largest_second(result: Result) -> dict[str, dict[str, AtPlace]]:
+    """The same of the first norm by the largest second; nothing where it is not known of every place."""
+    beside = result.summary.criterion.max_1s
+    if beside is None or not beside.places:
+        return {}
+    places = dict(beside.places)
+    return {"floor": {"floor": places.pop("floor")}, "machine": places}
+
+
+def _worst(places: Mapping[str, AtPlace], axis: str, norm: Norm) -> tuple[str, Verdict]:
+    """The place where an axis is worst, and its verdict."""
+    judged: dict[str, Verdict] = {place: found[axis] for place, found in places.items()}
+    known = {place: verdict for place, verdict in judged.items() if verdict.deciding_band is not None} or judged
+    return min(known.items(), key=lambda item: norm.rank(item[1]))
+
+
+def _met(columns: Mapping[str, Mapping[str, AtPlace]], norm: Norm) -> list[list[str]]:
     """A row of classes per axis."""
-    return [
-        [AXIS_NAMES[axis], *(class_met(place[axis], norm, "worse than") for place in columns.values())]
-        for axis in CRITERION_AXES
-    ]
+    rows = []
+    for axis in CRITERION_AXES:
+        found = [_worst(places, axis, norm) for places in columns.values()]
+        cells = [
+            class_met(verdict, norm, "worse than", place="" if place == "floor" else place_in_words(place))
+            for place, verdict in found
+        ]
+        rows.append([AXIS_NAMES[axis], *cells])
+    return rows
 
 
 def _by(statistics: Sequence[Statistic]) -> str:

@@ -43,7 +43,7 @@ def _shared(shown: Shown, tables_of: Callable[[Scenario], list[Table]]) -> Itera
         found.setdefault(repr(tables), ([], tables))[0].append(label)
     for labels, tables in found.values():
         for table in tables:
-            whose = f", {', '.join(labels)}" if len(found) > 1 else ""
+            whose = f", {'; '.join(labels)}" if len(found) > 1 else ""
             yield replace(table, title=table.title + whose)
 
 

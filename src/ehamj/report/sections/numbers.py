@@ -1,7 +1,7 @@
 """Tables of measured numbers: bands, peaks, and computation."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, Final
 
@@ -10,6 +10,7 @@ import xarray as xr
 from ehamj.criteria.curves import WHOLE
 from ehamj.estimate.sliding import TIMES as AVERAGING
 from ehamj.estimate.statistics import WORDS
+from ehamj.judge.verdicts import Criterion
 from ehamj.pages import Section, Table
 from ehamj.pages.words import DASH, ENGINEERING, MICRO, NEGLIGIBLE, TURNS, decibel, exact, measured, scaled
 from ehamj.report.sections.limits import of_each
@@ -59,8 +60,7 @@ def _bands(shown: Shown) -> Table:
 def _statistics(shown: Shown) -> Table:
     """Vertical levels by every statistic in the bands that decide; without rows in results that are older."""
     tables = {name: place for name, _, place in shown.with_floors(_by_statistic)}
-    deciding = (result.summary.criterion for result in shown.results.values())
-    bands = dict.fromkeys(place.z.deciding_band for one in deciding for place in (one.floor, one.machine))
+    bands = dict.fromkeys(band for result in shown.results.values() for band in _deciding(result.summary.criterion))
     found = [table for table in tables.values() if table]
     rows: list[list[str]] = []
     for band in bands if found else ():
@@ -81,6 +81,14 @@ def _statistics(shown: Shown) -> Table:
         f"of gravity. Fast levels average {exact(AVERAGING['fast'])} s, or 1/bandwidth where that is longer."
     )
     return Table("Vertical velocity by statistic [µm/s]", ["", *tables], rows, note, kind="numbers wide")
+
+
+def _deciding(criterion: Criterion) -> Iterator[str | None]:
+    """Bands that decide the vertical verdict: of the floor, of the machine where it is worst and at its CG."""
+    yield criterion.floor.z.deciding_band
+    if criterion.decisive is not None:
+        yield criterion.decisive.vertical.worst.verdict.deciding_band
+    yield criterion.machine.z.deciding_band
 
 
 def _by_statistic(result: Result) -> dict[str, Any]:
