@@ -25,7 +25,7 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
 
 def verdict(result: Result) -> list[tuple[str, str]]:
     """The headline as the summary says it: vertical apart from horizontal, and what both are judged by."""
-    return list(result.summary.criterion.lines().items())
+    return list(result.summary.lines().items())
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:

@@ -6,10 +6,10 @@ from typing import Final
 
 from ehamj import plots
 from ehamj.judge.faults import FaultFound, Phase
+from ehamj.judge.headline import DIRECTIONS, place_in_words
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import BAR, DASH, MICRO, decibel, measured, number, scaled
 from ehamj.plots import Levels
-from ehamj.report.sections.criteria import place_in_words
 from ehamj.report.sections.headline import HEADLINE_BANDS
 from ehamj.report.shown import Shown
 
@@ -28,12 +28,13 @@ def faults(shown: Shown) -> Section | None:
     struck = {label: result.summary.fault for label, result in shown.results.items() if result.summary.fault}
     if not struck:
         return None
-    figures, tables = [], []
+    figures: list[Picture] = []
+    tables: list[Table] = []
     for label, found in struck.items():
         whose = "" if shown.alone else f"{label}, "
         for number_of, one in enumerate(found, 1):
             figures += _picture(f"{label}-{number_of}", f"{whose}{one.where}: {one.what}", one, shown.colors[label])
-            tables.append(_table(f"{whose}{one.in_words()}", one))
+            tables += _tables(f"{whose}{one.in_words()}", one)
     return Section("faults", "Faults", figures, tables, [NOTE], tables_first=True)
 
 
@@ -52,16 +53,21 @@ def _picture(name: str, title: str, one: FaultFound, color: str) -> Iterator[Pic
         yield Picture(f"fault-{name}", figure, f"At {one.time_s:.4g} s {one.what}.")
 
 
-def _table(title: str, one: FaultFound) -> Table:
-    """What each part of the run came to."""
-    phases = {name: getattr(one, name) for name in PHASES}
-    rows = [list(row) for row in _rows(one, phases)]
-    loop = one.expected
-    said = [] if loop is None else ["The linear loop is stable." if loop.stable else f"Unstable: {loop.pole}."]
-    said += [f"Readings struck: {', '.join(one.channels)}."] if one.channels else []
-    said += [one.note.capitalize() + "."] if one.note else []
+def _tables(title: str, one: FaultFound) -> Iterator[Table]:
+    """What each part of the run came to: in words, and in numbers."""
+    phases: dict[str, Phase | None] = {name: getattr(one, name) for name in PHASES}
     head = ["", *(_when(words, phases[name]) for name, words in PHASES.items())]
-    return Table(title[0].upper() + title[1:], head, rows, " ".join(said), kind="words")
+    classes = [
+        [direction, *(DASH if phase is None else phase.criterion.briefly()[direction] for phase in phases.values())]
+        for direction in DIRECTIONS
+    ]
+    yield Table(f"{title[0].upper()}{title[1:]}: class of the machine", head, classes, kind="words")
+    loop = one.expected
+    said = [] if loop is None or loop.stable else [f"The linear loop is unstable: {loop.pole}."]
+    said += [f"Readings struck: {', '.join(one.channels)}."] if one.channels else []
+    said += [f"{one.note[0].upper()}{one.note[1:]}."] if one.note else []
+    title = f"{title[0].upper()}{title[1:]}: in numbers"
+    yield Table(title, [*head, "after, linear"], list(_rows(one, phases)), " ".join(said), kind="numbers wide")
 
 
 def _when(words: str, phase: Phase | None) -> str:
@@ -69,20 +75,19 @@ def _when(words: str, phase: Phase | None) -> str:
 
 
 def _rows(one: FaultFound, phases: dict[str, Phase | None]) -> Iterator[list[str]]:
-    def row(name: str, cell: Callable[[Phase], str]) -> list[str]:
-        return [name, *(DASH if phase is None else cell(phase) for phase in phases.values())]
+    def row(name: str, cell: Callable[[Phase], str], linear: float | None = None) -> list[str]:
+        found = [DASH if phase is None else cell(phase) for phase in phases.values()]
+        return [name, *found, "" if linear is None else decibel(linear)]
 
-    for direction in ("vertical", "horizontal"):
-        yield row(f"class, {direction}", lambda phase, d=direction: phase.criterion.lines()[d])  # type: ignore[misc]
+    expected = {} if one.expected is None else one.expected.attenuation_db
     for band in HEADLINE_BANDS:
-        yield [
-            f"vertical attenuation at {band} Hz [dB]",
-            *(_attenuation(name, phase, one, band) for name, phase in phases.items()),
-        ]
+        name = f"vertical attenuation of the CG at {band} Hz [dB]"
+        yield row(name, lambda phase, b=band: decibel(phase.attenuation_db.get(b)), expected.get(band))  # type: ignore[misc]
     known = next(phase for phase in phases.values() if phase is not None)
     for place in known.peak_velocity:
+        words = "floor, worst mount" if place == "floor" else place_in_words(place)
         yield row(
-            f"peak velocity, {place_in_words(place)}, z [µm/s]",
+            f"peak vertical velocity, {words} [µm/s]",
             lambda phase, p=place: measured(scaled(phase.peak_velocity[p]["z"], MICRO)),  # type: ignore[misc]
         )
     yield row("largest stroke from rest [µm]", lambda phase: _largest(phase.stroke, MICRO))
@@ -93,21 +98,10 @@ def _rows(one: FaultFound, phases: dict[str, Phase | None]) -> Iterator[list[str
             lambda phase, m=mount: f"{_bar(phase, m, 'lowest')} to {_bar(phase, m, 'highest')}",  # type: ignore[misc]
         )
     for limit in known.saturation:
-        words = limit.replace("_", " ")
         yield row(
-            f"time at a limit, {words} [%]",
+            f"time at a limit, {limit.replace('_', ' ')} [%]",
             lambda phase, name=limit: _largest(phase.saturation[name], 100.0),  # type: ignore[misc]
         )
-
-
-def _attenuation(name: str, phase: Phase | None, one: FaultFound, band: str) -> str:
-    if phase is None:
-        return DASH
-    ran = decibel(phase.attenuation_db.get(band))
-    if name != "after" or one.expected is None:
-        return ran
-    linear = one.expected.attenuation_db.get(band)
-    return ran if linear is None else f"{ran} (linear {decibel(linear)})"
 
 
 def _bar(phase: Phase, mount: str, which: str) -> str:

@@ -33,6 +33,9 @@ PROCESSING: Final = re.compile(
 """Warnings that only say how a record was processed."""
 
 
+MIXED: Final = " Where something failed, before and after together; see Faults for each."
+
+
 def headline(shown: Shown) -> Section:
     """Vertical attenuation at a few bands, at the place of the machine that has least, and at its centre of gravity."""
     rows: list[list[str]] = []
