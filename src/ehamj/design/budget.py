@@ -1,12 +1,10 @@
-"""What limits the isolation: contributions to the machine's vertical motion per third-octave band, and which binds.
+"""What limits the isolation: contributions to the machine's motion per third-octave band, and which binds.
 
-Linear contributions come from the closed loop: what law, delay and valve leave of the floor's heave, and what each
-class of instruments adds by its noise. Two more are estimates: rounding of the commands as white noise of Δ²/12, and
-the turbulent flow, whose gain varies with load pressure as √(1 ∓ P_L/(P_s − P_t)). With P_L = K_L d/A_p at stroke d and
-a command for ḋ + c d, the error of piston velocity is ε d (ḋ + c d), ε = K_L/(2 A_p (P_s − P_t)); of a stroke whose
-slow part has the RMS σ, a band's part of it is εσ √(1 + (2c/ω)²) of the band's velocity, which the feedback reduces by
-its sensitivity. The voltage is judged by the command's RMS: a Gaussian command exceeds the limit a for the share
-erfc(a/(√2 σ)) of the time.
+What law, delay and valve leave of the floor, what the machine does beyond its linear model and what forces on it do are
+motions over time, which the closed loop makes of the scenario's own floor (`ehamj.design.prediction`); their levels are
+taken as those of a run are. To them come, as powers, what each class of instruments adds by its noise and by rounding
+its readings, and the commands' rounding, steps Δ being white noise of Δ²/12. The voltage is judged by the command's
+RMS: a Gaussian command exceeds the limit a for the share erfc(a/(√2 σ)) of the time.
 """
 
 from collections.abc import Mapping
@@ -16,55 +14,70 @@ from typing import Any, Final
 import numpy as np
 from scipy.special import erfc
 
-from ehamj.arrays import Array, ComplexArray
+from ehamj.arrays import Array
 from ehamj.control import LinearController
-from ehamj.control.inverse import Inverse, instrument_poles, lag, valve_poles
+from ehamj.control.inverse import instrument_poles, lag, valve_poles
 from ehamj.control.sensors import class_of
-from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
-from ehamj.estimate.reading import band_rms
+from ehamj.design.prediction import OUTPUTS, predicted
+from ehamj.estimate.bands import Band
+from ehamj.estimate.counted import settled
+from ehamj.findings import finite
 from ehamj.ground.broadband import BroadbandGround
+from ehamj.ground.motion import Start
+from ehamj.judge.attenuation import attenuation_of
+from ehamj.judge.levels import BANDS, SLAB, ByBand, floor_as_whole, rms_in_bands
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel
-from ehamj.linear.response import ground_response, readings_of_ground, slab_pattern
-from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
 
-BANDS: Final = bands(0.5, 315.0)
-"""From below the bands that criteria ask for: there the command grows as 1/f."""
 PER_BAND: Final = 6
 """Frequencies at which a band is looked at."""
 UNSTATED: Final = BroadbandGround(kind="broadband", level="VC-C")
 """Floor that is taken where the scenario's rests."""
 FLOOR_TIME: Final = 20.0
-FLOOR_RATE: Final = 1000.0
-OUTPUT: Final = ("cg_velocity z",)
+"""How long it moves [s]."""
+FOLDED: Final = "motion faster than half the recording rate"
+"""That rows show as if it were slow."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """RMS velocity of the machine's CG, vertical, per band [m/s], by what causes it; and of the floor.
+    """RMS velocities of floor and machine per third-octave band, (bands, `SLAB`) [m/s, rad/s], NaN where undecided.
 
-    ``command`` is the RMS of one valve's command by the floor and by noise [V], ``limit`` its range [V].
+    ``contributions`` are those of the machine by what causes them. ``command`` is the RMS of one valve's command by the
+    floor and by noise [V], ``limit`` its range [V].
     """
 
-    bands: tuple[Band, ...]
     floor: Array
+    moved: Array
+    """The machine, all causes but the `noises` together."""
     contributions: Mapping[str, Array]
+    noises: tuple[str, ...]
+    """Contributions that are independent of the floor."""
+    attenuation: Mapping[str, ByBand]
+    """As the judge of a run takes it: of each of `SLAB`, band → dB, None where undecided."""
     command: Mapping[str, float]
     limit: float
     phases: Mapping[str, float]
     """Lags at the crossing of heave [deg], by cause, and the crossing [Hz]; empty without feedback."""
+    notes: tuple[str, ...] = ()
+    """What the prediction does not hold for, in words."""
+    bands: tuple[Band, ...] = BANDS
 
     @property
     def total(self) -> Array:
-        """All contributions together [m/s]; they are taken as independent."""
-        return np.asarray(np.sqrt(sum(part**2 for part in self.contributions.values())))
+        """All contributions together."""
+        return with_noises(self.moved, [self.contributions[name] for name in self.noises])
 
-    @property
-    def binding(self) -> tuple[str, ...]:
-        """The largest contribution in each band."""
-        names = list(self.contributions)
-        return tuple(names[k] for k in np.argmax(np.array(list(self.contributions.values())), axis=0))
+    def binding(self, motion: str = "z") -> tuple[str | None, ...]:
+        """The largest contribution to a motion in each band; None where it is undecided."""
+        names, at = list(self.contributions), SLAB.index(motion)
+        levels = np.array([self.contributions[name][:, at] for name in names])
+        decided = self.attenuation[motion]
+        return tuple(
+            None if decided[band.name] is None else names[int(np.nanargmax(levels[:, k]))]
+            for k, band in enumerate(self.bands)
+        )
 
     @property
     def command_rms(self) -> float:
@@ -78,16 +91,21 @@ class Budget:
         return float(erfc(self.limit / (np.sqrt(2.0) * sigma))) if sigma > 0 else 0.0
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data, SI."""
+        """As plain data, SI; null where undecided."""
 
-        def per_band(values: Array) -> dict[str, float]:
-            return {band.name: float(value) for band, value in zip(self.bands, values, strict=True)}
+        def per_band(values: Array) -> dict[str, dict[str, float | None]]:
+            names = [band.name for band in self.bands]
+            return {
+                motion: dict(zip(names, map(finite, column), strict=True))
+                for motion, column in zip(SLAB, values.T, strict=True)
+            }
 
         return {
-            "floor_m_s": per_band(self.floor),
-            "machine_m_s": per_band(self.total),
-            "contributions_m_s": {cause: per_band(part) for cause, part in self.contributions.items()},
-            "binding": {band.name: cause for band, cause in zip(self.bands, self.binding, strict=True)},
+            "attenuation_db": {motion: dict(found) for motion, found in self.attenuation.items()},
+            "floor": per_band(self.floor),
+            "machine": per_band(self.total),
+            "contributions": {cause: per_band(part) for cause, part in self.contributions.items()},
+            "binding": {band.name: cause for band, cause in zip(self.bands, self.binding(), strict=True)},
             "command_rms_v": dict(self.command),
             "command_limit_v": self.limit,
             "saturated_share": self.saturated,
@@ -95,86 +113,110 @@ class Budget:
         }
 
 
+def with_noises(moved: Array, noises: list[Array]) -> Array:
+    """Levels of a motion to which independent ones are added."""
+    return np.asarray(np.sqrt(moved**2 + sum(part**2 for part in noises)))
+
+
 def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Budget:
     """The budget of a law on a scenario's machine and floor.
 
     Args:
-        scenario: its floor gives the levels (mean of the mounts, vertical; VC-C where it rests), its sensors the noise.
+        scenario: its floor moves each mount (VC-C, vertical, where it rests), its sensors make the noise.
         model: the linearised machine.
         law: digital controller.
     """
-    loop, floor = Loop.of(scenario, law), floor_levels(scenario)
+    loop = Loop.of(scenario, law)
+    motion, duration, notes = scenario.motion(), scenario.duration, []
+    if motion.at_rest:
+        plant, duration = scenario.plant, max(scenario.duration, FLOOR_TIME)
+        motion = UNSTATED.motion(Start(plant.mounts, np.array(plant.positions), duration, scenario.seed))
+        notes.append("The scenario's floor rests: the prediction is for a floor that heaves as VC-C allows.")
+    on = law.converter.switch_on + law.converter.fade
+    if on > settled(duration):
+        notes.append(
+            f"The controller takes over at {on:g} s; the prediction is for a machine that it controls throughout."
+        )
+    known = tuple(b for b in BANDS if motion.usable_from <= b.edges[0] and b.edges[1] <= motion.usable_to)
+    seen, rate = predicted(scenario, model, law, motion, duration), scenario.record_rate
+    floor = floor_as_whole(seen.floor, scenario.plant)
+    contributions = {name: _levels(part, rate, known) for name, part in seen.causes.items()}
+    moved = _levels(np.asarray(sum(seen.causes.values())), rate, known)
+    noises = _noises(model, loop, rate)
+    command = seen.command[int(settled(duration) / duration * len(seen.command)) :]
+    of_floor = float(np.sqrt(command.var(axis=0).mean()))
+    levels = _levels(floor, rate, known)
+    total = with_noises(moved, list(noises.values()))
+    return Budget(
+        floor=levels,
+        moved=moved,
+        contributions=contributions | noises,
+        noises=tuple(noises),
+        attenuation=attenuation_of(levels, total, _levels(seen.floor, rate, known), BANDS, scenario.plant),
+        command={"floor": of_floor, "noise": _noise_command(model, loop)},
+        limit=law.converter.voltage_limit,
+        phases=_phases(model, loop, scenario) if feeds_back(law) else {},
+        notes=tuple(notes),
+    )
+
+
+def _levels(motion: Array, rate: float, known: tuple[Band, ...]) -> Array:
+    """Levels of a motion (rows, …) in all bands, NaN where undecided."""
+    found = np.full((len(BANDS), *motion.shape[1:]), np.nan)
+    found[[BANDS.index(band) for band in known]] = rms_in_bands(motion, rate, known)
+    return found
+
+
+def _noises(model: LinearModel, loop: Loop, rate: float) -> dict[str, Array]:
+    """Levels of the machine's motion by instruments and converter, by cause, as rows at a ``rate`` [Hz] show them."""
     edges = np.array([band.edges for band in BANDS])
     f = np.concatenate([low * (high / low) ** ((np.arange(PER_BAND) + 0.5) / PER_BAND) for low, high in edges])
-    widths = np.repeat((edges[:, 1] - edges[:, 0]) / PER_BAND, PER_BAND)
+    widths = np.repeat((edges[:, 1] - edges[:, 0]) / PER_BAND, PER_BAND)[:, None]
+    found = {
+        name: np.asarray(np.sqrt((power * widths).reshape(len(BANDS), PER_BAND, -1).sum(axis=1)))
+        for name, power in _noise_powers(model, loop, f).items()
+    }
+    # Rows that come too seldom show what is faster as if it were slow.
+    nyquist = 0.5 / min(part.period for part in loop.law.parts)
+    others = [abs(k * rate + sign * f) for k in range(1, int(nyquist / rate) + 2) for sign in (-1, 1)]
+    folded = np.zeros((f.size, len(OUTPUTS)))
+    for other in others:
+        within = other < 0.99 * nyquist
+        if within.any():
+            folded[within] += sum(_noise_powers(model, loop, other[within]).values())
+    if np.any(folded):
+        found[FOLDED] = np.asarray(np.sqrt((folded * widths).reshape(len(BANDS), PER_BAND, -1).sum(axis=1)))
+    return found
 
-    cut = opened(model, loop, f)
-    sensitivity = cut.sensitivity
-    closed = sensitivity @ cut.law  # commands over what is added to the readings
-    drive = model.response(f, OUTPUT, model.commands)
-    heave = slab_pattern(model.plant, ("z",))
-    answer = closed @ (readings_of_ground(model, loop, f) @ heave)  # commands over the floor's heave
-    passed = (
-        ground_response(model, f, ("cg_displacement z",)) @ heave + drive @ answer / (2j * np.pi * f)[:, None, None]
-    )
-    left = np.sqrt(_per_band(np.abs(passed[:, 0, 0]) ** 2)) * floor
-    moved = (drive @ closed)[:, 0, :]
-    contributions = {"law, delay and valve": left}
-    density, classes = _densities(loop, f), [class_of(name.partition(" ")[0]) for name in law.inputs]
+
+def _noise_powers(model: LinearModel, loop: Loop, f: Array) -> dict[str, Array]:
+    """Power densities of `OUTPUTS` at frequencies (f,) [Hz] by instruments and converter, (f, output) by cause."""
+    law, cut, found = loop.law, opened(model, loop, f), {}
+    drive = model.response(f, OUTPUTS, model.commands) @ cut.sensitivity
+    moved = np.abs(drive @ cut.law) ** 2  # per reading
+    nyquist = 0.5 / min(part.period for part in law.parts)
+    densities, classes = _densities(loop, f), [class_of(name.partition(" ")[0]) for name in law.inputs]
     for table in dict.fromkeys(classes):
         own = [k for k, one in enumerate(classes) if one == table]
-        motion = np.sum(np.abs(moved[:, own]) ** 2 * density[:, own] ** 2, axis=1)
-        if np.any(density[:, own]):
-            contributions[f"noise of {table} sensors"] = np.sqrt(_per_band(motion * widths) * PER_BAND)
-    shaken = np.sum(np.abs((drive @ sensitivity)[:, 0, :]) ** 2, axis=1)
-    nyquist = 0.5 / min(part.period for part in law.parts)
+        if np.any(densities[:, own]):
+            found[f"noise of {table} sensors"] = np.einsum("fok,fk->fo", moved[:, :, own], densities[:, own] ** 2)
+    steps = np.array([0.0 if (one := loop.sensors.of(name)) is None else one.resolution for name in law.inputs])
+    if np.any(steps):
+        found["rounding of readings"] = moved @ (steps**2 / 12.0 / nyquist)
     step = law.converter.resolution
-    contributions["rounding of commands"] = np.sqrt(_per_band(shaken * step**2 / 12.0 / nyquist * widths) * PER_BAND)
-    contributions["turbulent flow"] = _turbulence(scenario, floor, sensitivity)
-    per_velocity = np.abs(answer[:, 0, 0]) / (2 * np.pi * f)
-    of_floor = float(np.sqrt(np.sum(_per_band(per_velocity**2) * floor**2)))
-    command = {"floor": of_floor, "noise": _noise_command(model, loop, nyquist)}
-    phases = _phases(model, loop, scenario) if feeds_back(law) else {}
-    return Budget(BANDS, floor, contributions, command, law.converter.voltage_limit, phases)
-
-
-def floor_levels(scenario: Scenario) -> Array:
-    """Third-octave velocity of the floor's heave (mean of the mounts) in `BANDS` [m/s]."""
-    motion = scenario.motion()
-    if motion.at_rest:
-        centres = np.array([band.centre for band in BANDS])
-        return np.asarray(np.sqrt(UNSTATED.spectrum(centres) * BAND_LOG_WIDTH * centres))
-    time = np.arange(0.0, min(FLOOR_TIME, scenario.duration), 1.0 / FLOOR_RATE)
-    heave = motion.sample(time).velocity[:, :, AXES.index("z")].mean(axis=1)
-    # A rough level of a low band is worth more than none: most of the voltage goes there.
-    return np.nan_to_num(band_rms(heave, FLOOR_RATE, BANDS, least_bins=1.0))
-
-
-def _per_band(values: Array) -> Array:
-    """Mean over the frequencies of each band."""
-    return np.asarray(values.reshape(len(BANDS), PER_BAND).mean(axis=1))
+    found["rounding of commands"] = np.sum(np.abs(drive) ** 2, axis=2) * step**2 / 12.0 / nyquist
+    return found
 
 
 def _densities(loop: Loop, f: Array) -> Array:
     """Noise density of each reading of the law, (f, reading)."""
     found = [loop.sensors.of(name) for name in loop.law.inputs]
-    return np.array([np.zeros(f.size) if one is None else one.noise_density(f) for one in found]).T
+    return np.array([np.zeros(f.size) if one is None else one.noise_density(f) for one in found]).reshape(-1, f.size).T
 
 
-def _turbulence(scenario: Scenario, floor: Array, sensitivity: ComplexArray) -> Array:
-    """What varying flow gain leaves of a floor that the pistons follow: εσ √(1 + (2c/ω)²) of it, times sensitivity."""
-    actuator, supply = scenario.plant.actuators[0], scenario.supply
-    centres = np.array([band.centre for band in BANDS])
-    stroke = float(np.sqrt(np.sum((floor / (2 * np.pi * centres)) ** 2)))
-    pressure = actuator.membrane_stiffness * stroke / actuator.piston_area
-    share = pressure / (2.0 * (supply.pressure - supply.tank_pressure))
-    common = np.abs(sensitivity.mean(axis=2).sum(axis=1))  # sensitivity of heave
-    creeping = np.hypot(1.0, 2.0 * Inverse.of(actuator).creep / (2 * np.pi * centres))
-    return np.asarray(share * creeping * floor * np.sqrt(_per_band(common**2)))
-
-
-def _noise_command(model: LinearModel, loop: Loop, nyquist: float) -> float:
+def _noise_command(model: LinearModel, loop: Loop) -> float:
     """RMS of the first valve's command by the instruments' noise, from 0.05 Hz to half the rate [V]."""
+    nyquist = 0.5 / min(part.period for part in loop.law.parts)
     f = np.geomspace(0.05, 0.99 * nyquist, 300)
     cut = opened(model, loop, f)
     closed = cut.sensitivity @ cut.law

@@ -5,11 +5,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+from markupsafe import Markup
+
 from ehamj.control.architectures.file import Law
 from ehamj.control.settings import DigitalSettings
-from ehamj.design.budget import budget
+from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.design.outcome import outcome
+from ehamj.design.page import design_page
 from ehamj.design.requirements import Machines, Requirements, machines_of
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
@@ -18,7 +21,7 @@ from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
-from ehamj.studies.page import write_outcome
+from ehamj.studies.page import files_of, write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
@@ -30,6 +33,7 @@ class Designed:
 
     scenario: Scenario
     design: Design
+    limits: Budget
     outcome: Outcome
 
 
@@ -80,7 +84,7 @@ def design_controller(
         design = _designed(scenario, machines, wanted)
         scenario = scenario.model_copy(update={"control": design.settings})
     limits = budget(scenario, machines["as designed"], design.law)
-    return Designed(scenario, design, outcome(scenario, kind, machines, design, limits))
+    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
@@ -95,6 +99,9 @@ def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> D
 
 def write_design(folder: Path, found: Designed) -> None:
     """Write a design into an existing folder, each file whole."""
-    write_outcome(folder, "design", found.outcome, found.scenario, page_name="design")
+    does = Markup(" and controller.json: <code>ehamj run scenario.toml</code> runs the machine under this law.")
+    beside = Markup("{}").format(files_of(found.outcome, "design")) + does
+    shown = design_page(found.outcome, found.scenario, found.design, found.limits, beside)
+    write_outcome(folder, "design", found.outcome, found.scenario, shown, "design")
     with written_whole(folder / CONTROLLER_FILE) as path:
         found.design.law.save(path)

@@ -1,24 +1,35 @@
 """What a design comes out with: answers, tables and figures of margins, loops and budget."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 import xarray as xr
 
+from ehamj.arrays import Array
 from ehamj.control import LinearController
 from ehamj.design.budget import Budget
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.findings import finite
+from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
-from ehamj.plots import Figure, Line, lines_chart
+from ehamj.pages.words import AXIS_NAMES, decibel
+from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart
+from ehamj.plots.charts import COLORS, DASHES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
+CLIPPED: Final = 1e-3
+"""Share of the time beyond the valves' range from which on a prediction does not hold."""
+WORTH: Final = 0.01
+"""Share of the machine's motion from which on a cause is shown."""
+LOUDER: Final = 0.5
+"""By so much the machine must be louder than the floor before it is said [dB]."""
 
 
 def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget) -> Outcome:
@@ -42,6 +53,11 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             lambda: _loops_chart(spectra),
         )
     tables["budget"] = budget_table(limits)
+    tables |= {"attenuation": attenuation_table(limits), "budget": budget_table(limits)}
+    drawings["attenuation"] = Drawing(
+        "Attenuation that a run of scenario.toml will show: the floor of each mount through the closed loop.",
+        lambda: _attenuation_chart(limits),
+    )
     drawings["budget"] = Drawing(
         "Vertical velocity of the machine's centre of gravity by what causes it, and the floor's.",
         lambda: _budget_chart(limits),
@@ -57,8 +73,10 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         notes=(
             "Margins are those of the sampled loop with computation delay, hold and sensors, broken at one place (a "
             "valve, a motion, a reading) with the rest closed; the disk margin also at all four valves at once.",
-            "Attenuation is predicted for a floor that heaves, from the linear machine; turbulent flow and rounding "
-            "are estimates. `ehamj run` on the written scenario measures it in the nonlinear machine.",
+            "The prediction takes the scenario's own floor at each mount and axis through the closed loop, with what "
+            "turbulent flow, compressed oil and turning add along that motion, and with noise and rounding as they are "
+            "on average; a run scatters by some tenths of a decibel about it where noise binds.",
+            *limits.notes,
         ),
         numbers={
             "meets": design.meets,
@@ -92,17 +110,13 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             found.append(f"Unstable: {', '.join(unstable)}.")
     else:
         found.append("The law only measures the ground: there is no loop, and nothing that could become unstable.")
-    quieter = 20 * np.log10(limits.floor / limits.total)
-    named = {
-        band.name: (value, cause) for band, value, cause in zip(limits.bands, quieter, limits.binding, strict=True)
-    }
-    words = ", ".join(f"{named[band][0]:.0f} dB at {band} Hz" for band in SHOWN)
-    found.append(f"Predicted vertical attenuation: {words}.")
-    causes = ", ".join(f"{named[band][1]} at {band} Hz" for band in SHOWN)
-    found.append(f"What limits it: {causes}.")
+    found += _predicted(limits)
+    beyond = limits.saturated
+    rarely = "hardly ever" if beyond < 1e-6 else f"for {100 * beyond:.2g} % of the time"
     found.append(
         f"Commands: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V ({limits.command['noise']:.2f} V of it by "
-        f"noise), beyond their range for {100 * limits.saturated:.2g} % of the time."
+        f"noise), beyond their range {rarely}."
+        + (" On so strong a floor that does not hold: clipped commands leave more." if beyond > CLIPPED else "")
     )
     if limits.phases:
         lags = {
@@ -117,6 +131,35 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             f"Heave crosses at {limits.phases['crossing_hz']:.0f} Hz; what lags there: {words}. "
             f"The bandwidth is bound by {first} first."
         )
+    return found
+
+
+def _predicted(limits: Budget) -> list[str]:
+    """What the run will show, axis by axis, and what limits it."""
+    found = []
+    for motion, name in AXIS_NAMES.items():
+        known = {band: value for band, value in limits.attenuation[motion].items() if value is not None}
+        if not known:
+            continue
+        said = [f"{decibel(known[band])} dB at {band} Hz" for band in SHOWN if band in known]
+        text = f"Predicted attenuation, {name}: {', '.join(said) or 'none of ' + ', '.join(SHOWN) + ' Hz is decided'}"
+        worst = min(known, key=lambda band: known[band])
+        if known[worst] < -LOUDER:
+            text += f"; louder than the floor by {decibel(-known[worst])} dB at {worst} Hz"
+        missing = [band for band in SHOWN if band not in known]
+        if said and missing:
+            text += f"; undecided at {', '.join(missing)} Hz, where the floor is not known or does not move so"
+        found.append(text + ".")
+    if not found:
+        return ["Attenuation: undecided in every band; the run is too short, or its floor is not known."]
+    binding = dict(zip((band.name for band in limits.bands), limits.binding(), strict=True))
+    causes: dict[str, list[str]] = {}
+    for band in SHOWN:
+        if cause := binding[band]:
+            causes.setdefault(cause, []).append(band)
+    if causes:
+        words = "; ".join(f"{cause} at {', '.join(bands)} Hz" for cause, bands in causes.items())
+        found.append(f"What limits it vertically: {words}.")
     return found
 
 
@@ -162,19 +205,32 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
     return table("loop gains", over, gain=(gain, "dB", "loop gain"), sensitivity=(sensitivity, "dB", "sensitivity"))
 
 
+def attenuation_table(limits: Budget) -> xr.Dataset:
+    """Predicted attenuation of each motion per third-octave band, NaN where undecided."""
+    values = [[np.nan if v is None else v for v in limits.attenuation[motion].values()] for motion in SLAB]
+    return table(
+        "predicted attenuation",
+        {
+            "band": ([float(band.name) for band in limits.bands], "Hz", "third-octave band"),
+            "motion": (list(SLAB), "", "motion of the floor and of the machine"),
+        },
+        attenuation=(np.array(values).T, "dB", "attenuation"),
+    )
+
+
 def budget_table(limits: Budget) -> xr.Dataset:
-    """Floor, machine and contributions per third-octave band."""
+    """Vertical velocity of floor and machine, and contributions, per third-octave band."""
+    z = SLAB.index("z")
     causes = {
-        name.replace(",", "").replace(" ", "_"): (values, "m/s", f"by {name}")
+        name.replace(",", "").replace(" ", "_"): (values[:, z], "m/s", f"by {name}")
         for name, values in limits.contributions.items()
     }
     return table(
         "what limits the isolation",
         {"band": ([float(band.name) for band in limits.bands], "Hz", "third-octave band")},
-        floor=(limits.floor, "m/s", "floor, RMS velocity"),
-        machine=(limits.total, "m/s", "machine, RMS velocity"),
-        attenuation=(20 * np.log10(limits.floor / limits.total), "dB", "attenuation"),
-        binding=(list(limits.binding), "", "largest contribution"),
+        floor=(limits.floor[:, z], "m/s", "floor, RMS velocity"),
+        machine=(limits.total[:, z], "m/s", "machine, RMS velocity"),
+        binding=([cause or "" for cause in limits.binding()], "", "largest contribution"),
         **causes,
     )
 
@@ -194,14 +250,33 @@ def _loops_chart(table: xr.Dataset) -> Figure:
     return lines_chart("Loops", "frequency [Hz]", panels, "x", limits=limits)
 
 
+def _attenuation_chart(limits: Budget) -> Figure:
+    curves = [
+        replace(Levels.of_bands(name, limits.attenuation[motion], COLORS[k]), dash=DASHES[k % len(DASHES)])
+        for k, (motion, name) in enumerate(AXIS_NAMES.items())
+        if any(value is not None for value in limits.attenuation[motion].values())
+    ]
+    return attenuation("Predicted attenuation", curves)
+
+
 def _budget_chart(limits: Budget) -> Figure:
-    centres = [band.centre for band in limits.bands]
-    micro = 1e6
-    lines = [Line("floor", centres, micro * limits.floor, 7, width=2.4)]
-    lines.append(Line("machine, all together", centres, micro * limits.total, 0, width=2.4))
-    for k, (name, values) in enumerate(limits.contributions.items()):
-        lines.append(Line(name, centres, micro * np.maximum(values, 1e-12), 1 + k % 6, 1 + k // 3 % 3, width=1.3))
-    least = max(1e-6, 0.1 * micro * float(np.min(limits.total)))
+    z, micro = SLAB.index("z"), 1e6
+    centres, total = [band.centre for band in limits.bands], limits.total[:, z]
+    lines = [Line("floor", centres, micro * limits.floor[:, z], 7, width=2.4)]
+    lines.append(Line("machine, all together", centres, micro * total, 0, width=2.4))
+    for k, (name, values) in enumerate(telling(limits).items()):
+        lines.append(Line(name, centres, micro * values[:, z], 1 + k % 6, 1 + k // 3 % 3, width=1.3))
+    known = np.concatenate([limits.floor[:, z], total])
+    known = known[np.isfinite(known) & (known > 0)]
+    if not known.size:
+        known = np.ones(1)
     quantity = "RMS velocity [µm/s]"
-    top = 3.0 * micro * float(max(limits.floor.max(), limits.total.max()))
-    return lines_chart("Budget", "third-octave band [Hz]", {quantity: lines}, "xy", limits={quantity: (least, top)})
+    limit = (max(1e-6, 0.1 * micro * float(known.min())), 3.0 * micro * float(known.max()))
+    return lines_chart("Budget", "third-octave band [Hz]", {quantity: lines}, "xy", limits={quantity: limit})
+
+
+def telling(limits: Budget) -> dict[str, Array]:
+    """Contributions of which any is worth a word: a hundredth of the machine's vertical motion in some band."""
+    z, total = SLAB.index("z"), limits.total[:, SLAB.index("z")]
+    least = np.where(np.isfinite(total), WORTH * total, np.inf)
+    return {name: values for name, values in limits.contributions.items() if np.any(values[:, z] > least)}

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.estimate.bands import Band
 from ehamj.judge.levels import SLAB, ByBand, Levels, by_band
 from ehamj.plant.axes import AXES
 from ehamj.plant.levers import plane
@@ -19,10 +20,17 @@ the distortion of what moves elsewhere."""
 
 def attenuation_at_cg(levels: Levels, plant: Plant) -> dict[str, ByBand]:
     """Of the machine's CG and rotation, for x, y, z, rx, ry: band → dB, None where the floor says nothing."""
-    single = _single(levels)
+    return attenuation_of(levels.floor, levels.machine, levels.places["floor"]["velocity", "rms"], levels.bands, plant)
+
+
+def attenuation_of(
+    floor: Array, machine: Array, mounts: Array, known: tuple[Band, ...], plant: Plant
+) -> dict[str, ByBand]:
+    """The same of levels: of ``floor`` and ``machine`` (bands, `SLAB`), and of the ``mounts`` (bands, mount, axis)."""
+    single = _single(mounts)
     arms = np.sqrt((plane(plant.positions)[:, 1:] ** 2).mean(axis=0))
     turning = single[:, [AXES.index("z")]] / arms
-    return by_band(_attenuation(levels.floor, levels.machine, np.hstack([single, turning])), levels.bands, SLAB)
+    return by_band(_attenuation(floor, machine, np.hstack([single, turning])), known, SLAB)
 
 
 def attenuation_at_places(levels: Levels) -> dict[str, dict[str, ByBand]]:
@@ -34,15 +42,15 @@ def attenuation_at_places(levels: Levels) -> dict[str, dict[str, ByBand]]:
     velocity = {place: found["velocity", "rms"] for place, found in levels.places.items()}
     ground, feet = velocity.pop("floor"), velocity.pop("feet")
     del velocity["machine"]
-    mean, single = levels.floor[:, : len(AXES)], _single(levels)
+    mean, single = levels.floor[:, : len(AXES)], _single(ground)
     found = {"feet": np.fmin.reduce(_attenuation(ground, feet, ground), axis=1)}
     found |= {point: _attenuation(mean, level, single) for point, level in velocity.items()}
     return {place: by_band(decibel, levels.bands) for place, decibel in found.items()}
 
 
-def _single(levels: Levels) -> Array:
-    """What a single mount makes of the floor's motion, (bands, axis): RMS over the mounts."""
-    return np.asarray(np.sqrt((levels.places["floor"]["velocity", "rms"] ** 2).mean(axis=1)))
+def _single(mounts: Array) -> Array:
+    """What a single mount makes of the floor's motion, (bands, axis): RMS over the mounts (bands, mount, axis)."""
+    return np.asarray(np.sqrt((mounts**2).mean(axis=1)))
 
 
 def _attenuation(floor: Array, machine: Array, single: Array) -> Array:

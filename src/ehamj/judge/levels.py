@@ -128,12 +128,17 @@ def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Array]:
 def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Array, Array]:
     """Velocity of the floor as a whole and of the machine, (time, `SLAB`) each [m/s, rad/s].
 
-    The floor's translation is the mean of the mounts, its rotation that of the plane fitted to them.
+    For the floor see `floor_as_whole`.
     """
-    ground = dataset["ground_velocity"].values
-    turning = ground[:, :, AXES.index("z")] @ plane_fit(plant.positions).T
     machine = [dataset["cg_velocity"].values, dataset["machine_velocity"].values[:, 3:5]]
-    return np.hstack([ground.mean(axis=1), turning[:, 1:]]), np.hstack(machine)
+    return floor_as_whole(dataset["ground_velocity"].values, plant), np.hstack(machine)
+
+
+def floor_as_whole(ground: Array, plant: Plant) -> Array:
+    """Motion (time, `SLAB`) of the floor of the mounts' (time, mount, axis): its translation is their mean, its
+    rotation that of the plane fitted to them."""
+    turning = ground[:, :, AXES.index("z")] @ plane_fit(plant.positions).T
+    return np.hstack([ground.mean(axis=1), turning[:, 1:]])
 
 
 def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...]) -> Array:

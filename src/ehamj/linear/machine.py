@@ -21,7 +21,7 @@ from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
-from ehamj.scenario.model import Scenario
+from ehamj.scenario.load import Given, as_scenario
 
 Point = tuple[float, float, float]
 
@@ -143,7 +143,7 @@ def _finite(name: str, values: ArrayLike, size: int) -> Array:
 
 
 def linearise(
-    scenario: Scenario,
+    scenario: Given,
     outputs: Sequence[str] | None = None,
     points: Mapping[str, Point] | None = None,
     commands: ArrayLike | None = None,
@@ -156,7 +156,7 @@ def linearise(
     of them by default.
 
     Args:
-        scenario: what is linearised about its static equilibrium.
+        scenario: what is linearised about its static equilibrium; a shipped name or a file serves too.
         outputs: channel names.
         points: further points of the machine by name [m from the mount plane's centre], which give the outputs
             ``NAME_displacement x`` and so on.
@@ -168,6 +168,7 @@ def linearise(
     """
     import control
 
+    scenario = as_scenario(scenario)
     model = linear_model(scenario.plant, commands, load)
     if outputs is None:
         outputs = [name for name in channel_names() if not name.startswith("ground_")]

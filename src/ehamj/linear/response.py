@@ -118,14 +118,32 @@ def ground_response(model: LinearModel, hertz: Array, outputs: Sequence[str], lo
     plain = _held(model, hertz, outputs)
     if loop is None:
         return plain
-    seen, law = readings_of_ground(model, loop, hertz), loop.law
-    driven = model.response(hertz, outputs, model.commands)
+    commands = commanded(model, loop, hertz, readings_of_ground(model, loop, hertz))
+    return plain + model.response(hertz, outputs, model.commands) @ commands
+
+
+def commanded(model: LinearModel, loop: Loop, hertz: Array, readings: ComplexArray) -> ComplexArray:
+    """Commands as they act on the valves of the closed loop, over what moves the readings with the valves held.
+
+    Args:
+        model: linearised machine.
+        loop: law and instruments; how the loop is closed see `ground_response`.
+        hertz: frequencies [Hz], (f,).
+        readings: what the instruments give, (f, reading, input).
+
+    Returns:
+        (f, valve, input).
+
+    Raises:
+        ValueError: if a measured channel answers a command at once.
+    """
+    law = loop.law
     if not isinstance(law, Controller):
-        return plain + driven @ opened(model, loop, hertz).commands(seen)
+        return opened(model, loop, hertz).commands(readings)
     omega = 2 * np.pi * hertz
-    commands = opened_at_samples(model, loop, np.exp(1j * omega * law.period)).commands(seen)
+    commands = opened_at_samples(model, loop, np.exp(1j * omega * law.period)).commands(readings)
     hold = np.exp(-1j * omega * (0.5 * law.period + law.latency)) * np.sinc(hertz * law.period)
-    return plain + driven @ (hold[:, None, None] * commands)
+    return np.asarray(hold[:, None, None] * commands)
 
 
 def readings_of_ground(model: LinearModel, loop: Loop, hertz: Array) -> ComplexArray:

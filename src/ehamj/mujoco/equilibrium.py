@@ -54,6 +54,23 @@ def rates(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inpu
     return np.concatenate([data.qvel, data.qacc, data.act_dot])
 
 
+def rates_along(model: mujoco.MjModel, data: mujoco.MjData, states: Array, inputs: Inputs) -> Array:
+    """`rates` of many states (n, state), each under its own inputs, which have the n in front."""
+    nq, nv, found = model.nq, model.nv, np.empty_like(states)
+    Inputs(inputs.displacement[0], inputs.velocity[0], inputs.command[0]).write(data)
+    mounts = exchange(data, inputs.command.shape[1])
+    cubics = [(k, mounts[f"ground_{axis}"]["value"], mounts[f"ground_{axis}"]["slope"]) for k, axis in enumerate(AXES)]
+    command = mounts["open_loop"]["value"]
+    for row, state in enumerate(states):
+        data.qpos[:], data.qvel[:], data.act[:] = state[:nq], state[nq : nq + nv], state[nq + nv :]
+        command[:] = inputs.command[row]
+        for k, value, slope in cubics:
+            value[:], slope[:] = inputs.displacement[row, :, k], inputs.velocity[row, :, k]
+        mujoco.mj_forward(model, data)
+        found[row, :nv], found[row, nv : 2 * nv], found[row, 2 * nv :] = data.qvel, data.qacc, data.act_dot
+    return found
+
+
 def scales(model: mujoco.MjModel) -> Array:
     """A small motion of each state, as a step for differences: 0.1 µm or µrad, 0.1 mm/s, 10 µA, 10 mA/s, 100 Pa.
 

@@ -18,6 +18,7 @@ from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
 from ehamj.run.faults import shorter_step, unread
 from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import held
 from ehamj.signals import Signal
 
 
@@ -55,9 +56,10 @@ class Prepared:
     def notes(self) -> tuple[str, ...]:
         """What a reader of the result must know."""
         read = tuple(self.controller.inputs) if self.controller is not None else ()
-        notes = (*self.motion.notes, *unread(self.scenario.fault, read), *self.of_step)
+        failing = (*unread(self.scenario.fault, read), *self.of_step)
+        notes = (*self.motion.notes, *self.scenario.machine.assumptions, *failing)
         if not isinstance(self.controller, PythonController):
-            return notes
+            return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"
         return (*notes, said)
 

@@ -3,13 +3,13 @@
 import csv
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from ehamj.pages import Page, Picture, Section, Table, write_page
+from ehamj.pages import Page, Picture, Section, Table, safe_name, write_page
 from ehamj.result import written_whole
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
@@ -22,11 +22,17 @@ LONGEST_TABLE = 40
 
 
 def write_outcome(
-    folder: Path, name: str, outcome: Outcome, scenario: Scenario, page_name: Literal["study", "design"] = "study"
+    folder: Path, name: str, outcome: Outcome, scenario: Scenario, shown: Page | None = None, stem: str = "study"
 ) -> None:
     """Write a study into an existing folder: ``study.html``, ``study.json``, ``scenario.toml``, tables and figures.
 
-    ``page_name`` is what page and JSON file are called.
+    Args:
+        folder: existing folder.
+        name: of the study.
+        outcome: what it came out with.
+        scenario: of the machine.
+        shown: its page; `page` makes it without.
+        stem: what page and JSON file are called.
     """
     with written_whole(folder / "scenario.toml") as path:
         path.write_text(scenario.to_toml(), encoding="utf-8")
@@ -36,8 +42,8 @@ def write_outcome(
         head, rows = flat_table(dataset)
         with written_whole(folder / f"{table}.csv") as path, path.open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([head, *rows])
-    write_page(folder, f"{page_name}.html", page(name, outcome, scenario, page_name), figures=".")
-    with written_whole(folder / f"{page_name}.json") as path:
+    write_page(folder, f"{stem}.html", shown or page(name, outcome, scenario), figures=".")
+    with written_whole(folder / f"{stem}.json") as path:
         path.write_text(json.dumps(to_dict(name, outcome), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
@@ -78,28 +84,30 @@ def _shown(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def page(name: str, outcome: Outcome, scenario: Scenario, page_name: str = "study") -> Page:
+def files_of(outcome: Outcome, stem: str = "study") -> str:
+    """The files beside a page whose stem this is, in words."""
+    found = []
+    for name, dataset in outcome.tables.items():
+        rows = int(np.prod(list(dataset.sizes.values())))
+        found.append(f"{name}.nc and {name}.csv ({dataset.attrs.get('title', name)}, {rows} rows)")
+    found += [*(f"{safe_name(drawing)}.svg" for drawing in outcome.drawings), f"{stem}.json"]
+    return f"Files beside this page: {', '.join(found)}, and scenario.toml"
+
+
+def page(name: str, outcome: Outcome, scenario: Scenario) -> Page:
     """The outcome as a page."""
     pictures = [Picture(drawing, one.draw(), one.caption) for drawing, one in outcome.drawings.items()]
-    tables, files = [], []
+    tables = []
     for table, dataset in outcome.tables.items():
         head, rows = flat_table(dataset)
-        title = dataset.attrs.get("title", table)
-        files.append(f"{table}.nc and {table}.csv ({title}, {len(rows)} rows)")
         if len(rows) <= LONGEST_TABLE:
+            title = dataset.attrs.get("title", table)
             tables.append(Table(title, head, [[_shown(value) for value in row] for row in rows]))
-    files += [*(f"{picture.id}.svg" for picture in pictures), f"{page_name}.json"]
-    does = {
-        "study": ", with which <code>ehamj study {} scenario.toml</code> comes out the same",
-        "design": " and controller.json: <code>ehamj run scenario.toml</code> runs the machine under this law",
-    }[page_name]
-    beside = Markup("Files beside this page: {}, and scenario.toml").format(", ".join(files)) + Markup(
-        does + "."
-    ).format(name)
+    does = Markup(", with which <code>ehamj study {} scenario.toml</code> comes out the same.").format(name)
     sections = [
         Section("figures", figures=pictures),
         Section("tables", "Numbers", tables=tables),
-        Section("files", notes=[beside]),
+        Section("files", notes=[Markup("{}").format(files_of(outcome)) + does]),
     ]
     if outcome.notes:
         sections.append(Section("notes", "What holds, and what does not", items=outcome.notes))

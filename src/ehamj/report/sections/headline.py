@@ -50,7 +50,8 @@ def headline(shown: Shown) -> Section:
             for place, table in own.items()
         ]
         tables += list(own.values())
-    note = f"{OF_LEVELS} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
+    mixed = MIXED if any(result.summary.fault for result in shown.results.values()) else ""
+    note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):
