@@ -15,6 +15,7 @@ from ehamj.report.sections.machine import machine
 from ehamj.report.sections.modes import modes
 from ehamj.report.sections.numbers import numbers
 from ehamj.report.sections.relative import relative
+from ehamj.report.sections.runs import runs
 from ehamj.report.sections.spectra import spectra
 from ehamj.report.sections.spectrogram import spectrogram
 from ehamj.report.sections.transmissibility import transmissibility
@@ -24,7 +25,11 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     headline,
     classes,
     warnings,
+<<<<<<< HEAD
     faults,
+=======
+    runs,
+>>>>>>> trunk
     machine,
     attenuation,
     transmissibility,
