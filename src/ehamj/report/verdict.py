@@ -22,16 +22,10 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
     return small if abs(value) * small[0] < 1e3 else large
 
 
-<<<<<<< HEAD
-def verdict(result: Result) -> list[tuple[str, str]]:
-    """The headline as the summary says it: vertical apart from horizontal, and what both are judged by."""
-    return list(result.summary.lines().items())
-=======
 def verdict(shown: Shown) -> list[tuple[str, str]]:
     """The headline as the summary of the result reported says it, vertical apart from horizontal."""
     whose = "" if shown.together else f"{shown.label}, "
-    return [(f"{whose}{name}", said) for name, said in shown.first.summary.criterion.lines().items()]
->>>>>>> trunk
+    return [(f"{whose}{name}", said) for name, said in shown.first.summary.lines().items()]
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:

@@ -25,11 +25,8 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     headline,
     classes,
     warnings,
-<<<<<<< HEAD
-    faults,
-=======
     runs,
->>>>>>> trunk
+    faults,
     machine,
     attenuation,
     transmissibility,
