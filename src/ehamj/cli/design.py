@@ -5,10 +5,10 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
+from ehamj.folders import check_out, new_folder
 
 
 @app.command()

@@ -15,9 +15,10 @@ from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.margins import PATTERNS, grid, in_patterns
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.margins import PATTERNS, grid, in_patterns, loop_gains
 from ehamj.pages.words import AXIS_NAMES, decibel
-from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart
+from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart, loop_figures
 from ehamj.plots.charts import COLORS, DASHES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing, Outcome
@@ -52,6 +53,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
             lambda: _loops_chart(spectra),
         )
+        drawings |= _plots(scenario, machines["as designed"], design)
     tables["budget"] = budget_table(limits)
     tables |= {"attenuation": attenuation_table(limits), "budget": budget_table(limits)}
     drawings["attenuation"] = Drawing(
@@ -90,6 +92,14 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
     )
 
 
+def _plots(scenario: Scenario, model: LinearModel, design: Design) -> dict[str, Drawing]:
+    """Bode and Nyquist plots, and where the scenario asks for them Nichols plots, with the disk that is asked for."""
+    hertz = grid(design.law, model, dense=3)
+    gains = loop_gains(model, Loop.of(scenario, design.law), hertz)
+    figures = loop_figures(hertz, gains, design.requirements.disk_margin, scenario.output.nichols)
+    return {name: Drawing(caption, draw) for name, (caption, draw) in figures.items()}
+
+
 def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool) -> list[str]:
     found = []
     if has_loop:
@@ -105,9 +115,9 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
         )
         if not design.tuned:
             found.append(f"{scenario.control.kind} has no loops to tune: its gains are as they were given.")
-        unstable = [name for name, one in design.reports.items() if not one.stable]
+        unstable = [f"{name} ({one.unstable})" for name, one in design.reports.items() if one.unstable]
         if unstable:
-            found.append(f"Unstable: {', '.join(unstable)}.")
+            found.append(f"Unstable: {'; '.join(unstable)}.")
     else:
         found.append("The law only measures the ground: there is no loop, and nothing that could become unstable.")
     found += _predicted(limits)

@@ -20,9 +20,8 @@ from ehamj.judge.faults import Expectation
 from ehamj.judge.levels import BANDS, ByBand
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.modes import modes
 from ehamj.linear.response import ground_response
-from ehamj.linear.sampled import STABLE, spectral_radius
+from ehamj.linear.unstable import unstable_pole
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
@@ -72,24 +71,13 @@ def expectation(
     loop = Loop.of(scenario, None if law is None else law_after(law, faults))
     pole = None if loop is None else unstable_pole(model, loop)
     if pole is not None:
-        return Expectation(stable=False, pole=pole, attenuation_db={}, run_db={})
+        return Expectation(stable=False, pole=str(pole), attenuation_db={}, run_db={})
     return Expectation(stable=True, **_attenuations(model, loop, part, scenario.record_rate, usable))
 
 
 def _range(plant: Plant) -> tuple[Array, Array]:
     limit = np.array([actuator.voltage_limit for actuator in plant.actuators])
     return -limit, limit
-
-
-def unstable_pole(model: LinearModel, loop: Loop) -> str | None:
-    """What grows in a loop, in words; None where nothing does."""
-    radius = spectral_radius(model, loop)
-    if radius < STABLE:
-        return None
-    worst = min(modes(model, loop), key=lambda mode: mode.damping_ratio, default=None)
-    if worst is not None and worst.damping_ratio < 0.0:
-        return f"{worst.name} at {worst.frequency:.3g} Hz, damping ratio {worst.damping_ratio:.2g}"
-    return "a motion that does not swing"
 
 
 def _attenuations(

@@ -11,6 +11,7 @@ from ehamj.report.sections.headline import classes, headline, warnings
 from ehamj.report.sections.histories import histories
 from ehamj.report.sections.inputs import inputs
 from ehamj.report.sections.limits import limits
+from ehamj.report.sections.loops import loops
 from ehamj.report.sections.machine import machine
 from ehamj.report.sections.modes import modes
 from ehamj.report.sections.numbers import numbers
@@ -36,6 +37,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     relative,
     histories,
     limits,
+    loops,
     modes,
     numbers,
     inputs,
