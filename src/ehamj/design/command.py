@@ -8,7 +8,7 @@ from typing import Final
 from markupsafe import Markup
 
 from ehamj.control.architectures.file import Law
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.design.outcome import outcome
@@ -17,6 +17,7 @@ from ehamj.design.requirements import Machines, Requirements, machines_of
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
@@ -25,6 +26,9 @@ from ehamj.studies.page import files_of, write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
+
+RUNS_ON: Final = "the machine it runs on"
+"""Name among the machines of the scenario's own, where the law is designed for another (``control.designed_for``)."""
 
 
 @dataclass(frozen=True)
@@ -74,16 +78,21 @@ def design_controller(
     kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
     if kind != given.kind:
         shared = given.shared if isinstance(given, DigitalSettings) else {}
+        shared = shared | ({"designed_for": given.designed_for} if isinstance(given, DigitalSettings) else {})
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
-    machines = machines_of(scenario)
+    believed, held = scenario.as_designed(), given.designed_for if isinstance(given, DigitalSettings) else None
+    machines = dict(machines_of(believed))
+    if held is not None:  # the law is derived for a machine that differs from the one it runs on
+        machines[RUNS_ON] = linear_model(scenario.plant)
     if kind in SYNTHESES:
-        design = synthesised(scenario, machines, beginning(kind, given), wanted)
-        scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
+        design = synthesised(believed, machines, beginning(kind, given), wanted)
+        control: ControlSettings = Law(kind="law", file=CONTROLLER_FILE)
     else:
-        design = _designed(scenario, machines, wanted)
-        scenario = scenario.model_copy(update={"control": design.settings})
-    limits = budget(scenario, machines["as designed"], design.law)
+        design = _designed(believed, machines, wanted)
+        control = design.settings.model_copy(update={"designed_for": held})
+    scenario = scenario.model_copy(update={"control": control})
+    limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
 
 
