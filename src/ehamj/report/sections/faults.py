@@ -5,8 +5,9 @@ from dataclasses import replace
 from typing import Final
 
 from ehamj import plots
+from ehamj.judge.decisive import place_in_words
 from ehamj.judge.faults import FaultFound, Phase
-from ehamj.judge.headline import DIRECTIONS, place_in_words
+from ehamj.judge.headline import DIRECTIONS
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import BAR, DASH, MICRO, decibel, measured, number, scaled
 from ehamj.plots import Levels
