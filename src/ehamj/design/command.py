@@ -20,7 +20,7 @@ from ehamj.errors import InputError
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Outcome
+from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
@@ -44,6 +44,7 @@ def design_controller(
     gain_margin: float = 6.0,
     phase_margin: float = 45.0,
     disk_margin: float = 0.5,
+    progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
 
@@ -55,6 +56,7 @@ def design_controller(
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
+        progress: called with what is being done.
 
     Raises:
         InputError: if the scenario or an argument cannot be used, or no law leaves the margins.
@@ -78,11 +80,13 @@ def design_controller(
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
     machines = machines_of(scenario)
     if kind in SYNTHESES:
-        design = synthesised(scenario, machines, beginning(kind, given), wanted)
+        design = synthesised(scenario, machines, beginning(kind, given), wanted, progress)
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
     else:
+        progress("choosing crossings")
         design = _designed(scenario, machines, wanted)
         scenario = scenario.model_copy(update={"control": design.settings})
+    progress("predicting what a run will show")
     limits = budget(scenario, machines["as designed"], design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
 
