@@ -9,6 +9,7 @@ result.dataset["cg_velocity"]
 from ehamj.control import Controller, ControllerBank, PythonController, load_controller
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.linear.machine import linearise
+from ehamj.linear.seen import sampled_plant
 from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate, simulate_many
 from ehamj.scenario.load import load_scenario, parse_scenario
@@ -27,6 +28,7 @@ __all__ = [
     "load_result",
     "load_scenario",
     "parse_scenario",
+    "sampled_plant",
     "simulate",
     "simulate_many",
 ]

@@ -1,4 +1,4 @@
-"""The two ways things go wrong for a user."""
+"""The two ways things go wrong for a user, and what he should have been told."""
 
 
 class InputError(ValueError):
@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class SimulationFailed(RuntimeError):
     """The simulation itself failed: the message says what, where and when. What was computed until then is kept."""
+
+
+class DerivedAnew(UserWarning):
+    """A law was derived for a changed machine: it knows what it could not know of a machine within tolerances."""

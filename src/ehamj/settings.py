@@ -23,6 +23,8 @@ Unlimited = Annotated[float, Field(allow_inf_nan=True)]
 FILE = "file"
 FileName = Annotated[str, FILE]
 """Name of a file that belongs to the scenario: relative to its folder as written, absolute once it is read."""
+SCENARIO = "scenario"
+"""Marks a field that may hold the name of another scenario: a shipped one's, or a file's as `FileName`."""
 
 
 class Settings(BaseModel):

@@ -248,10 +248,10 @@ def test_every_output_is_the_channel_of_its_name() -> None:
     given = draw(-1, 1, 34) * [
         {"v": 1.0, "c": 1e3}.get(name[0], 1e-3 if "velocity" in name else 1e-6) for name in system.input_labels
     ]
-    rate = system.A @ state + system.B @ given
+    rate = system.scales * (system.A @ (state / system.scales) + system.B @ given)
     value = dict(zip([*system.state_labels, *system.input_labels], [*state, *given], strict=True))
     value |= {f"acceleration {dof}": rate[system.state_labels.index(f"velocity {dof}")] for dof in DOFS}
-    found = system.C @ state + system.D @ given
+    found = system.C @ (state / system.scales) + system.D @ given
     expected = [expected_channel(name, value, linear_oracle(True)) for name in system.output_labels]
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 

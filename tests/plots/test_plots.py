@@ -192,6 +192,17 @@ def test_a_short_run_has_one_part_with_every_line(drawn: dict[str, Figure]) -> N
     assert axes.lines[0].get_ydata().max() == noise(0).max()
 
 
+def test_what_is_too_small_beside_others_is_drawn_again_at_its_own_scale() -> None:
+    """A tenth, and a hundredth of that: each gets a panel that it fills."""
+    loud, soft, softest = (Trace(str(size), TIME, size * np.sin(9.0 * TIME), plots.BLUE) for size in (10.0, 1.0, 0.01))
+    closer = plots.quieter([loud, soft, softest])
+    assert [[trace.label for trace in group] for group in closer] == [["1.0", "0.01"], ["0.01"]]
+    figure = plots.history("Quiet", "velocity [µm/s]", [loud], [loud, soft, softest], (), (3.0, 4.0), closer)
+    reach = [max(abs(limit) for limit in axes.get_ylim()) for axes in figure.axes]
+    assert reach == pytest.approx([10.0, 10.0, 1.0, 0.01], rel=0.3)
+    assert plots.quieter([loud, Trace("half", TIME, 0.5 * loud.values, plots.BLUE)]) == []
+
+
 def test_a_run_that_blew_up_can_be_drawn() -> None:
     values = np.r_[np.zeros(50), 1.0, -3.0, 1e200, np.inf, np.nan]
     trace = Trace("machine", TIME[: values.size], values, plots.BLUE)

@@ -291,7 +291,7 @@ def test_histories_reach_their_peaks(results: dict[str, Result], pictures: list[
     for name, values in (
         ("history-command", data.valve_command.values),
         ("history-stroke", 1e6 * (data.stroke.values - data.stroke.values[0])),
-        ("history-pressure", 1e-5 * data.chamber_pressure.values),
+        ("history-pressure", 1e-5 * (data.chamber_pressure - data.chamber_pressure.mean("time")).values),
     ):
         above = figures[name].axes[0]
         drawn = np.concatenate([path.vertices[:, 1] for part in above.collections for path in part.get_paths()])

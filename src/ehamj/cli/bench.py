@@ -5,8 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from ehamj.cli.frame import Json, app, log
+from ehamj.cli.frame import Json, app
 from ehamj.cli.printing import print_json, print_table
+from ehamj.cli.progress import doing
 
 
 @app.command()
@@ -17,7 +18,7 @@ def bench(
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
     from ehamj.bench.bench import bench as measure
 
-    with log.status("timing"):
+    with doing("timing"):
         figures = measure(repetitions)
     if as_json:
         print_json(figures)

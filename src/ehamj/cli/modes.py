@@ -8,9 +8,10 @@ from typing import Annotated, Any
 import typer
 import xarray as xr
 
-from ehamj.cli.frame import Json, ScenarioName, Set, app, log
+from ehamj.cli.frame import Json, ScenarioName, Set, app
 from ehamj.cli.modal_tables import print_measured, print_modes
 from ehamj.cli.printing import print_json, say
+from ehamj.cli.progress import doing
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
 from ehamj.findings import finite
@@ -80,12 +81,12 @@ def modes(
     found = {key: modes_of(model, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
     test, slopes = None, {}
     if measured is not None:
-        with log.status(f"measuring: {measured}"):
+        with doing(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
         _draw(replay, loaded, found)
     if sensitivity:
-        with log.status("changing every parameter"):
+        with doing("changing every parameter"):
             slopes = {
                 key: sensitivities(loaded, loop.law if loop else None, bypassed)
                 for key, (loop, bypassed) in loops.items()
@@ -106,7 +107,7 @@ def _draw(path: Path, scenario: Scenario, found: Mapping[str, Sequence[Mode]]) -
     """Write the recording."""
     from ehamj.replay.modes import replay_modes
 
-    with log.status("drawing the modes"):
+    with doing("drawing the modes"):
         replay_modes(path, scenario, {SHORT[key]: found[key] for key in SHORT if key in found})
 
 

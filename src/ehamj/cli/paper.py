@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 
 from ehamj.cli.folders import check_out, new_folder
-from ehamj.cli.frame import Json, Overwrite, app, log
+from ehamj.cli.frame import Json, Overwrite, app
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 
 
 @app.command()
@@ -27,8 +28,10 @@ def paper(
 
     check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()
-    with new_folder(out_folder, overwrite) as (folder, target), log.status("drawing"):
+    with new_folder(out_folder, overwrite) as (folder, target), doing("paper") as step:
+        step("page and figures")
         write_paper(target, found)
+        step("nonlinear runs of the amplitudes")
         write_amplitude(target, amplitude_response(AmplitudeStudy(load_scenario("single-actuator"))))
     if as_json:
         print_json({"folder": str(folder), **found.to_dict()})

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 
 if TYPE_CHECKING:
     from ehamj.judge import Summary
@@ -46,8 +47,8 @@ def run(
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
     loaded = load_scenario(scenario, [*(overrides or ()), *off])
     results, failures = _simulate(loaded)
-    with new_folder(out_folder, overwrite) as (folder, target), log.status("writing the result"):
-        write_run(target, results)
+    with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
+        write_run(target, results, step)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}

@@ -8,6 +8,7 @@ import typer
 
 from ehamj.cli.frame import Json, app, log
 from ehamj.cli.printing import print_json, say
+from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
 
     shown = _side_by_side([folder, *(compare or _variants(folder))], "report")
     name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
-    with log.status("drawing"):
+    with doing("drawing the report"):
         write_report(folder, shown, name, figures)
     path = folder / f"{name}.html"
     if as_json:

@@ -9,9 +9,10 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from ehamj.cli.folders import check_out, new_folder
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, out
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_names, say
+from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 from ehamj.plain.text import json_of
 from ehamj.scenario.load import load_scenario
@@ -69,8 +70,9 @@ def _command(one: Study[Any]) -> Callable[..., None]:
         check_out(out_folder, overwrite, STUDY_FILES)
         wanted = one.with_settings({**(_stored(settings, one) if settings else {}), **given})
         loaded = load_scenario(scenario, overrides or ())
-        with log.status(f"study {one.name}") as status:
-            outcome = one(loaded, wanted, lambda doing: status.update(f"study {one.name}: {escape(doing)}"))
+        with doing(f"study {one.name}") as step:
+            outcome = one(loaded, wanted, step)
+            step("tables and figures")
             with new_folder(out_folder, overwrite) as (folder, target):
                 write_outcome(target, one.name, outcome, loaded)
         if as_json:

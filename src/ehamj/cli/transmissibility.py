@@ -1,19 +1,22 @@
 """The command that shows how the floor's motion reaches the machine."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ehamj.cli.folders import check_out, new_folder
-from ehamj.cli.frame import Json, Out, Overwrite, Set, app, log
+from ehamj.cli.frame import Json, Out, Overwrite, Set, app
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 from ehamj.findings import finite
+from ehamj.pages.words import decibel, number
 from ehamj.result import load_result
-from ehamj.rig.comparison import Comparison, TransmissibilitySettings, compare_result, compare_scenario
+from ehamj.rig.comparison import Agreement, Comparison, TransmissibilitySettings, compare_result, compare_scenario
 from ehamj.rig.tables import write_tables
 from ehamj.run.simulate import simulate
 from ehamj.scenario.explain import checked
@@ -21,8 +24,8 @@ from ehamj.scenario.load import load_scenario
 
 SHOWN_BANDS = ("1", "2", "5", "10", "20", "50", "100", "200")
 """Third-octave bands whose attenuation is printed [Hz]."""
-NONLINEAR = 0.02
-"""Deviation from linear above which a reader wants to know why [-]."""
+NONLINEAR, SMALL = 0.5, -34.0
+"""Deviation from linear above which a reader wants to know why [dB], where it is this small against the floor [dB]."""
 OF_METHOD = {
     "lines": "multisine",
     "realisations": "multisine",
@@ -61,7 +64,7 @@ def transmissibility(
         if OF_METHOD.get(name, settings.method) != settings.method:
             raise InputError(f"--{name}: belongs to --method {OF_METHOD[name]}; this measures by {settings.method}")
     found = _compare(source, stored, overrides or [], settings)
-    with new_folder(out_folder, overwrite) as (folder, target), log.status("writing"):
+    with new_folder(out_folder, overwrite) as (folder, target), doing("writing"):
         (target / "scenario.toml").write_text(found.scenario.to_toml(), encoding="utf-8")
         write_tables(target, found)
         write_transmissibility(target, found)
@@ -70,17 +73,25 @@ def transmissibility(
         return
     _print_attenuation(found)
     for variant, rows in found.agreement().items():
-        worst = [max(row[key] or 0.0 for row in rows.values()) for key in ("of_linear", "of_floor")]
-        words = f"{_percent(worst[0])} of linear, {_percent(worst[1])} of the floor's motion"
-        say(f"{variant}: measured within {words}, where coherent")
-        if worst[0] > NONLINEAR > worst[1]:
-            words = "what little the control leaves of the floor is not linear in it, by the valves"
-            say(f"note: {variant}: {words}; a smaller --velocity shows less of it")
+        _say_agreement(variant, list(rows.values()))
     say(f"page, figures and tables: {folder}")
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.{0 if share >= 0.1 else 2}{'f' if share >= 0.1 else 'g'}} %"
+def _say_agreement(variant: str, rows: Sequence[Agreement]) -> None:
+    """How far measured and linear are apart, in lines of a terminal's width."""
+    known = [row for row in rows if row.magnitude_db is not None and row.phase_deg is not None]
+    if not known:
+        say(f"{variant}: measured, but nowhere coherent: nothing to hold against linear")
+        return
+    within = max(row.magnitude_db or 0.0 for row in known)
+    phase = max(row.phase_deg or 0.0 for row in known)
+    words = f"within {math.ceil(10.0 * within) / 10.0:g} dB and {math.ceil(phase):g}° of linear"
+    say(f"{variant}: measured {words}, where coherent")
+    floor = max((row.of_floor_db for row in known if row.of_floor_db is not None), default=-999.0)
+    say(f"  no direction off by more than {number(math.ceil(floor), 2)} dB of the floor's motion")
+    if within > NONLINEAR and floor < SMALL:
+        say("  note: what the control leaves is not linear in the floor, by the valves;")
+        say("  a smaller --velocity shows less of it")
 
 
 def _compare(source: str, stored: bool, overrides: list[str], settings: TransmissibilitySettings) -> Comparison:
@@ -88,10 +99,10 @@ def _compare(source: str, stored: bool, overrides: list[str], settings: Transmis
         raise InputError(f"--set {overrides[0]!r}: a stored result cannot be changed; name its scenario.toml")
     result = load_result(source) if stored else None
     scenario = result.scenario if result else load_scenario(source, overrides)
-    with log.status("measuring"):
+    with doing("measuring") as step:
         if settings.method == "welch":
             return compare_result(result or simulate(scenario), settings)
-        return compare_scenario(scenario, settings)
+        return compare_scenario(scenario, settings, step)
 
 
 def _plain(found: Comparison) -> dict[str, Any]:
@@ -105,7 +116,10 @@ def _plain(found: Comparison) -> dict[str, Any]:
         "outputs": list(found.outputs),
         "method": {one.name: list(dict.fromkeys(part.method for part in one.measured)) for one in found.variants},
         "attenuation_db": attenuation,
-        "largest_deviation": found.agreement(),
+        "largest_deviation": {
+            variant: {output: row._asdict() for output, row in rows.items()}
+            for variant, rows in found.agreement().items()
+        },
     }
 
 
@@ -114,9 +128,7 @@ def _print_attenuation(found: Comparison) -> None:
     bands = [(k, band.name) for k, band in enumerate(found.chosen) if band.name in SHOWN_BANDS]
     by_floor = sorted(found.attenuation(), key=lambda row: found.settings.dofs.index(row[2]))
     rows = [
-        (dof, variant, kind, *("–" if math.isnan(level) else f"{level:.1f}".replace("-0.0", "0.0")
-                               for level in (levels[k] for k, _ in bands)))
-        for variant, kind, dof, levels in by_floor
-    ]  # fmt: skip
+        (dof, variant, kind, *(decibel(finite(levels[k])) for k, _ in bands)) for variant, kind, dof, levels in by_floor
+    ]
     title = f"{found.scenario.name}: attenuation floor to machine [dB], third-octave bands [Hz]"
     print_table(title, ("floor", "control", "", *(name for _, name in bands)), rows, whole=3)

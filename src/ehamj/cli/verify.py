@@ -6,8 +6,9 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.frame import Json, app, log
+from ehamj.cli.frame import Json, app
 from ehamj.cli.printing import print_json, print_table
+from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 
 
@@ -26,8 +27,8 @@ def verify(
 
     if out_file is not None and not out_file.absolute().parent.is_dir():
         raise InputError(f"--out {str(out_file)!r}: cannot be written, since {str(out_file.parent)!r} is no folder")
-    with log.status("verifying") as status:
-        outcomes = check(progress=lambda done: status.update(f"verified: {done.case.name}"))
+    with doing("verified") as step:
+        outcomes = check(progress=lambda done: step(done.case.name))
     if out_file is not None:
         try:
             write_table(outcomes, out_file)

@@ -94,9 +94,9 @@ class ControllerBank:
             total[:, :, [names.index(name) for name in part.inputs]] += part.response(hertz)
         return total
 
-    def save(self, path: Path) -> None:
+    def save(self, path: str | Path) -> None:
         """Write the bank as JSON."""
-        path.write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
+        Path(path).write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
 
     def to_dict(self) -> dict[str, Any]:
         """The bank as plain data."""
@@ -146,7 +146,7 @@ class ControllerBank:
         return float(np.abs(np.linalg.eigvals(total)).max()) if n and winds else 0.0
 
 
-def load_controller(path: Path) -> Controller | ControllerBank:
+def load_controller(path: str | Path) -> Controller | ControllerBank:
     """Read a law or a bank of laws written by ``save``.
 
     Raises:

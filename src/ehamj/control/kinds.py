@@ -50,6 +50,8 @@ class CombinedSettings(DigitalSettings):
         for number, part in enumerate(self.parts):
             for name in part.model_fields_set.intersection(SHARED):
                 ours, theirs = getattr(self, name), getattr(part, name)
+                if theirs != ours and name == "designed_for":
+                    raise ValueError(f"parts.{number}.{name}: is stated once, for all parts: control.{name}")
                 if theirs != ours:
                     raise ValueError(f"parts.{number}.{name} = {theirs}: must be that of the whole, {name} = {ours}")
         object.__setattr__(self, "parts", tuple(map(_without_shared, self.parts)))
@@ -61,8 +63,9 @@ class CombinedSettings(DigitalSettings):
 
     @property
     def members(self) -> tuple[DigitalSettings, ...]:
-        """The parts, with clock, converter and recovery of the whole."""
-        return tuple(part.model_copy(update=self.shared) for part in self.parts)
+        """The parts, with clock, converter, recovery and held machine of the whole."""
+        shared = {name: getattr(self, name) for name in SHARED}
+        return tuple(part.model_copy(update=shared) for part in self.parts)
 
     def with_member(self, number: int, member: DigitalSettings) -> Self:
         """The sum with another law in place of a part."""

@@ -150,9 +150,9 @@ class Controller(Sampled):
         hold = np.sinc(f * self.period) * np.exp(-1j * omega * (0.5 * self.period + self.latency))
         return np.asarray(hold[:, None, None] * self.at(np.exp(1j * omega * self.period)))
 
-    def save(self, path: Path) -> None:
+    def save(self, path: str | Path) -> None:
         """Write the law as JSON."""
-        path.write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
+        Path(path).write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
 
     def to_dict(self) -> dict[str, Any]:
         """The law as plain data, see `from_dict`."""
@@ -185,7 +185,7 @@ class Controller(Sampled):
             raise InputError(f"controller: not a law ({error})") from error
 
     @classmethod
-    def load(cls, path: Path) -> Self:
+    def load(cls, path: str | Path) -> Self:
         """Read a law written by `save`.
 
         Raises:
@@ -208,14 +208,14 @@ def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
     return matrix
 
 
-def read_table(path: Path) -> dict[str, Any]:
+def read_table(path: str | Path) -> dict[str, Any]:
     """The JSON object in a file.
 
     Raises:
         InputError: if there is none.
     """
     try:
-        table = json_of(path)
+        table = json_of(Path(path))
     except (OSError, ValueError) as error:
         raise InputError(f"control.file = {str(path)!r}: cannot be read as a controller ({error})") from error
     if not isinstance(table, dict):

@@ -9,6 +9,7 @@ from pydantic import Field
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
+from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
@@ -70,7 +71,7 @@ class SampledSettings(ControlSettings):
     @property
     def shared(self) -> dict[str, Any]:
         """What laws that run together have in common, by name: clock, converter and recovery."""
-        return {name: getattr(self, name) for name in SHARED}
+        return {name: getattr(self, name) for name in CLOCK}
 
     @property
     def period(self) -> float:
@@ -125,6 +126,12 @@ class DigitalSettings(SampledSettings):
     it; by default its loops are its fields of that kind, and nothing depends on the machine or must be known to others.
     """
 
+    designed_for: DesignedFor = Field(
+        None,
+        description="machine and instruments that the law is derived from and held for: a table of what differs from "
+        "the scenario's own, or the name or file of another scenario; without: derived from the scenario's own",
+    )
+
     @abstractmethod
     def controller(self, plant: Plant, sensors: "Sensors") -> Controller:
         """The law for a plant that is measured by ``sensors``."""
@@ -161,5 +168,7 @@ class DigitalSettings(SampledSettings):
         return 0.0
 
 
+CLOCK = tuple(name for name in SampledSettings.model_fields if name != "kind")
+"""Settings that make a law digital."""
 SHARED = tuple(name for name in DigitalSettings.model_fields if name != "kind")
-"""Settings that laws which run together share."""
+"""Settings that laws which run together share: clock, converter, recovery, and the machine that they are held for."""

@@ -98,7 +98,8 @@ def with_value(scenario: Scenario, key: str, value: float) -> Scenario:
     """
     quantity_of(scenario, key)
     if key not in FOOTPRINT:
-        return changed(scenario, {key: value})
+        kept = {"machine.inertia": scenario.machine.inertia} if key == "machine.mass" else {}  # which would follow
+        return changed(scenario, {key: value, **kept})
     axis, factor = "xy".index(FOOTPRINT[key]), value / footprint(scenario.plant, key)
     places = {f"mount.{k}.position.{axis}": factor * mount.position[axis] for k, mount in enumerate(scenario.mount)}
     return changed(scenario, places)

@@ -1,5 +1,10 @@
 """Isolators and oils that a scenario names."""
 
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
 from ehamj.isolator.actuator import Actuator
 
 FIRST_GENERATION = Actuator()
@@ -78,3 +83,32 @@ OILS: dict[str, dict[str, float]] = {
     "water-glycol": {"bulk_modulus": 3.2e9, "air_fraction": 0.005, "vapour_pressure": 6e3},
 }
 """Values that belong to an oil, typical and assumed; those of an actuator's table override them."""
+
+
+class Isolator(Actuator):
+    """An actuator as a table [actuators.NAME]: a preset and what differs from it."""
+
+    preset: Literal["first-generation", "recommended", "elastic-mount", "pneumatic-mount"] = Field(
+        "first-generation", description="where values that are not given come from"
+    )
+
+    oil: Literal["paper", "mineral", "mineral-aerated", "water-glycol"] = Field(
+        "paper", description="sets bulk_modulus, air_fraction and vapour_pressure where they are not given"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_preset(cls, table: Any) -> Any:
+        name = table.get("preset", "first-generation") if isinstance(table, Mapping) else None
+        if not isinstance(name, str) or name not in ACTUATOR_PRESETS:
+            return table  # the field's own validation says what is allowed
+        oil = table.get("oil", "paper")
+        if not isinstance(oil, str) or oil not in OILS:
+            return table
+        preset = ACTUATOR_PRESETS[name]
+        values = {**preset.model_dump(exclude={"sources"}), **OILS[oil]}
+        assumed = dict.fromkeys(OILS[oil], "assumed")
+        known = {**preset.sources, **assumed}
+        sources = {k: v for k, v in known.items() if k not in table or table[k] == values[k]}
+        own = table.get("sources", {})
+        return {**values, **table, "sources": {**sources, **own} if isinstance(own, Mapping) else own}

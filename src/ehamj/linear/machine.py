@@ -1,4 +1,7 @@
-"""The whole machine as one linear system with all its states, from the compiled model that is simulated."""
+"""The whole machine as one linear system with all its states, from the compiled model that is simulated.
+
+`LinearModel` is in SI, as it is differentiated; what `linearise` hands out has scaled states (`ehamj.linear.plants`).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +17,7 @@ from ehamj.control.channels import channel_names, channel_row
 from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
+from ehamj.linear.scales import sizes, state_units
 from ehamj.memory import states_of
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
@@ -21,7 +25,7 @@ from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
-from ehamj.scenario.model import Scenario
+from ehamj.scenario.load import Given, as_scenario
 
 Point = tuple[float, float, float]
 
@@ -143,7 +147,7 @@ def _finite(name: str, values: ArrayLike, size: int) -> Array:
 
 
 def linearise(
-    scenario: Scenario,
+    scenario: Given,
     outputs: Sequence[str] | None = None,
     points: Mapping[str, Point] | None = None,
     commands: ArrayLike | None = None,
@@ -151,12 +155,18 @@ def linearise(
 ) -> Any:
     """The machine of a scenario as a ``control.StateSpace`` with named states, inputs and outputs.
 
+    Its states are scaled (`ehamj.linear.plants.LinearPlant`, which keeps scales, units and operating point), inputs and
+    outputs are not; responses of single channels hold to all digits. Rigid plates are tied to the machine, so that no
+    pole of a constraint is among the fast ones; at a neutral pole (a valve within its threshold stays where it is) a
+    channel that does not show it has its finite value. With flexible feet there are so many states that
+    ``control.margin`` of the system may overflow: give it ``control.frequency_response``.
+
     Inputs are the valves' commands [V], displacement [m] and velocity [m/s] of the ground at each mount and axis, and
     forces at the centre of gravity (`inputs_of`). Outputs are channels as in the result (`ehamj.control.channels`), all
     of them by default.
 
     Args:
-        scenario: what is linearised about its static equilibrium.
+        scenario: what is linearised about its static equilibrium; a shipped name or a file serves too.
         outputs: channel names.
         points: further points of the machine by name [m from the mount plane's centre], which give the outputs
             ``NAME_displacement x`` and so on.
@@ -166,8 +176,9 @@ def linearise(
     Raises:
         InputError: if a channel is unknown, or the operating point does not exist.
     """
-    import control
+    from ehamj.linear.plants import LinearPlant
 
+    scenario = as_scenario(scenario)
     model = linear_model(scenario.plant, commands, load)
     if outputs is None:
         outputs = [name for name in channel_names() if not name.startswith("ground_")]
@@ -178,8 +189,9 @@ def linearise(
             for axis in AXES
         ]
     C, D = model.rows(outputs, points)
-    return control.ss(
-        model.A, model.B, C, D, states=list(model.states), inputs=list(model.inputs), outputs=list(outputs),
+    return LinearPlant.scaled(
+        (model.A, model.B, C, D), sizes(model.states), model.equilibrium, state_units(model.states),
+        states=list(model.states), inputs=list(model.inputs), outputs=list(outputs),
         name=scenario.name.replace(".", "-"),
     )  # fmt: skip
 

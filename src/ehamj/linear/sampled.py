@@ -15,12 +15,12 @@ import numpy as np
 from scipy.linalg import expm
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.control import Controller, LinearController
+from ehamj.control import Controller, ControllerBank, LinearController
 from ehamj.control.blocks import response
-from ehamj.control.channels import quantity_of
 from ehamj.control.clock import common_multiple, exact
 from ehamj.linear.loop import Loop, Opened
 from ehamj.linear.machine import LinearModel
+from ehamj.linear.scales import sizes, state_units
 
 STABLE: Final = 1.0 + 1e-9
 """Spectral radius up to which a sampled loop counts as stable: neutral states stand at one, but for rounding."""
@@ -37,8 +37,13 @@ class MeasuredMachine(NamedTuple):
     """Of the readings."""
 
 
-def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
+def measured_machine(model: LinearModel, loop: Loop, disturbances: Sequence[str] = ()) -> MeasuredMachine:
     """The machine with the loop's instruments at its channels; what the ground adds to them is left out.
+
+    Args:
+        model: linearised machine.
+        loop: with the instruments.
+        disturbances: inputs of the model that are states too, which stay as they are.
 
     Raises:
         InputError: if a channel is unknown, or its instrument measures another quantity.
@@ -50,6 +55,11 @@ def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
     if np.abs(D).max(initial=0.0) > 0:
         raise ValueError("a measured channel answers a command at once")
     A, B, names = model.A, model.B[:, :valves], list(model.states)
+    if disturbances:
+        columns, more = [model.inputs.index(name) for name in disturbances], len(disturbances)
+        A = np.block([[A, model.B[:, columns]], [np.zeros((more, len(A) + more))]])
+        B, C = np.vstack([B, np.zeros((more, valves))]), np.hstack([C, rows @ model.signals[1][:, columns]])
+        names += [f"disturbance {name}" for name in disturbances]
     for k, name in enumerate(channels):
         sensor = sensors.of(name)
         if sensor is None or not sensor.filters:
@@ -65,34 +75,61 @@ def measured_machine(model: LinearModel, loop: Loop) -> MeasuredMachine:
     return MeasuredMachine(A, B, C, tuple(names), channels)
 
 
-def sampled_machine(model: LinearModel, loop: Loop) -> Any:
-    """What a law of one rate sees, as a ``control.StateSpace`` with its ``dt``: from the commands that it computes at a
-    sample to its readings at the samples, with delay, hold, machine and sensors; there is no direct way. Its states are
-    in units of µm, 0.1 mm/s, mA, A/s and 10 kPa.
+def sampled_machine(
+    model: LinearModel, loop: Loop, disturbances: Sequence[str] = (), beside: Sequence[Controller] = ()
+) -> Any:
+    """What a law of one rate sees, as an `ehamj.linear.plants.LinearPlant` with its ``dt``: from the commands that it
+    computes at a sample to its readings at the samples, with delay, hold, machine and sensors; no command has a direct
+    way.
 
     The loop gain is ``control.ss(law.A, …, law.period)`` times this.
 
     Args:
         model: linearised machine.
         loop: of whose law channels, period and delay count; its matrices do not.
+        disturbances: further inputs of the model, which come after the commands and are held between samples.
+        beside: laws that run around the machine as well; the period must be a multiple of theirs.
     """
-    import control
+    from ehamj.linear.plants import LinearPlant
 
     law, valves = loop.law.parts[0], np.eye(len(model.commands))
     # A law that gives its states, and keeps them, to the valves: they are the commands.
     nothing = np.zeros((len(valves), len(law.inputs)))
     held = replace(law, A=valves, B=nothing, C=valves, D=nothing, anti_windup=None)
-    machine = measured_machine(model, replace(loop, law=held))
-    places, matrix = _carried(machine, (held,))
-    own = places[0].law
-    matrix, inputs = np.delete(np.delete(matrix, own, 0), own, 1), np.delete(matrix[:, own], own, 0)
-    rest = matrix.shape[0] - machine.A.shape[0]
-    unit = np.array([_unit(name) for name in machine.states] + [1.0] * rest)
-    C = np.pad(machine.C, ((0, 0), (0, rest))) * unit
-    return control.ss(
-        matrix * unit / unit[:, None], inputs / unit[:, None], C, np.zeros((len(C), len(valves))), law.period,
-        inputs=list(model.commands), outputs=list(law.inputs),
+    together = held if not beside else ControllerBank((*(_alike(other, held) for other in beside), held))
+    machine = measured_machine(model, replace(loop, law=together), disturbances)
+    places, matrix = _carried(machine, together.parts)
+    # States that nothing changes over a period are its inputs: the commands, and what disturbs.
+    constant = [machine.states.index(f"disturbance {name}") for name in disturbances]
+    own = [*range(*places[-1].law.indices(len(matrix))), *constant]
+    states = np.delete(np.arange(len(matrix)), own)
+    names = tuple(np.delete([*machine.states, *_names(places, together.parts, model.commands)], own).tolist())
+    C = np.pad(machine.C, ((0, 0), (0, len(matrix) - len(machine.states))))
+    C = C[[machine.channels.index(name) for name in law.inputs]]
+    rest = np.concatenate([model.equilibrium, np.zeros(len(states) - len(model.equilibrium))])
+    return LinearPlant.scaled(
+        (matrix[np.ix_(states, states)], matrix[np.ix_(states, own)], C[:, states], C[:, own]),
+        sizes(names), rest, state_units(names), law.period,
+        states=list(names), inputs=[*model.commands, *disturbances], outputs=list(law.inputs),
     )  # fmt: skip
+
+
+def _alike(law: Controller, pattern: Controller) -> Controller:
+    """The law with the converter of another, so that they can run beside each other."""
+    names = ("voltage_limit", "bits", "switch_on", "fade", "from_rest")
+    return replace(law, **{name: getattr(pattern, name) for name in names}, anti_windup=None)
+
+
+def _names(places: Sequence["_Places"], parts: Sequence[Controller], commands: Sequence[str]) -> list[str]:
+    """Of what follows machine and sensors: states of laws, what is held at the valves, what waits."""
+    found = []
+    for k, (own, part) in enumerate(zip(places, parts, strict=True)):
+        law = f"law {k}" if len(parts) > 1 else "law"
+        found += [f"controller {law} {state}" for state in range(part.states)]
+        found += [f"controller {law} holds {name}" for name in commands]
+        waiting = range((own.queue.stop - own.queue.start) // len(commands))
+        found += [f"controller {law} waits {age} {name}" for age in waiting for name in commands]
+    return found
 
 
 def opened_at_samples(model: LinearModel, loop: Loop, z: ComplexArray) -> Opened:
@@ -106,14 +143,6 @@ def opened_at_samples(model: LinearModel, loop: Loop, z: ComplexArray) -> Opened
     (law,) = loop.law.parts
     machine = sampled_machine(model, loop)
     return Opened(law.at(z), response(z, machine.A, machine.B, machine.C))
-
-
-def _unit(state: str) -> float:
-    """Size of a state in a moderate motion; in SI, sizes of 1e-6 m and 1e4 Pa together cost slycot all its digits."""
-    words = state.split(" ")
-    what = words[0] if words[0] != "controller" else quantity_of(words[2])
-    sizes = {"displacement": 1e-6, "velocity": 1e-4, "acceleration": 1e-2, "spool": 1.0, "spool_rate": 1e3}
-    return sizes.get(what, 1e-5 if what == "line_flow" else 1e4)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Figures over time, thinned so that no peak is lost."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,6 +13,9 @@ from ehamj.plots.style import Artist, Axes, Figure
 
 STRETCHES: Final = 500
 """Stretches of time that a long record is drawn in."""
+
+SEEN: Final = 0.2
+"""Share of the loudest below which a line beside it shows nothing of its course [-]."""
 
 FAR_LIMIT: Final = 20.0
 """Limits further away than this many times the data's peak are named and not drawn."""
@@ -28,6 +31,13 @@ class Trace:
     color: str
     width: float = 1.1
     dash: str = "-"
+
+    def within(self, window: tuple[float, float] | None) -> "Trace":
+        """The part of it in a window of time [s]."""
+        if window is None:
+            return self
+        part = slice(*np.searchsorted(self.time, window))
+        return replace(self, time=self.time[part], values=self.values[part])
 
 
 @dataclass(frozen=True)
@@ -82,6 +92,7 @@ def history(
     detail: Sequence[Trace],
     limits: Sequence[Limit] = (),
     window: tuple[float, float] | None = None,
+    closer: Sequence[Sequence[Trace]] = (),
 ) -> Figure:
     """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
 
@@ -93,26 +104,46 @@ def history(
         limits: drawn in the upper part, unless they are further off than `FAR_LIMIT` peaks: then they are only named.
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
+        closer: traces of ``detail`` that are too small to be seen there, each group again at a scale of its own.
     """
-    figure, (above, *below) = style.new_figure(title, 2 if window else 1)
+    figure, (above, *below) = style.new_figure(title, (2 if window else 1) + len(closer))
     entries: dict[str, Artist] = {}
     if window:
         for trace in whole:
             entries.setdefault(style.shown(trace.label), _band_over_time(above, trace))
         above.axvspan(*window, color="#FFF3C4", zorder=0)
         above.margins(x=0)
-        below[0].set_xlim(*window)
-        below[0].set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
-    above.set_xlabel("time [s], whole run" if window else "time [s]")
-    in_full = below[0] if window else above
-    for trace in detail:
-        entries.setdefault(style.shown(trace.label), _line_over_time(in_full, trace, window))
+        above.set_xlabel("time [s], whole run")
+    in_full = below if window else [above, *below]
+    for axes, traces in zip(in_full, (detail, *closer), strict=True):
+        for trace in traces:
+            entries.setdefault(style.shown(trace.label), _line_over_time(axes, trace, window))
+        axes.set_xlabel("time [s]")
+        if window:
+            axes.set_xlim(*window)
+            axes.set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
     entries |= _limits(above, [*whole, *([] if window else detail)], limits)
-    for axes in (above, *below):
-        axes.set_ylabel(quantity)
+    panels = [above, *below]
+    for k, axes in enumerate(panels):
+        own = k >= len(panels) - len(closer)
+        axes.set_ylabel(f"own scale [{quantity.partition('[')[2]}" if own else quantity)
         linear_axis(axes.yaxis)
-    style.arrange(figure, [(axes, 92.0 if window else 140.0) for axes in (above, *below)], entries)
+    style.share(in_full)
+    gaps = [12.0 if axes in in_full[:-1] else style.BELOW for axes in panels]
+    height = 92.0 if window else 140.0
+    style.arrange(figure, [(axes, height if k < 2 else 70.0) for k, axes in enumerate(panels)], entries, gaps=gaps)
     return figure
+
+
+def quieter(traces: Sequence[Trace]) -> list[list[Trace]]:
+    """Groups that need a scale of their own beside all of them: what is below `SEEN` of the loudest, then of that."""
+    groups, left = [], list(traces)
+    while left:
+        sizes = [float(np.nanmax(np.abs(finite(trace.values)), initial=0.0)) for trace in left]
+        left = [trace for trace, size in zip(left, sizes, strict=True) if 0.0 < size < SEEN * max(sizes)]
+        if left:
+            groups.append(left)
+    return groups
 
 
 def finite(values: Array) -> Array:

@@ -122,6 +122,7 @@ def arrange(
     right: float = 14.0,
     gap: float = BELOW,
     head: float = 0.0,
+    gaps: Sequence[float] = (),
 ) -> None:
     """Place title, legend and axes below each other, the same margins in every figure.
 
@@ -134,21 +135,23 @@ def arrange(
         right: margin on the right [pt].
         gap: room below all axes but the last [pt].
         head: room above the first [pt].
+        gaps: room below each of them, instead of ``gap``; the last's does not count [pt].
     """
+    below = [*(gaps or [gap] * len(panels))[: len(panels) - 1], BELOW]
     left = max(_room(axes) for axes, _ in panels)
     columns = legend_columns(list(entries), WIDTH - left)
     rows = -(-len(entries) // columns)
     name, keys = 24.0, 12.0 * rows + 8.0 + head
-    height = name + keys + sum(panel for _, panel in panels) + gap * (len(panels) - 1) + BELOW
+    height = name + keys + sum(panel for _, panel in panels) + sum(below)
     figure.set_size_inches(WIDTH / INCH, height / INCH)
     figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
     if entries:
         legend(figure, entries, (left / WIDTH, 1.0 - name / height), columns)
     top, width = height - name - keys, WIDTH - left - right
-    for axes, panel in panels:
+    for (axes, panel), room in zip(panels, below, strict=True):
         axes.set_position((left / WIDTH, (top - panel) / height, width / WIDTH, panel / height))
         axes.yaxis.set_label_coords((14.0 - left) / width, 0.5)
-        top -= panel + gap
+        top -= panel + room
 
 
 def legend(figure: Figure, entries: Mapping[str, Artist], place: tuple[float, float], columns: int) -> None:

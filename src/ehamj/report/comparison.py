@@ -10,9 +10,9 @@ import numpy as np
 from ehamj import plots
 from ehamj.linear.response import ZERO, Transfer, unit
 from ehamj.pages import Page, Picture, Section, Table, write_page
-from ehamj.pages.words import AXIS_NAMES, decibel, exact, number
+from ehamj.pages.words import AXIS_NAMES, decibel, exact
 from ehamj.plots import Response
-from ehamj.rig.comparison import COHERENT, Comparison, own_output
+from ehamj.rig.comparison import COHERENT, JUDGED, Comparison, own_output
 from ehamj.rig.measurement import Measurement
 
 NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
@@ -133,20 +133,15 @@ def agreement_table(found: Comparison) -> Iterator[Table]:
     """Largest deviation of measured from linear, per variant and output."""
     agreement = found.agreement()
     if agreement:
-        heads = [f"{name}, of {what}" for name in agreement for what in ("linear", "the floor")]
+        heads = [f"{name}, {what}" for name in agreement for what in ("[dB]", "[°]", "of the floor [dB]")]
         rows = [
-            [output, *(percent(value) for part in agreement.values() for value in part[output].values())]
+            [output, *(cell for part in agreement.values() for cell in map(decibel, part[output][:3]))]
             for output in found.outputs
         ]
         note = (
-            "Largest |measured − linear| of a row's elements where the multiple coherence is above "
-            f"{exact(COHERENT)}: over |linear| (of elements that are zero by symmetry, over the row's largest), and "
-            "over the floor's motion. The linear response is that of vanishing motion; what a control has made small "
-            "shows the valves' nonlinearity all the more."
+            "Largest deviation of magnitude and phase where the multiple coherence is above "
+            f"{exact(COHERENT)}, of elements above {exact(100.0 * JUDGED)} % of their row's largest; and the largest "
+            "|measured − linear| of any element over the floor's motion. The linear response is that of vanishing "
+            "motion; what a control has made small shows the valves' nonlinearity all the more."
         )
-        yield Table("Measured against linear [%]", ["machine", *heads], rows, note)
-
-
-def percent(value: float | None) -> str:
-    """A share in per cent."""
-    return number(None if value is None else 100.0 * value, 2)
+        yield Table("Measured against linear", ["machine", *heads], rows, note)

@@ -1,6 +1,6 @@
 """Transmissibilities of one machine side by side: linear and measured, passive and under control; as files."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Final, Literal, NamedTuple, Self
 
@@ -14,9 +14,9 @@ from ehamj.estimate.bands import Band, band_attenuation, bands
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import (
+    ZERO,
     Transfer,
     as_lengths,
-    deviations,
     foot_channels,
     lever_scale,
     machine_channels,
@@ -33,6 +33,8 @@ from ehamj.settings import Settings
 
 PER_BAND: Final = 16
 """Frequencies per third-octave at which the linear responses are computed."""
+JUDGED: Final = 0.01
+"""Share of its row's largest from which an element is judged by itself: 40 dB below, nobody asks for its dB."""
 COHERENT: Final = 0.95
 """Multiple coherence above which a measured element is held against the linear one."""
 
@@ -100,6 +102,20 @@ class Element(NamedTuple):
     """Of a measured one: radius of the confidence circle, multiple and ordinary coherence."""
 
 
+class Agreement(NamedTuple):
+    """How far the measured responses of one output are from the linear ones at the coherent lines; None: no such.
+
+    ``magnitude_db`` [dB] and ``phase_deg`` [deg] are the largest deviations of the elements that count: those above
+    `JUDGED` of the row's largest, and known to differ from zero. ``of_floor_db`` is the largest |measured − linear| of
+    any element over the floor's motion [dB]; it tells what comes through where theory has nothing.
+    """
+
+    magnitude_db: float | None
+    phase_deg: float | None
+    of_floor_db: float | None
+    lines: int
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Transmissibilities of a machine, variant by variant."""
@@ -143,31 +159,32 @@ class Comparison:
             if one.output == own_output(self.outputs, one.source):
                 yield one.variant, one.kind, one.source, band_attenuation(one.frequency, one.response, self.chosen)
 
-    def agreement(self) -> dict[str, dict[str, dict[str, float | None]]]:
-        """Per variant and output, the largest deviation of measured from linear where coherent.
-
-        ``of_linear``: of the linear response (`deviations`); ``of_floor``: of the floor's motion, rotations taken as
-        motion at the mounts' mean distance. None where nothing is coherent, or moves at all.
-        """
-        found: dict[str, dict[str, dict[str, float | None]]] = {}
+    def agreement(self) -> dict[str, dict[str, Agreement]]:
+        """Per variant and output, how far measured and linear are apart where coherent."""
+        found: dict[str, dict[str, Agreement]] = {}
         for variant in self.variants:
-            if variant.at_lines is None:
-                continue
-            (one,) = variant.measured
-            measured, linear = one.estimate.response, variant.at_lines.response
-            errors = {
-                "of_linear": deviations(measured, linear, one.outputs, one.inputs, self.length),
-                "of_floor": np.abs(measured - linear) * as_lengths(one.outputs, one.inputs, self.length),
-            }
-            judged = (one.estimate.multiple > COHERENT) & np.isfinite(errors["of_linear"]).all(axis=2)
-            found[variant.name] = {
-                name: {
-                    what: float(error[judged[:, k], k].max()) if judged[:, k].any() else None
-                    for what, error in errors.items()
+            if variant.at_lines is not None:
+                (one,) = variant.measured
+                found[variant.name] = {
+                    name: self._agreement(one, variant.at_lines.response, k) for k, name in enumerate(one.outputs)
                 }
-                for k, name in enumerate(one.outputs)
-            }
         return found
+
+    def _agreement(self, one: Measurement, linear: ComplexArray, k: int) -> Agreement:
+        """Of one output; rotations taken as motion at the mounts' mean distance."""
+        factor = as_lengths(one.outputs, one.inputs, self.length)[k]
+        expected, measured = linear[:, k] * factor, one.estimate.response[:, k] * factor
+        radius, coherent = one.estimate.radius[:, k] * factor, one.estimate.multiple[:, k] > COHERENT
+        size = np.abs(expected)
+        known = coherent[:, None] & (size > JUDGED * size.max(axis=1, keepdims=True)) & (radius < np.abs(measured))
+        ratio = measured[known & (size > ZERO)] / expected[known & (size > ZERO)]
+        apart = np.abs(measured - expected)[coherent]
+        return Agreement(
+            float(np.abs(20.0 * np.log10(np.abs(ratio))).max()) if ratio.size else None,
+            float(np.degrees(np.abs(np.angle(ratio))).max()) if ratio.size else None,
+            float(20.0 * np.log10(apart.max())) if apart.size and apart.max() > 0.0 else None,
+            int(coherent.sum()),
+        )
 
 
 def own_output(outputs: Sequence[str], dof: str) -> str:
@@ -175,8 +192,10 @@ def own_output(outputs: Sequence[str], dof: str) -> str:
     return next(name for name in outputs if name.endswith(f" {dof}"))
 
 
-def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> Comparison:
-    """Linear and measured by multisines, passive and under the scenario's control.
+def compare_scenario(
+    scenario: Scenario, settings: TransmissibilitySettings, progress: Callable[[str], None] = lambda step: None
+) -> Comparison:
+    """Linear and measured by multisines, passive and under the scenario's control; ``progress`` hears what runs.
 
     Raises:
         InputError: see `by_multisine`.
@@ -188,6 +207,7 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings) -> 
     outputs, frequency = machine_channels(s.reference), lines(s.first, s.last, s.lines)
     variants = []
     for name, one in kinds.items():
+        progress(f"{name}, {len(s.dofs) * s.realisations} nonlinear runs")
         measured = by_multisine(one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence)
         loop = Loop.of(one, one.controller())
         at_lines = rigid_floor(model, frequency, loop, outputs, s.dofs)

@@ -17,6 +17,7 @@ from ehamj.ground import Motion
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
 from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import held
 from ehamj.signals import Signal
 
 
@@ -51,10 +52,11 @@ class Prepared:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the result must know."""
+        notes = (*self.motion.notes, *self.scenario.machine.assumptions)
         if not isinstance(self.controller, PythonController):
-            return self.motion.notes
+            return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"
-        return (*self.motion.notes, said)
+        return (*notes, said)
 
 
 def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:

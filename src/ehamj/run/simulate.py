@@ -1,9 +1,9 @@
 """Run one scenario, or many: prepare → drive → observe → summarise."""
 
+import threading
 import time as clock
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence, Sized
+from typing import Any, TypeVar, overload
 
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
@@ -16,23 +16,29 @@ from ehamj.run.failures import Incomplete, failure
 from ehamj.run.observe import observe
 from ehamj.run.prepare import prepare
 from ehamj.run.summarise import summarise
+from ehamj.run.workers import processors, worked_through
+from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import derived_anew, unlike, warn_derived
+
+T = TypeVar("T")
 
 
-def simulate(scenario: Scenario, progress: Progress | None = None, controller: Any = None) -> Result:
+def simulate(scenario: Given, progress: Progress | None = None, controller: Any = None) -> Result:
     """Run a scenario.
 
     Args:
-        scenario: what to simulate.
+        scenario: what to simulate: a scenario, a shipped name, a file, or a table (`ehamj.parse_scenario`).
         progress: called now and then with the fraction done.
         controller: runs instead of the scenario's control: a `ehamj.Controller`, a bank of them, a
-            `ehamj.PythonController`, or a python-control system with ``dt`` and channels as input labels.
+            `ehamj.PythonController`, the file of a law, or a python-control system with ``dt`` and channels as input
+            labels.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
-    started = clock.perf_counter()
+    started, scenario = clock.perf_counter(), as_scenario(scenario)
     with hydraulics():
         prepared = prepare(scenario, None if controller is None else as_controller(controller))
         driven = drive(prepared, progress)
@@ -49,23 +55,114 @@ def simulate(scenario: Scenario, progress: Progress | None = None, controller: A
     return result
 
 
+@overload
 def simulate_many(
-    scenarios: Iterable[Scenario], threads: int | None = None, controllers: Sequence[Any] | None = None
-) -> list[Result]:
+    scenarios: Iterable[Given], threads: int | None = None, controllers: Sequence[Any] | None = None
+) -> list[Result]: ...
+
+
+@overload
+def simulate_many(
+    scenarios: Iterable[Given],
+    threads: int | None = None,
+    controllers: Sequence[Any] | None = None,
+    *,
+    reduce: Callable[[Result], T],
+) -> list[T]: ...
+
+
+def simulate_many(
+    scenarios: Iterable[Given],
+    threads: int | None = None,
+    controllers: Sequence[Any] | None = None,
+    *,
+    reduce: Callable[[Result], Any] | None = None,
+) -> list[Any]:
     """Run scenarios on threads inside this process; results come in order.
 
     Args:
-        scenarios: what to simulate.
-        threads: how many at once; by default as many as the machine has.
+        scenarios: what to simulate, each as `simulate` takes it. They are asked for one by one as threads get free, so
+            that a generator need not hold them all.
+        threads: how many at once; by default as many as the process has processors.
         controllers: one for each scenario, see `simulate`; None leaves a scenario its own control.
+        reduce: makes of each result, on its thread, what is wanted of it. The result is then forgotten, so that memory
+            is that of ``threads`` runs, however many there are.
+
+    Warns:
+        DerivedAnew: if scenarios of one control differ in their machines, and the law was derived for each: it knows
+            every one exactly, and what comes out is no scatter within tolerances. `Scenario.varied` holds the law.
 
     Raises:
-        InputError: if there are not as many controllers as scenarios.
-        As `simulate`, for the first scenario that fails.
+        InputError: if there are not as many controllers as scenarios, or ``threads`` is less than one.
+        As `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further one begins.
     """
-    cases = list(scenarios)
-    laws = [None] * len(cases) if controllers is None else list(controllers)
-    if len(laws) != len(cases):
-        raise InputError(f"controllers: are {len(laws)}, they must be one for each of the {len(cases)} scenarios")
-    with hydraulics(), ThreadPoolExecutor(max_workers=threads) as pool:
-        return list(pool.map(lambda case, law: simulate(case, controller=law), cases, laws))
+    if threads is not None and threads < 1:
+        raise InputError(f"threads = {threads}: must be at least 1")
+    laws = None if controllers is None else list(controllers)
+    if laws is not None and isinstance(scenarios, Sized):
+        _check_count(laws, len(scenarios))
+    watch = _Watch()
+
+    def one(number: int, given: Given) -> Any:
+        where = f"scenario {number}"
+        try:
+            scenario = as_scenario(given)
+            where += f" ({scenario.name})"
+            if laws is not None:
+                _check_count(laws, max(number + 1, len(laws)))
+            law = None if laws is None else laws[number]
+            if law is None:
+                watch.see(scenario)
+            result = simulate(scenario, controller=law)
+            return result if reduce is None else reduce(result)
+        except Exception as error:
+            named = _named(error, where)
+            if named is error:
+                raise
+            raise named from error
+
+    with hydraulics():
+        found = worked_through(scenarios, one, threads or processors(), watch.say)
+    if laws is not None:
+        _check_count(laws, len(found))
+    return found
+
+
+def _check_count(laws: Sequence[Any], scenarios: int) -> None:
+    if len(laws) != scenarios:
+        raise InputError(f"controllers: are {len(laws)}, they must be one for each of the {scenarios} scenarios")
+
+
+def _named(error: Exception, where: str) -> Exception:
+    """The error of one scenario among many, which says which."""
+    if isinstance(error, Incomplete):
+        return Incomplete(f"{where}: {error}", error.result)
+    if isinstance(error, InputError):
+        return InputError(f"{where}: {error}")
+    error.add_note(f"in {where}")
+    return error
+
+
+class _Watch:
+    """Sees scenarios that have one control and machines of their own, so that the law is another one for each."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.first: Scenario | None = None
+        self.found: dict[str, tuple[Any, Any]] = {}
+        self.said = False
+
+    def see(self, scenario: Scenario) -> None:
+        """Compare a scenario with the first one."""
+        with self.lock:
+            first = self.first = self.first or scenario
+        if first.control == scenario.control and not self.found:
+            own, other = first.installation, scenario.installation
+            if derived_anew(scenario.control, own, other):
+                self.found = unlike(own, other)
+
+    def say(self) -> None:
+        """Warn, once."""
+        if self.found and not self.said and self.first is not None:
+            self.said = True
+            warn_derived(self.first.control, self.found, 5)

@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from ehamj.errors import InputError
-from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
@@ -27,7 +26,7 @@ def checked(kind: type[T], table: Mapping[str, Any]) -> T:
         raise InputError(explain(error, kind)) from None
 
 
-def explain(error: ValidationError, kind: type[Settings] = Scenario) -> str:
+def explain(error: ValidationError, kind: type[Settings]) -> str:
     """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
     findings = error.errors()
     inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
@@ -100,8 +99,10 @@ def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[li
             keys.append(str(part))
             further = node.get("items" if isinstance(part, int) else "additionalProperties", {})
             node = node.get("properties", {}).get(part, further) or {}
-        choices = [choice for choice in node.get("anyOf", []) if choice != {"type": "null"}]
-        node = choices[0] if len(choices) == 1 else node  # what may be left out has one real choice
+        # What may be left out, or be a name instead, has one real choice.
+        choices = [choice for choice in node.get("anyOf", []) if choice.get("type") != "null"]
+        named = [choice for choice in choices if "$ref" in choice or len(choices) == 1]
+        node = named[0] if len(named) == 1 else node
         while "$ref" in node:
             node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
     return keys, node

@@ -1,7 +1,8 @@
 """What a user writes: a TOML file, validated, completed with defaults, and written back complete."""
 
 from collections.abc import Mapping
-from functools import cached_property
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -10,8 +11,9 @@ from pydantic import Field, model_validator
 
 from ehamj.control import LinearController
 from ehamj.control.commands import Passive
+from ehamj.control.installation import PARTS, Installation
 from ehamj.control.kinds import STANDARD, Control, VariantName
-from ehamj.control.sensors import Sensors
+from ehamj.control.settings import DigitalSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
@@ -19,44 +21,13 @@ from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
-from ehamj.isolator.actuator import Actuator
-from ehamj.isolator.presets import ACTUATOR_PRESETS, OILS
-from ehamj.isolator.supply import Supply
-from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
+from ehamj.scenario.keys import merge, plain
+from ehamj.scenario.variation import LawChoice, varied
 from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
-
-
-class Isolator(Actuator):
-    """An actuator as a table [actuators.NAME]: a preset and what differs from it."""
-
-    preset: Literal["first-generation", "recommended", "elastic-mount", "pneumatic-mount"] = Field(
-        "first-generation", description="where values that are not given come from"
-    )
-
-    oil: Literal["paper", "mineral", "mineral-aerated", "water-glycol"] = Field(
-        "paper", description="sets bulk_modulus, air_fraction and vapour_pressure where they are not given"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_from_preset(cls, table: Any) -> Any:
-        name = table.get("preset", "first-generation") if isinstance(table, Mapping) else None
-        if not isinstance(name, str) or name not in ACTUATOR_PRESETS:
-            return table  # the field's own validation says what is allowed
-        oil = table.get("oil", "paper")
-        if not isinstance(oil, str) or oil not in OILS:
-            return table
-        preset = ACTUATOR_PRESETS[name]
-        values = {**preset.model_dump(exclude={"sources"}), **OILS[oil]}
-        assumed = dict.fromkeys(OILS[oil], "assumed")
-        known = {**preset.sources, **assumed}
-        sources = {k: v for k, v in known.items() if k not in table or table[k] == values[k]}
-        own = table.get("sources", {})
-        return {**values, **table, "sources": {**sources, **own} if isinstance(own, Mapping) else own}
 
 
 class Output(Settings):
@@ -68,28 +39,23 @@ class Output(Settings):
     exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
 
 
-class Scenario(Settings):
-    """One simulation, completely described. All values in SI."""
+class Course(Settings):
+    """What a simulation is called, and how long and how finely it runs."""
 
     name: str = Field("unnamed", description="short name", min_length=1)
     description: str = Field("", description="what it is about, one line")
     duration: float = Field(10.0, gt=0, description="simulated time [s]")
     seed: int = Field(0, ge=0, description="seed of everything random")
-    gravity: float = Field(9.80665, ge=0, description="gravitational acceleration, downwards [m/s²]")
     timestep: Positive | Literal["auto"] = Field(
         "auto", description="integration step [s]; auto resolves the fastest mode"
     )
     record_rate: float = Field(1000.0, gt=0, description="rows of the result per second [Hz]")
-    plates: Literal["sliding", "tied"] = Field(
-        "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
-    )
     compare: tuple[VariantName, ...] = Field((), description="variants to run beside it, into folders of their names")
-    machine: Machine = Machine()
-    mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="the four mounts")
-    actuators: dict[str, Isolator] = Field(
-        default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
-    )
-    supply: Supply = Supply()
+
+
+class Scenario(Installation, Course):
+    """One simulation, completely described. All values in SI."""
+
     ground: Ground = RestGround()
     control: Control = Passive()
     points: dict[str, Vector3] = Field(
@@ -99,7 +65,6 @@ class Scenario(Settings):
     )
     relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
     criteria: CriteriaSettings = CriteriaSettings()
-    sensors: Sensors = Sensors()
     force: tuple[Force, ...] = Field((), description="forces on the machine itself, which add up")
     output: Output = Output()
 
@@ -118,53 +83,28 @@ class Scenario(Settings):
             )
         return self
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        names = tuple(mount.name for mount in self.mount)
-        if sorted(names) != sorted(MOUNTS):
-            raise ValueError(f"mount names {list(names)} must be {', '.join(MOUNTS)}, each once")
-        half_x, half_y = self.machine.size[0] / 2, self.machine.size[1] / 2
-        for mount in self.mount:
-            x, y = mount.position
-            if abs(x) > half_x or abs(y) > half_y:
-                raise ValueError(
-                    f"mount {mount.name}: position = [{x:g}, {y:g}] lies outside the machine, "
-                    f"which covers ±{half_x:g} by ±{half_y:g} m (machine.size)"
-                )
-            if mount.actuator not in self.actuators:
-                raise ValueError(
-                    f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
-                    f"[actuators.NAME]: {', '.join(self.actuators)}"
-                )
-        at = {mount.name: mount.position for mount in self.mount}
-        if not (min(at["front-left"][0], at["front-right"][0]) > max(at["rear-left"][0], at["rear-right"][0])):
-            raise ValueError("mount positions: x of the front mounts must be larger than x of the rear mounts")
-        if not (min(at["front-left"][1], at["rear-left"][1]) > max(at["front-right"][1], at["rear-right"][1])):
-            raise ValueError("mount positions: y of the left mounts must be larger than y of the right mounts")
-        return self
-
-    @cached_property
-    def _mounts(self) -> tuple[Mount, ...]:
-        return tuple(sorted(self.mount, key=lambda mount: MOUNTS.index(mount.name)))
-
-    @property
-    def running(self) -> dict[str, Actuator]:
-        """The actuators with the values that they run with, which is what is to be shown of them."""
-        return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}
+    @model_validator(mode="before")
+    @classmethod
+    def _held(cls, table: Any) -> Any:
+        """The machine that a law is held for, where a table says what differs from the scenario's own."""
+        control = table.get("control") if isinstance(table, Mapping) else None
+        other = control.get("designed_for") if isinstance(control, Mapping) else None
+        if control is None or not isinstance(other, Mapping) or other.keys() >= set(PARTS):
+            return table
+        own = plain({name: table[name] for name in PARTS if name in table})
+        merge(own, plain(other), "control.designed_for")
+        return {**table, "control": {**control, "designed_for": own}}
 
     @property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
-        return Plant(
-            machine=self.machine,
-            positions=tuple(mount.position for mount in self._mounts),
-            actuators=tuple(self.actuators[mount.actuator].rated_at(self.supply) for mount in self._mounts),
-            supply=self.supply,
-            gravity=self.gravity,
-            mounts=tuple(mount.name for mount in self._mounts),
-            bookkeeping=self.output.bookkeeping,
-            plates=self.plates,
-        )
+        return replace(super().plant, bookkeeping=self.output.bookkeeping)
+
+    @property
+    def nominal(self) -> Installation:
+        """The machine that the law is derived from: the scenario's own, unless ``control.designed_for`` holds it."""
+        held = self.control.designed_for if isinstance(self.control, DigitalSettings) else None
+        return self.installation if held is None else held
 
     def motion(self) -> Motion:
         """The ground's motion.
@@ -192,11 +132,36 @@ class Scenario(Settings):
         Raises:
             InputError: if a law cannot be read or run.
         """
-        return self.control.controller(self.plant, self.sensors)
+        nominal = self.nominal
+        return self.control.controller(nominal.plant, nominal.sensors)
 
     def variant(self, name: str) -> "Scenario":
         """The same scenario under another control, one of `ehamj.control.kinds.STANDARD`."""
-        return self.model_copy(update={"control": STANDARD[name], "compare": (), "name": f"{self.name}, {name}"})
+        control = STANDARD[name]
+        if isinstance(control, DigitalSettings) and isinstance(self.control, DigitalSettings):
+            control = control.model_copy(update={"designed_for": self.control.designed_for})
+        return self.model_copy(update={"control": control, "compare": (), "name": f"{self.name}, {name}"})
+
+    def varied(self, values: Mapping[str, Any], law: LawChoice = "held") -> "Scenario":
+        """The same scenario on another machine, or otherwise changed, by dotted keys as ``--set`` has them:
+        ``scenario.varied({"machine.mass": 4400.0, "actuators.isolator.flow_gain": 2.1e-6})``.
+
+        Args:
+            values: by dotted key; a whole table replaces the one that is there.
+            law: ``held``: as it was derived before, which ``control.designed_for`` then states; ``derived``: anew from
+                what came out.
+
+        Warns:
+            DerivedAnew: if the law changed together with its machine.
+
+        Raises:
+            InputError: with one message that names the key, the value and what is allowed.
+        """
+        return varied(self, values, law)
+
+    def save(self, path: str | Path) -> None:
+        """Write the complete scenario as a TOML file, which runs again to the same result."""
+        Path(path).write_text(self.to_toml(), encoding="utf-8")
 
     def to_toml(self) -> str:
         """The complete scenario as TOML; it runs again to the same result."""

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.presets import Isolator
 from ehamj.scenario.load import changed
-from ehamj.scenario.model import Isolator, Scenario
+from ehamj.scenario.model import Scenario
 
 
 def still(scenario: Scenario, **tables: Any) -> Scenario:

@@ -100,30 +100,43 @@ def _velocity_history(shown: Shown, window: Window) -> Picture:
         for label, result in shown.results.items()
     ]
     traces += sorted(machines, key=lambda trace: -float(np.nan_to_num(trace.values).std()))  # the quietest on top
-    figure = plots.history("Vertical velocity of floor and machine", "velocity [µm/s]", traces, traces, (), window)
-    return Picture("history-velocity", figure, "Floor: mean of the mounts; machine: its centre of gravity.")
+    title, quantity = "Vertical velocity of floor and machine", "velocity [µm/s]"
+    closer = plots.quieter([trace.within(window) for trace in traces])
+    figure = plots.history(title, quantity, traces, traces, (), window, closer)
+    caption = "Floor: mean of the mounts; machine: its centre of gravity."
+    if closer:
+        caption += f" Below, at their own scale: {'; '.join(trace.label for trace in closer[0])}."
+    return Picture("history-velocity", figure, caption)
 
 
 def _pressure_history(first: Result, window: Window) -> Picture:
+    """About the mean of each chamber, which a supply of 70 bar would hide the motion behind."""
     time, pressure = first.dataset.time.values, BAR * first.dataset.chamber_pressure.values
-    supply = first.scenario.supply
+    mean = np.nanmean(plots.finite(pressure), axis=0)
+    supply, off = first.scenario.supply, pressure - mean
     whole = [
-        Trace(f"chamber {k + 1}, all mounts", time, pressure[:, :, k], color)
+        Trace(f"chamber {k + 1}, all mounts", time, off[:, :, k], color)
         for k, color in enumerate((plots.SKY, plots.ORANGE))
     ]
-    detail = [*_per_mount(first.dataset, pressure[:, :, 0]), *_per_mount(first.dataset, pressure[:, :, 1], "--")]
+    detail = [*_per_mount(first.dataset, off[:, :, 0]), *_per_mount(first.dataset, off[:, :, 1], "--")]
     manifold = BAR * first.dataset.supply_pressure.values
     if np.ptp(manifold) > 0:
-        whole.append(Trace("manifold", time, manifold, plots.FLOOR_COLOR))
-    limits = [
-        Limit(
-            f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar",
-            (BAR * supply.pressure, BAR * supply.tank_pressure),
-        ),
-    ]
-    figure = plots.history("Chamber pressures, absolute", "pressure [bar]", whole, detail, limits, window)
-    caption = "Chamber 1, which lifts, solid; chamber 2 dashed."
+        whole.append(Trace("manifold", time, manifold - np.nanmean(plots.finite(manifold)), plots.FLOOR_COLOR))
+    above, below = BAR * supply.pressure - float(mean.max()), BAR * supply.tank_pressure - float(mean.min())
+    words = f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar"
+    title = "Chamber pressures, about their mean"
+    figure = plots.history(title, "pressure [bar]", whole, detail, [Limit(words, (above, below))], window)
+    means = "; ".join(f"chamber {k + 1}: {_range(mean[:, k])} bar" for k in range(2))
+    caption = f"Chamber 1, which lifts, solid; chamber 2 dashed. Means, absolute: {means}."
+    if np.ptp(manifold) > 0:
+        caption += f" Manifold: {np.nanmean(plots.finite(manifold)):.4g} bar."
     return Picture("history-pressure", figure, caption)
+
+
+def _range(values: Array) -> str:
+    """One number where all mounts have the same."""
+    low, high = (f"{value:.2f}" for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
 
 
 def _per_mount(data: xr.Dataset, values: Array, dash: str = "-") -> list[Trace]:

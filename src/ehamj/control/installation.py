@@ -1,0 +1,106 @@
+"""What a law is derived from: a machine on its isolators, and the instruments that measure it."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Any, Final, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from ehamj.control.sensors import Sensors
+from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.presets import Isolator
+from ehamj.isolator.supply import Supply
+from ehamj.plant.machine import Machine
+from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
+from ehamj.plant.plant import Plant
+from ehamj.scenario_files import scenario_path, scenario_table
+from ehamj.settings import SCENARIO, Settings
+
+
+class Installation(Settings):
+    """A machine on its isolators with its instruments, standing somewhere: all that a law is derived from."""
+
+    gravity: float = Field(9.80665, ge=0, description="gravitational acceleration, downwards [m/s²]")
+    plates: Literal["sliding", "tied"] = Field(
+        "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
+    )
+    machine: Machine = Machine()
+    mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="the four mounts")
+    actuators: dict[str, Isolator] = Field(
+        default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
+    )
+    supply: Supply = Supply()
+    sensors: Sensors = Sensors()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        names = tuple(mount.name for mount in self.mount)
+        if sorted(names) != sorted(MOUNTS):
+            raise ValueError(f"mount names {list(names)} must be {', '.join(MOUNTS)}, each once")
+        half_x, half_y = self.machine.size[0] / 2, self.machine.size[1] / 2
+        for mount in self.mount:
+            x, y = mount.position
+            if abs(x) > half_x or abs(y) > half_y:
+                raise ValueError(
+                    f"mount {mount.name}: position = [{x:g}, {y:g}] lies outside the machine, "
+                    f"which covers ±{half_x:g} by ±{half_y:g} m (machine.size)"
+                )
+            if mount.actuator not in self.actuators:
+                raise ValueError(
+                    f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
+                    f"[actuators.NAME]: {', '.join(self.actuators)}"
+                )
+        at = {mount.name: mount.position for mount in self.mount}
+        if not (min(at["front-left"][0], at["front-right"][0]) > max(at["rear-left"][0], at["rear-right"][0])):
+            raise ValueError("mount positions: x of the front mounts must be larger than x of the rear mounts")
+        if not (min(at["front-left"][1], at["rear-left"][1]) > max(at["front-right"][1], at["rear-right"][1])):
+            raise ValueError("mount positions: y of the left mounts must be larger than y of the right mounts")
+        return self
+
+    @cached_property
+    def _mounts(self) -> tuple[Mount, ...]:
+        return tuple(sorted(self.mount, key=lambda mount: MOUNTS.index(mount.name)))
+
+    @property
+    def running(self) -> dict[str, Actuator]:
+        """The actuators with the values that they run with, which is what is to be shown of them."""
+        return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}
+
+    @property
+    def plant(self) -> Plant:
+        """The physical part, mounts in order."""
+        return Plant(
+            machine=self.machine,
+            positions=tuple(mount.position for mount in self._mounts),
+            actuators=tuple(self.actuators[mount.actuator].rated_at(self.supply) for mount in self._mounts),
+            supply=self.supply,
+            gravity=self.gravity,
+            mounts=tuple(mount.name for mount in self._mounts),
+            plates=self.plates,
+        )
+
+    @property
+    def installation(self) -> "Installation":
+        """The machine alone, of whatever has one: what another law may be `DesignedFor`."""
+        return Installation.model_construct(**{name: getattr(self, name) for name in PARTS})
+
+
+PARTS: Final = tuple(Installation.model_fields)
+"""Tables and values of a scenario that a law is derived from."""
+
+
+def _read(source: Any) -> Any:
+    """The machine of a scenario that is named or whose file is; anything else as it is."""
+    if not isinstance(source, str):
+        if source is None or isinstance(source, Installation | Mapping):
+            return source
+        raise ValueError("must be a table, or the name or file of a scenario")
+    table = scenario_table(scenario_path(source))
+    return Installation.model_validate({name: value for name, value in table.items() if name in PARTS})
+
+
+DesignedFor = Annotated[
+    Installation | None, SCENARIO, BeforeValidator(_read, json_schema_input_type=Installation | str | None)
+]
+"""The machine that a law is held for: a table of what differs from the scenario's own, or another scenario's name or
+file. It is read once, and stored whole."""

@@ -1,0 +1,114 @@
+"""Dotted keys of a scenario's table: what ``--set`` and a variation write, and what follows from it."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+
+from ehamj.errors import InputError
+from ehamj.plain.text import toml_of
+from ehamj.plant.mounts import DEFAULT_MOUNTS
+
+FROM_PRESET = ("preset", "oil")
+"""Keys of an actuator's table that other values of it come from."""
+
+
+def override(table: dict[str, Any], text: str) -> None:
+    """Put ``key=value`` into a scenario's table: a dotted key, and a TOML value or else a string.
+
+    Raises:
+        InputError: if it has not that form, or the key leads nowhere.
+    """
+    key, equals, value = text.partition("=")
+    said = f"--set {text!r}"
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
+    place(table, key, written(value), said)
+
+
+def written(text: str) -> Any:
+    """The value of what a user wrote: TOML, or else a string."""
+    try:
+        return toml_of(f"value = {text}")["value"] if "\n" not in text else text.strip()
+    except ValueError:
+        return text.strip()
+
+
+def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str) -> None:
+    """Set the value of a dotted key, or of one in parts; ``said`` is what messages begin with.
+
+    A table as a result holds it states its values' sources. The source of a replaced value goes; so do values that
+    came from the preset or oil that is replaced, and an inertia that nobody gave with the mass or size that is.
+    """
+    *parents, last = (part.strip() for part in (key.split(".") if isinstance(key, str) else key))
+    if parents[:1] == ["mount"]:
+        table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
+    at: Any = table
+    for depth, part in enumerate(parents):
+        at = at[_index(at, part, said)] if isinstance(at, list) else at.setdefault(part, {})
+        if not isinstance(at, dict | list):
+            raise InputError(f"{said}: {'.'.join(parents[: depth + 1])} is a value, not a table")
+    if isinstance(at, list):
+        at[_index(at, last, said)] = value
+        return
+    sources = at.get("sources")
+    if isinstance(sources, dict):
+        _follow(at, sources, (*parents, last), value)
+        sources.pop(last, None)
+    at[last] = value
+
+
+def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], value: Any) -> None:
+    """Let go of what a table holds only because of the value that is replaced."""
+    *parents, last = key
+    if parents[-2:-1] == ["actuators"] and last in FROM_PRESET and value != at.get(last):
+        for name in [name for name, source in sources.items() if source != "given"]:
+            at.pop(name, None)
+            del sources[name]
+    if parents[-1:] == ["machine"] and last in ("mass", "size") and sources.get("inertia") == "assumed":
+        at.pop("inertia", None)
+        del sources["inertia"]
+
+
+def _index(place: list[Any], part: str, said: str) -> int:
+    if not part.isdigit() or int(part) >= len(place):
+        raise InputError(f"{said}: {part!r} must be an index from 0 to {len(place) - 1}")
+    return int(part)
+
+
+def merge(table: dict[str, Any], other: Mapping[str, Any], said: str) -> None:
+    """Place every value of a nested table into another one; lists replace what is there."""
+    for key, value in sorted(leaves(other), key=lambda leaf: "sources" in leaf[0]):
+        place(table, key, value, said)
+
+
+def leaves(table: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Every value that is no table, with the keys that lead to it."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from leaves(value, (*before, str(key)))
+        else:
+            yield (*before, str(key)), value
+
+
+def plain(value: Any) -> Any:
+    """The value as TOML would give it: tables for settings, lists for tuples."""
+    if isinstance(value, BaseModel):
+        return plain(value.model_dump(mode="python", exclude_none=True))
+    if isinstance(value, Mapping):
+        return {key: plain(entry) for key, entry in value.items()}
+    return [plain(entry) for entry in value] if isinstance(value, tuple | list) else value
+
+
+def differences(one: Mapping[str, Any], other: Mapping[str, Any], before: str = "") -> dict[str, tuple[Any, Any]]:
+    """Values of two nested tables that differ, by dotted key; sources do not count."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for key in dict.fromkeys((*one, *other)):
+        ours, theirs = one.get(key), other.get(key)
+        if key == "sources" or ours == theirs:
+            continue
+        if isinstance(ours, Mapping) and isinstance(theirs, Mapping):
+            found |= differences(ours, theirs, f"{before}{key}.")
+        else:
+            found[f"{before}{key}"] = (ours, theirs)
+    return found

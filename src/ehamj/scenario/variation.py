@@ -1,0 +1,115 @@
+"""Other machines beside a scenario's: with its law held, as on a machine that is not quite the one it was made for, or
+with the law derived anew, as for another machine."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+
+from ehamj.control.installation import Installation
+from ehamj.control.settings import ControlSettings, DigitalSettings
+from ehamj.errors import DerivedAnew, InputError
+from ehamj.scenario.explain import checked
+from ehamj.scenario.keys import differences, place, plain
+
+if TYPE_CHECKING:
+    from ehamj.scenario.model import Scenario
+
+LawChoice = Literal["held", "derived"]
+"""What becomes of a law whose machine is varied."""
+
+SHOWN = 4
+"""Differences that a message names."""
+
+
+def changed(scenario: "Scenario", values: Mapping[str, Any]) -> "Scenario":
+    """The scenario with other values, checked as a file is. A law is derived for what came out, unless it is held.
+
+    Args:
+        scenario: what they differ from.
+        values: by dotted key, as ``--set`` has them: ``{"control.delay": 3e-4, "mount.0.actuator": "soft"}``; a whole
+            table replaces the one that is there.
+
+    Raises:
+        InputError: with one message that names the key, the value and what is allowed.
+    """
+    table = plain(scenario)
+    if "points" not in scenario.model_fields_set:
+        del table["points"]  # they follow the machine's size
+    for key, value in values.items():
+        place(table, key, plain(value), f"{key} = {value!r}")
+    return checked(type(scenario), table)
+
+
+def varied(scenario: "Scenario", values: Mapping[str, Any], law: LawChoice = "held") -> "Scenario":
+    """`changed`, with the law ``held``: derived from the machine that it was derived from before, or ``derived`` anew.
+
+    Warns:
+        DerivedAnew: if the law changed together with its machine.
+
+    Raises:
+        InputError: as `changed`, and if ``law`` is neither.
+    """
+    if law not in get_args(LawChoice):
+        raise InputError(f"law = {law!r}: must be one of {', '.join(map(repr, get_args(LawChoice)))}")
+    new, before = changed(scenario, values), scenario.nominal
+    control = new.control
+    if not isinstance(control, DigitalSettings):
+        standards = [new.variant(name).control for name in new.compare]
+        _warn(next((one for one in standards if derived_anew(one, before, new.installation)), None), before, new)
+    elif law == "derived":
+        new = new.model_copy(update={"control": control.model_copy(update={"designed_for": None})})
+        _warn(new.control if derived_anew(new.control, before, new.installation) else None, before, new)
+    elif control.designed_for is None and unlike(before, new.installation):
+        new = new.model_copy(update={"control": control.model_copy(update={"designed_for": before})})
+    return new
+
+
+def unlike(one: Installation, other: Installation) -> dict[str, tuple[Any, Any]]:
+    """Values in which two machines with their instruments differ, by dotted key."""
+    return differences(plain(one), plain(other))
+
+
+def derived_anew(control: ControlSettings, one: Installation, other: Installation) -> bool:
+    """Whether a control is another law on another machine; a law that is held, or comes from a file, is not."""
+    if not isinstance(control, DigitalSettings) or control.designed_for is not None or not unlike(one, other):
+        return False
+    laws = [control.controller(where.plant, where.sensors).to_dict() for where in (one, other)]
+    return any(not np.array_equal(laws[0][name], laws[1][name]) for name in laws[0])
+
+
+def held(scenario: "Scenario") -> tuple[str, ...]:
+    """What a reader must know of a law that is held for another machine than it runs on; nothing of any other."""
+    found = unlike(scenario.nominal, scenario.installation)
+    said = named(found, "{key} = {one}, here {other}")
+    return (f"the law is held: it was derived for a machine that differs ({said})",) if found else ()
+
+
+def named(found: Mapping[str, tuple[Any, Any]], words: str = "{key} = {one} → {other}") -> str:
+    """Differences in words, the first few."""
+
+    def value(given: Any) -> str:
+        if isinstance(given, Sequence) and not isinstance(given, str):
+            return f"[{', '.join(map(value, given))}]" if len(given) <= SHOWN else "…"
+        return f"{given:.5g}" if isinstance(given, float) else "…" if isinstance(given, Mapping) else str(given)
+
+    parts = [words.format(key=key, one=value(one), other=value(other)) for key, (one, other) in found.items()]
+    more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
+    return ", ".join(parts[:SHOWN]) + more
+
+
+def _warn(control: ControlSettings | None, before: Installation, new: "Scenario", depth: int = 5) -> None:
+    if control is not None:
+        warn_derived(control, unlike(before, new.installation), depth)
+
+
+def warn_derived(control: ControlSettings, found: Mapping[str, tuple[Any, Any]], depth: int = 2) -> None:
+    """Say that a law was derived for a changed machine, which it so knows exactly."""
+    warnings.warn(
+        f"the {control.name()} law was derived anew for the changed machine ({named(found)}) and so knows its values "
+        "exactly; to see what the law of the machine before does on this one, hold it: control.designed_for, or "
+        "scenario.varied({...}) in Python",
+        DerivedAnew,
+        stacklevel=depth,
+    )

@@ -1,0 +1,33 @@
+"""What standard error says while a command works: words for a person, plain lines for a file."""
+
+import io
+
+import pytest
+from rich.console import Console
+
+from ehamj.cli import progress
+
+
+@pytest.fixture
+def heard(monkeypatch: pytest.MonkeyPatch) -> io.StringIO:
+    """Standard error that is no terminal."""
+    stream = io.StringIO()
+    monkeypatch.setattr(progress, "log", Console(file=stream, force_terminal=False))
+    return stream
+
+
+def test_elsewhere_than_on_a_terminal_it_is_plain_lines(heard: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([0.0, 0.0, 1.0, 6.0, 6.0])
+    monkeypatch.setattr("time.monotonic", lambda: next(now))
+    with progress.doing("writing [all]") as step:
+        step("too soon after the title")
+        step("report of [b]one[/b]")
+    assert heard.getvalue() == "writing [all]\nwriting [all]: report of [b]one[/b]\n"
+
+
+def test_on_a_terminal_words_stand_behind_a_spinner(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr(progress, "log", Console(file=stream, force_terminal=True, width=80))
+    with progress.doing("writing") as step:
+        step("report of [one]")
+    assert "writing: report of [one]" in stream.getvalue()
