@@ -1,6 +1,7 @@
 """`ehamj design`: what it prints and writes, that what it writes runs, and what it refuses."""
 
 import json
+import re
 from functools import partial
 from pathlib import Path
 
@@ -30,6 +31,11 @@ def test_a_design_is_written_told_and_runs(cli) -> None:  # type: ignore[no-unty
     assert any("Leaves the margins" in answer for answer in told["answers"])
     folder = Path("made")
     assert {path.name for path in folder.iterdir() if path.is_file()} >= FILES
+    page = (folder / "design.html").read_text(encoding="utf-8")
+    text = " ".join(re.sub(r"<(style|svg).*?</\1>|<[^>]+>", " ", page, flags=re.DOTALL).split())
+    for words in ("4000 kg", "0, 0, 0.75 m", "70 bar", "318 cm²", "rest; 5 s", "modal:"):
+        assert words in text
+    assert not re.search(r"\d[eE][-+−]?\d|\binf\b|\bnan\b", text)
     law = json.loads((folder / "controller.json").read_text())
     assert law["period_s"] == 1e-4
     scenario = load_scenario(folder / "scenario.toml", ["duration=0.1"])
@@ -43,6 +49,15 @@ def test_a_design_is_written_told_and_runs(cli) -> None:  # type: ignore[no-unty
     code, out, err = cli("benchmark", "--architecture", "feedforward", *QUICK, "--out", "made")
     assert (code, out) == (2, "")
     assert "--overwrite" in err
+
+
+def test_it_is_told_within_eighty_columns(cli) -> None:  # type: ignore[no-untyped-def]
+    code, out, _ = cli("benchmark", "--architecture", "stroke-servo", *QUICK, "--nichols", "--out", "made")
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert {path.name for path in Path("made").glob("*.svg")} >= {"bode.svg", "nyquist.svg", "nichols.svg"}
+    assert "Predicted attenuation [dB]" in out
+    assert "scenario's floor rests" in Path("made/design.html").read_text(encoding="utf-8").replace("&#39;", "'")
 
 
 def test_feedforward_has_no_margins_to_leave(cli) -> None:  # type: ignore[no-untyped-def]

@@ -6,9 +6,13 @@ import typer
 from rich.text import Text
 
 from ehamj.cli.folders import check_out, new_folder
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
+
+OCTAVES = ("1", "2", "4", "8", "16", "31.5", "63", "125", "250")
+"""Bands that are printed [Hz]; all are on the page."""
 
 
 @app.command()
@@ -21,6 +25,7 @@ def design(
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,
     disk_margin: Annotated[float, typer.Option(help="Least disk margin, also of all valves at once [-].")] = 0.5,
+    nichols: Annotated[bool, typer.Option("--nichols", help="Draw a Nichols plot of the loops too.")] = False,
     out_folder: Out = None,
     overwrite: Overwrite = False,
     overrides: Set = None,
@@ -33,10 +38,13 @@ def design(
     scenario.toml (the machine under the designed control: `ehamj run FOLDER/scenario.toml`), tables and figures.
     """
     from ehamj.design.command import DESIGN_FILES, design_controller, write_design
+    from ehamj.design.page import attenuations
 
     check_out(out_folder, overwrite, DESIGN_FILES)
-    with log.status("designing"):
-        found = design_controller(scenario, overrides or (), architecture, gain_margin, phase_margin, disk_margin)
+    margins = (gain_margin, phase_margin, disk_margin)
+    with doing("designing") as progress:
+        found = design_controller(scenario, overrides or (), architecture, *margins, nichols=nichols, progress=progress)
+        progress("writing page and figures")
         with new_folder(out_folder, overwrite) as (folder, target):
             write_design(target, found)
     if as_json:
@@ -50,7 +58,10 @@ def design(
     ]  # fmt: skip
     if rows:
         print_table(found.outcome.title, ("machine", "gain [dB]", "phase [deg]", "disk [-]", "stable"), rows)
+    shown = attenuations(found.limits, OCTAVES)
+    if shown.rows:
+        print_table(shown.title, shown.head, shown.rows)
     for answer in found.outcome.answers:
-        say(f"- {answer}")
+        say(f"- {answer}", words=True)
     say(f"page, tables and figures: {folder / 'design.html'}")
     say(f"run it: ehamj run {folder / 'scenario.toml'}")

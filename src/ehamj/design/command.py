@@ -44,6 +44,7 @@ def design_controller(
     gain_margin: float = 6.0,
     phase_margin: float = 45.0,
     disk_margin: float = 0.5,
+    nichols: bool = False,
     progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
@@ -56,6 +57,7 @@ def design_controller(
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
+        nichols: draw the loop gains in a Nichols plot too.
         progress: called with what is being done.
 
     Raises:
@@ -88,7 +90,7 @@ def design_controller(
         scenario = scenario.model_copy(update={"control": design.settings})
     progress("predicting what a run will show")
     limits = budget(scenario, machines["as designed"], design.law)
-    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
+    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits, nichols))
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
