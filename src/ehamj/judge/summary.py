@@ -8,6 +8,7 @@ from ehamj.findings import Finding
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
+from ehamj.judge.worse import Worse
 
 ByMount = dict[str, float]
 ByChannel = dict[str, Any]
@@ -76,6 +77,8 @@ class Summary(Isolation, Head):
 
     relative: dict[str, RelativeMotion] = Field(default_factory=dict)
     response_spectrum: ResponseSpectra | None = None
+    worse: list[Worse] = Field(default_factory=list)
+    """Axes along which the machine moves more than the floor."""
     warnings: list[str]
     peak: ByChannel
     rms: ByChannel

@@ -21,6 +21,7 @@ from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
+from ehamj.run.why import worsened
 from ehamj.scenario.model import Scenario
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
@@ -45,6 +46,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     shares = saturation(driven.tally, states, plant.mounts)
     isolated, undecided = isolation(dataset, plant, rate, usable_to, prepared.norms, usable_from)
     clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
+    louder = worsened(prepared, dataset, isolated, shares)
     margins = loop_margins(scenario, prepared.law)
     unstable = [UNSTABLE] if margins is not None and not margins.stable else []
     peak, rms = peak_and_rms(dataset)
@@ -59,7 +61,16 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[*prepared.notes, *unstable, *undecided, *warnings(shares), *clipped, *reserves(dataset, plant)],
+        warnings=[
+            *prepared.notes,
+            *unstable,
+            *undecided,
+            *(one.in_words() for one in louder),
+            *warnings(shares),
+            *clipped,
+            *reserves(dataset, plant),
+        ],
+        worse=louder,
         peak=peak,
         rms=rms,
         saturation=shares,

@@ -1,0 +1,143 @@
+"""Where a machine moves more than its floor: the axis, the bands, the place where it is worst, and by how much."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from pydantic import Field
+
+from ehamj.findings import Finding
+from ehamj.judge.headline import place_in_words
+from ehamj.judge.isolation import Isolation
+from ehamj.judge.levels import BANDS, SLAB, ByBand
+from ehamj.plant.axes import AXES
+
+LEAST: Final = 1.0
+"""Amplification that is worth a word [dB]. Two levels are compared, and what reads a level in a third-octave band by
+class 1 of IEC 61260-1 may be wrong by 0.4 to 0.5 dB within it: less than their sum no measurement would show."""
+
+MOTIONS: Final = {
+    "z": "vertical motion",
+    "x": "motion along x",
+    "y": "motion along y",
+    "rx": "roll",
+    "ry": "pitch",
+    "rz": "yaw",
+}
+"""The floor's motions in words."""
+
+
+class Worse(Finding):
+    """An axis along which the machine moves more than the floor, in bands that lie side by side."""
+
+    axis: str
+    place: str
+    """Of the machine, where it is worst: ``machine`` (its centre of gravity), ``feet`` or a point."""
+    band: str = Field(alias="band_hz")
+    """Where it is worst."""
+    amplification_db: float | None
+    """Machine over floor there; None where the floor does not move along the axis, and the machine does."""
+    beside_db: float | None = None
+    """Machine over the floor's strongest motion in that band, where the floor does not move along the axis."""
+    level: float | None
+    """RMS velocity of the machine there [m/s]; None of roll and pitch."""
+    first_band: str = Field(alias="from_hz")
+    last_band: str = Field(alias="to_hz")
+    why: str = ""
+
+    def in_words(self) -> str:
+        """As a warning."""
+        at = f" at {place_in_words(self.place)}" if self.axis in AXES else ""
+        span = "" if self.first_band == self.last_band else f" ({self.first_band} to {self.last_band} Hz)"
+        along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]} ({self.axis})"
+        if self.amplification_db is None:
+            said = (
+                f"{along} the floor does not move and the machine does, more than along the axes that the floor moves "
+                f"along: {1e6 * (self.level or 0.0):.3g} µm/s in the {self.band} Hz band{at}{span}, "
+                f"{abs(self.beside_db or 0.0):.1f} dB {'above' if (self.beside_db or 0.0) > 0.0 else 'below'} the "
+                "floor's strongest motion there"
+            )
+        else:
+            said = (
+                f"{along} the machine moves more than the floor: by {self.amplification_db:.1f} dB in the {self.band} "
+                f"Hz band{at}{span}"
+            )
+        return f"{said}; {self.why}" if self.why else said
+
+
+def worse(isolated: Isolation) -> list[Worse]:
+    """Every axis that gets worse, at any of the machine's places; bands side by side are one."""
+    found = []
+    for axis in SLAB:
+        tables = {"machine": isolated.attenuation_db.get(axis, {})}
+        if axis in AXES:
+            tables |= {place: table[axis] for place, table in isolated.attenuation_at_db.items()}
+        worst = {band.name: _least(tables, band.name) for band in BANDS}
+        amplified = {name: at for name, at in worst.items() if at is not None and at[0] < -LEAST}
+        for group in _side_by_side(amplified):
+            band = min(group, key=lambda name: amplified[name][0])
+            level, place = amplified[band]
+            found.append(
+                Worse(
+                    axis=axis,
+                    place=place,
+                    band=band,
+                    amplification_db=-level,
+                    level=isolated.third_octave_velocity[place][axis][band] if axis in AXES else None,
+                    first_band=group[0],
+                    last_band=group[-1],
+                )
+            )
+    return [*found, *_set_moving(isolated)]
+
+
+def _set_moving(isolated: Isolation) -> Iterator[Worse]:
+    """Axes along which only the machine moves, where it moves more than along those that the floor moves along."""
+    levels = isolated.third_octave_velocity
+    still = [axis for axis in AXES if not any(isolated.attenuation_db.get(axis, {}).values())]
+    driven = [axis for axis in AXES if axis not in still]
+    for axis in still if driven else ():
+        moved: dict[str, tuple[float, str]] = {}
+        for band in BANDS:
+            known = {p: v for p, t in levels.items() if p != "floor" and (v := t[axis][band.name]) is not None}
+            beside = [t[a][band.name] or 0.0 for p, t in levels.items() if p != "floor" for a in driven]
+            floor = levels["floor"][axis][band.name]
+            decided = any(table.get(band.name) is not None for table in isolated.attenuation_db.values())
+            if not known or floor is None or not decided:
+                continue  # what the floor does not excite is what leaks from other bands
+            place = max(known, key=lambda one: known[one])
+            if known[place] > max(max(beside), floor):
+                moved[band.name] = known[place], place
+        for group in _side_by_side(moved):
+            band_name = max(group, key=lambda name: moved[name][0])
+            level, place = moved[band_name]
+            strongest = max(levels["floor"][a][band_name] or 0.0 for a in driven)
+            yield Worse(
+                axis=axis,
+                place=place,
+                band=band_name,
+                amplification_db=None,
+                beside_db=20.0 * math.log10(level / strongest) if strongest > 0.0 else None,
+                level=level,
+                first_band=group[0],
+                last_band=group[-1],
+            )
+
+
+def _least(tables: Mapping[str, ByBand], band: str) -> tuple[float, str] | None:
+    """Least attenuation of all places in a band, and the place; None where it is decided nowhere."""
+    known = [(value, place) for place, table in tables.items() if (value := table.get(band)) is not None]
+    return min(known, default=None)
+
+
+def _side_by_side(chosen: Mapping[str, object]) -> Iterator[list[str]]:
+    """Bands that lie side by side, from low to high."""
+    group: list[str] = []
+    for band in BANDS:
+        if band.name in chosen:
+            group.append(band.name)
+        elif group:
+            yield group
+            group = []
+    if group:
+        yield group

@@ -1,0 +1,68 @@
+"""Why an axis gets worse: the mode that is excited, what drives it, whether the law does it, or a limit."""
+
+from typing import Any
+
+from ehamj.control import PythonController
+from ehamj.linear.machine import linear_model
+from ehamj.linear.modes import modes
+from ehamj.plant.mounts import MOUNTS
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
+
+WAVE = {"kind": "broadband", "level": "VC-C", "axes": ["x", "y", "z"], "highest": 200.0}
+
+
+def told(**table: Any) -> dict[str, str]:
+    """Reasons by axis, of the band that is worst along each."""
+    result = simulate(parse_scenario({"plates": "tied", "duration": 4.0, "ground": WAVE, **table}))
+    assert {one.in_words() for one in result.summary.worse} <= set(result.summary.warnings)
+    return {one.axis: one.why for one in sorted(result.summary.worse, key=lambda one: one.amplification_db or 0.0)}
+
+
+def test_a_passive_machine_names_the_mode_of_each_axis() -> None:
+    reasons = told()
+    found = {mode.name: mode for mode in modes(linear_model(parse_scenario({"plates": "tied"}).plant))}
+    for axis, name in (("x", "sway-rocking about y"), ("y", "sway-rocking about x")):
+        mode = found[name]
+        named = f"{name} at {mode.frequency:.3g} Hz (damping {mode.damping_ratio:.2g}) is excited"
+        assert reasons[axis] == named
+
+
+def test_what_drives_it_is_named_where_it_is_another_motion_of_the_floor() -> None:
+    """A wave along x lifts front and rear in turn; along x itself the floor stands still."""
+    reasons = told(ground={"kind": "broadband", "level": "VC-C", "highest": 200.0, "wave": {"speed": 200.0}})
+    assert "driven by the floor's pitch" in reasons["x"]
+
+
+def test_a_law_that_does_it_itself_is_told_from_one_that_cannot_reach_it() -> None:
+    """A roll-off at 30 Hz turns the feedforward's phase: in the bands above it adds to the floor's motion."""
+    control = {"kind": "feedforward", "delay": 4e-3}
+    reasons = told(control=control)
+    assert "with the valves held as well (" in reasons["x"]
+    assert "the valves act vertically" in reasons["x"]
+    assert "by the law: with the valves held it is " in reasons["z"]
+
+
+def test_a_limit_that_was_reached_is_named_where_the_linear_machine_says_nothing() -> None:
+    """A weak valve drive: the linear machine isolates, this one cannot follow and shakes at other frequencies."""
+    loud = {**WAVE, "level": "workshop", "axes": ["z"], "first": 4.0, "last": 20.0}
+    tone = {"kind": "sine", "dof": "z", "amplitude": 1e-9, "frequency": 63.0}
+    reasons = told(ground={"kind": "sum", "parts": [loud, tone]}, control={"kind": "feedforward"})
+    assert "the command was at its limit for " in reasons["z"]
+
+
+def test_a_python_function_is_named() -> None:
+    """It lifts the machine with the floor, twice as far."""
+    scenario = parse_scenario({"plates": "tied", "duration": 2.0, "ground": {**WAVE, "axes": ["z"]}})
+    channels = [f"ground_velocity {mount} z" for mount in MOUNTS]
+    law = PythonController(lambda time, measured, limited: 8e3 * measured, channels)
+    reasons = [one.why for one in simulate(scenario, controller=law).summary.worse if one.axis == "z"]
+    assert reasons
+    assert all("a Python function commands the valves" in why for why in reasons)
+
+
+def test_its_decibel_is_the_measured_one() -> None:
+    result = simulate(parse_scenario({"plates": "tied", "duration": 4.0, "ground": WAVE}))
+    worst = max((one for one in result.summary.worse if one.axis == "x"), key=lambda one: one.amplification_db or 0.0)
+    tables = [result.summary.attenuation_db["x"], *(t["x"] for t in result.summary.attenuation_at_db.values())]
+    assert worst.amplification_db == -min(v for table in tables for v in table.values() if v is not None)
