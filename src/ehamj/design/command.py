@@ -3,11 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from markupsafe import Markup
 
 from ehamj.control.architectures.file import Law
+from ehamj.control.installation import Installation
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
@@ -17,12 +18,15 @@ from ehamj.design.requirements import Machines, Requirements, machines_of
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
+from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 
+OWN: Final = "the scenario's own"
+"""Name of the scenario's machine among those that a law is judged on, where it is held for another."""
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
 
@@ -48,6 +52,9 @@ def design_controller(
     progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
+
+    A law that is held for another machine (``control.designed_for``) is designed for that one, judged on the scenario's
+    own beside the variations, and predicted on that.
 
     Args:
         source: scenario file or shipped name.
@@ -77,20 +84,34 @@ def design_controller(
     given = scenario.control
     kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
     if kind != given.kind:
-        shared = given.shared if isinstance(given, DigitalSettings) else {}
+        shared = {**given.shared, "designed_for": given.designed_for} if isinstance(given, DigitalSettings) else {}
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
-    machines = machines_of(scenario)
+    nominal, held = _nominal(scenario)
+    machines = dict(machines_of(nominal))
+    if held is not None:
+        machines[OWN] = linear_model(scenario.plant)
     if kind in SYNTHESES:
-        design = synthesised(scenario, machines, beginning(kind, given), wanted, progress)
-        scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
+        design = synthesised(nominal, machines, beginning(kind, nominal.control), wanted, progress)
+        control: Any = Law(kind="law", file=CONTROLLER_FILE)
     else:
         progress("choosing crossings")
-        design = _designed(scenario, machines, wanted)
-        scenario = scenario.model_copy(update={"control": design.settings})
+        design = _designed(nominal, machines, wanted)
+        control = design.settings if held is None else design.settings.model_copy(update={"designed_for": held})
+    scenario = scenario.model_copy(update={"control": control})
     progress("predicting what a run will show")
-    limits = budget(scenario, machines["as designed"], design.law)
+    limits = budget(scenario, machines["as designed" if held is None else OWN], design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits, nichols))
+
+
+def _nominal(scenario: Scenario) -> tuple[Scenario, Installation | None]:
+    """The scenario on the machine that its law is held for, and that machine; None where it is the scenario's own."""
+    held = getattr(scenario.control, "designed_for", None)
+    if held is None:
+        return scenario, None
+    control = scenario.control.model_copy(update={"designed_for": None})
+    own = {name: getattr(held, name) for name in Installation.model_fields}
+    return scenario.model_copy(update={**own, "control": control}), held
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
