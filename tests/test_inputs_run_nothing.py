@@ -313,7 +313,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     found = tmp_path_factory.mktemp("result") / "one"
     found.mkdir()
-    simulate(load_scenario("benchmark", ["duration=0.01"])).save(found)
+    simulate(load_scenario("benchmark", ["duration=0.01"])).write(found)
     return found
 
 

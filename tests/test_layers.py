@@ -13,7 +13,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
     ("errors", "arrays", "labels", "plain"),
-    ("settings", "registry", "findings", "scenario_files", "compiled", "signals", "plots"),
+    ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
     ("isolator", "estimate"),
     ("plant",),
     ("records",),

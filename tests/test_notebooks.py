@@ -1,6 +1,7 @@
 """Every notebook runs from top to bottom, on the interpreter that runs the tests, and is stored without outputs."""
 
 import json
+import re
 import sys
 import time
 from pathlib import Path
@@ -9,6 +10,7 @@ import nbformat
 import pytest
 from jupyter_client.kernelspec import KernelSpecManager
 from jupyter_client.manager import AsyncKernelManager
+from matplotlib.mathtext import MathTextParser
 from nbclient import NotebookClient
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
@@ -53,3 +55,13 @@ def test_notebook_is_stored_without_outputs(path: Path) -> None:
         if cell.cell_type == "code":
             assert cell.outputs == []
             assert cell.execution_count is None
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_formulas_can_be_set(path: Path) -> None:
+    """By Matplotlib's parser of TeX, which knows every symbol used; a backslash doubled by mistake is none."""
+    parser = MathTextParser("path")
+    for cell in nbformat.read(path, as_version=4).cells:
+        if cell.cell_type == "markdown":
+            for formula in re.findall(r"\$[^$]+\$", cell.source):
+                parser.parse(formula)

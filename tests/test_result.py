@@ -74,7 +74,7 @@ def result() -> Result:
 @pytest.fixture(scope="module")
 def folder(result: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("result")
-    result.save(path)
+    result.write(path)
     return path
 
 
@@ -390,7 +390,7 @@ def test_resolved_scenario_runs_again_to_the_same_result(result: Result, folder:
 def test_a_record_runs_again_to_the_same_result(tmp_path: Path) -> None:
     ground = {"kind": "record", "file": "example:BW.RJOB", "scale": 20.0, "start": 3.0, "taper": 0.05}
     first = simulate(parse_scenario({**SHORT, "ground": ground, "duration": 0.05}))
-    first.save(tmp_path)
+    first.write(tmp_path)
     again = simulate(load_scenario(tmp_path / "scenario.toml"))
     xr.testing.assert_identical(again.dataset, first.dataset)
 
@@ -426,7 +426,7 @@ def test_a_failed_run_is_marked_incomplete(failed: Incomplete) -> None:
 
 
 def test_a_failed_run_is_saved_and_loaded(failed: Incomplete, tmp_path: Path) -> None:
-    failed.result.save(tmp_path)
+    failed.result.write(tmp_path)
     loaded = load_result(tmp_path)
     assert not loaded.complete
     xr.testing.assert_identical(loaded.dataset, failed.result.dataset)

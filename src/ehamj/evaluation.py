@@ -12,11 +12,13 @@ from typing import Any, Final, Generic, TypeVar
 import numpy as np
 import xarray as xr
 
+from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.margins import grid, loop_gains
 from ehamj.linear.modes import Mode, modes
 from ehamj.linear.response import Transfer, machine_channels, rigid_floor
 from ehamj.result import Result
@@ -119,6 +121,15 @@ class Evaluation:
         if model is None or not feeds_back(self.law):
             return None
         return modes(model, Loop.of(self.result.scenario, self.law))
+
+    @Once
+    def loop_gains(self) -> tuple[Array, Mapping[str, ComplexArray]] | None:
+        """Frequencies [Hz] and the loop gain of each motion with the others closed; None as `modes`."""
+        model = self.machine.model
+        if model is None or self.law is None or not feeds_back(self.law):
+            return None
+        hertz = grid(self.law, model, dense=3)
+        return hertz, loop_gains(model, Loop.of(self.result.scenario, self.law), hertz)
 
     @Once
     def transfer(self) -> Transfer | None:

@@ -3,8 +3,9 @@
 import contextlib
 import json
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import xarray as xr
 
 from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
+from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
 from ehamj.plain.hdf5 import check_hdf5
 from ehamj.plain.text import json_of, text_of
@@ -81,7 +83,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
 """Every variable of a result beside ``time``: further dimensions, units, long name."""
 
 
-@dataclass(frozen=True)
+SAVING: list[Callable[..., None]] = []
+"""How a result is saved with all that shows it: `ehamj.store`, which stands above this file, puts itself here."""
+
+
+@dataclass(frozen=True, repr=False)
 class Result:
     """What a simulation gave.
 
@@ -101,7 +107,38 @@ class Result:
         """Whether the simulation reached its end."""
         return self.summary.complete
 
-    def save(self, folder: Path) -> None:
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else "INCOMPLETE"
+        return f"<ehamj.Result {self.scenario.name!r}: {self.summary.timing.simulated_s:g} s, {state}>"
+
+    def __str__(self) -> str:
+        """The result in ten lines."""
+        return "\n".join(f"{name + ':':14}{text}" for name, text in brief(self.summary).items())
+
+    def _repr_html_(self) -> str:
+        """The same ten lines, as a notebook shows them."""
+        rows = (
+            f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">{escape(text)}</td></tr>'
+            for name, text in brief(self.summary).items()
+        )
+        return f"<table>{''.join(rows)}</table>"
+
+    def save(self, folder: str | Path, overwrite: bool = False, variants: "Iterable[Result]" = ()) -> None:
+        """Write the folder that ``ehamj run`` writes, with report and replay as the scenario's ``output`` asks.
+
+        Args:
+            folder: to be made; one that is there must be empty, or a result and ``overwrite`` given.
+            overwrite: whether another result may be replaced.
+            variants: results of variants that the scenario's ``compare`` names (``scenario.variant("passive")``), which
+                are shown beside it and get folders of their own.
+
+        Raises:
+            InputError: if the folder cannot be written, or a variant is none of the scenario's.
+        """
+        for saving in SAVING:
+            saving(self, folder, overwrite, variants)
+
+    def write(self, folder: Path) -> None:
         """Write the result's files into an existing folder, each renamed into place when it is whole."""
         summary = json.dumps(self.summary.to_dict(), indent=2, allow_nan=False) + "\n"
         texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml, "summary.json": summary}

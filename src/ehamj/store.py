@@ -1,25 +1,27 @@
 """A run's folder: the result, its variants in folders of their own, replay and report."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from ehamj.replay import write_replay
+from ehamj.errors import InputError
+from ehamj.folders import check_out, new_folder
 from ehamj.report import Shown, write_report
-from ehamj.result import Result
+from ehamj.result import RESULT_FILES, SAVING, Result
 
 
 def write_run(folder: Path, results: Mapping[str, Result], progress: Callable[[str], None] = lambda step: None) -> None:
-    """Write results into an existing folder; the first is the scenario's own, the others are its variants in order.
+    """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
     what was finished, and how many of how many files that makes.
     """
     shown = Shown.of(results)
+    variants = {shown.scenario.variant(name).name: name for name in shown.scenario.compare}
     work = [(folder, shown)]
-    for name, label in zip(shown.scenario.compare, list(results)[1:], strict=True):
-        (folder / name).mkdir()
-        work.append((folder / name, shown.only(label)))
+    for label in list(results)[1:]:
+        (folder / variants[label]).mkdir()
+        work.append((folder / variants[label], shown.only(label)))
     jobs = [job for one in work for job in _jobs(*one)]
     progress(f"{len(jobs)} files of {len(work)} runs")
 
@@ -36,14 +38,35 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Callable[[s
 def _jobs(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
     """Name and writer of each file of a run; none needs another."""
     result = shown.first
-    yield f"result of {shown.label}", lambda: result.save(folder)
+    yield f"result of {shown.label}", lambda: result.write(folder)
     output = result.scenario.output
     if not result.dataset.time.size:
         return  # it failed before its first row: there is nothing to show
     if output.replay:
-        yield (
-            f"replay of {shown.label}",
-            lambda: write_replay(folder / "replay.rrd", shown.results, output.exaggeration),
-        )
+        yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
     if output.report:
         yield f"report of {shown.label}", lambda: write_report(folder, shown)
+
+
+def _write_replay(path: Path, shown: Shown) -> None:
+    from ehamj.replay import write_replay  # Rerun takes its time
+
+    write_replay(path, shown.results, shown.first.scenario.output.exaggeration)
+
+
+def save(result: Result, folder: str | Path, overwrite: bool = False, variants: Iterable[Result] = ()) -> None:
+    """What `ehamj.Result.save` does, see there."""
+    folder, results = Path(folder), {result.scenario.name: result}
+    known = {result.scenario.variant(name).name: name for name in result.scenario.compare}
+    for one in variants:
+        if one.scenario.name not in known:
+            allowed = ", ".join(map(repr, known)) or "none, since its compare is empty"
+            raise InputError(f"variants: {one.scenario.name!r} must be one of the scenario's, {allowed}")
+        results[one.scenario.name] = one
+    overwrite = overwrite or (folder.is_dir() and not any(folder.iterdir()))
+    check_out(folder, overwrite, RESULT_FILES, "result.save", "overwrite=True")
+    with new_folder(folder, overwrite) as (_, target):
+        write_run(target, results)
+
+
+SAVING.append(save)

@@ -84,7 +84,7 @@ def test_a_scenario_keeps_its_own_architecture_and_the_machine_that_it_is_held_f
     monkeypatch.setattr(frame.out, "_width", 80)
     control = "control={kind='stroke-servo', delay=1.5e-4, designed_for={machine={mass=4000.0}}}"
     held = ("--set", control, "--set", "machine.mass=5200")
-    code, out, _ = cli("benchmark", *QUICK, *held, "--nichols", "--out", "made")
+    code, out, _ = cli("benchmark", *QUICK, *held, "--set", "output.nichols=true", "--out", "made")
     assert code == 0
     assert max(map(len, out.splitlines())) <= 80
     assert "the scenario's own" in out

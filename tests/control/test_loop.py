@@ -325,7 +325,7 @@ def test_two_threads_give_what_one_after_the_other_gives() -> None:
 
 
 def stored(result: Result, folder: Path) -> Result:
-    result.save(folder)
+    result.write(folder)
     return load_result(folder)
 
 

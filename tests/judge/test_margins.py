@@ -37,7 +37,12 @@ def test_an_unstable_loop_is_said_to_be_unstable() -> None:
     # The oil's resonance at 528 Hz limits 2π f_c to about 2 δ_h ω_h = 686 1/s, 6e6 V/m; this is five times that.
     summary = simulate(scenario, controller=stroke_law(3e7, from_rest=True)).summary
     assert summary["margins"]["stable"] is False
-    assert UNSTABLE in summary["warnings"]
+    pole = summary["margins"]["unstable"]
+    assert f"{UNSTABLE}: {pole['words']}" in summary["warnings"]
+    # Valve and oil swing against each other, near the valve's 250 Hz; three motions of the four valves can do so.
+    assert pole["frequency_hz"] == pytest.approx(250.0, rel=0.1)
+    assert pole["motion"] == "valves about x"
+    assert (pole["damping_ratio"] < 0.0, pole["count"]) == (True, 3)
 
 
 def test_readings_from_rest_leave_the_machine_where_it_stands() -> None:

@@ -120,7 +120,7 @@ def run() -> Result:
 
 
 def test_levels_of_a_run_are_stored_and_loaded(run: Result, tmp_path: Any) -> None:
-    run.save(tmp_path)
+    run.write(tmp_path)
     summary = load_result(tmp_path).summary
     assert summary == run.summary
     assert summary["statistic"] == "rms"

@@ -14,7 +14,8 @@ from ehamj.errors import InputError
 from ehamj.isolator.presets import FIRST_GENERATION, RECOMMENDED
 from ehamj.paper.actuator import FAST_VALVE
 from ehamj.paper.cases import CASES, PaperStudy
-from ehamj.paper.figures import FIGURES, figure
+from ehamj.paper.figures import FIGURES, figure, root_locus
+from ehamj.paper.loop import PositionLoop
 from ehamj.paper.page import write_paper
 from ehamj.paper.reproduction import AGREES, FAILS, GIVEN, ROUNDED, Reproduction, reproduce
 
@@ -192,7 +193,7 @@ def test_claims_carry_the_discrepancies(paper: Reproduction) -> None:
 
 
 def test_write_paper_writes_every_figure_twice(folder: Path) -> None:
-    expected = {f"{name}.{kind}" for name in FIGURES for kind in ("svg", "png")}
+    expected = {f"{name}.{kind}" for name in (*FIGURES, "root-locus") for kind in ("svg", "png")}
     assert {path.name for path in folder.iterdir()} == expected | {"table.html", "table.csv", "paper.json"}
     for name in FIGURES:
         header = (folder / f"{name}.png").read_bytes()[:24]
@@ -239,6 +240,18 @@ def test_figures_show_both_panels_with_units(paper: Reproduction) -> None:
         assert len(legend.get_texts()) == 5  # three designs and two marks
         marked = [text.get_text().strip() for text in above.texts]
         assert marked == ["valve 250 Hz", "valve 400 Hz"][: 1 + ("recommended_fast_valve" in cases)]
+
+
+def test_the_root_locus_crosses_where_the_phase_does(paper: Reproduction) -> None:
+    """At the limit each design's pair stands on the imaginary axis, at the phase crossover of the open loop."""
+    (axes,) = root_locus(paper).axes
+    diamonds = [line for line in axes.lines if line.get_marker() == "D"]
+    crossing = sorted(float(line.get_ydata()[0]) for line in diamonds if abs(float(line.get_xdata()[0])) < 1e-6)
+    designs = [(paper.cases | paper.variants)[name].actuator for name in FIGURES["figure-7"][1]]
+    expected = sorted(
+        PositionLoop.of_actuator(one, paper.study.mass).phase_crossover / (2 * math.pi) for one in designs
+    )
+    assert [place for place in crossing if place > 0.0] == pytest.approx(expected, rel=1e-6)
 
 
 # --- refusals ------------------------------------------------------------------------------------------------------

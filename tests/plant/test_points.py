@@ -201,7 +201,7 @@ def test_third_octaves_of_a_relative_motion_are_those_of_its_history(run: Result
 
 
 def test_points_and_relative_motions_are_stored_with_names_and_units(run: Result, tmp_path: Path) -> None:
-    run.save(tmp_path)
+    run.write(tmp_path)
     stored = load_result(tmp_path)
     assert stored.dataset["point"].values.tolist() == list(POINTS)
     assert stored.dataset["relative"].values.tolist() == [entry["name"] for entry in RELATIVE]

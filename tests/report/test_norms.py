@@ -41,7 +41,7 @@ def results() -> dict[str, Result]:
 @pytest.fixture(scope="module")
 def folder(results: dict[str, Result], tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    results["feedforward"].save(folder)
+    results["feedforward"].write(folder)
     write_report(folder, results)
     return folder
 

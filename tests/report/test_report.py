@@ -36,6 +36,7 @@ from ehamj.report.sections.headline import PROCESSING, headline, warnings
 from ehamj.report.sections.histories import characteristic_part, histories
 from ehamj.report.sections.inputs import inputs
 from ehamj.report.sections.limits import limits
+from ehamj.report.sections.loops import loops
 from ehamj.report.sections.modes import modes as modes_section
 from ehamj.report.shown import Shown
 from ehamj.result import Result
@@ -56,7 +57,7 @@ def results() -> dict[str, Result]:
 @pytest.fixture(scope="module")
 def folder(results: dict[str, Result], tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    results["feedforward"].save(folder)
+    results["feedforward"].write(folder)
     write_report(folder, results)
     return folder
 
@@ -435,23 +436,25 @@ def test_limits_that_were_reached_say_when(results: dict[str, Result]) -> None:
 
 
 def test_margins_stand_as_the_summary_says_them(results: dict[str, Result]) -> None:
-    assert not text_of(results, limits).xpath('//table[@aria-label="Margins of the control loop"]')
+    assert loops(Shown.of({"run": results["passive"]})) is None
     heave = {"gain_db": 9.859, "phase_deg": 53.95, "disk": 0.9939, "peak_sensitivity": 1.497, "peak_hz": 421.7}
     warp = {**heave, "gain_db": None, "phase_deg": None, "crossings_hz": []}
     motions = {"heave": {**heave, "crossings_hz": [66.85, 79.2388]}, "warp": warp}
     whole = {"stable": True, "gain_db": 7.25, "phase_deg": 51.0, "disk": 0.5, "disk_all_valves": 0.61}
+    grows = {"frequency_hz": 84.2, "damping_ratio": -0.01, "growth_1_s": 5.3, "motion": "heave", "count": 1}
+    poles = None, {**grows, "words": "heave at 84.2 Hz with damping ratio −0.01"}
     one, other = (
-        with_summary(results["passive"], margins={**whole, "stable": stable, "motions": motions})
-        for stable in (True, False)
+        with_summary(results["passive"], margins={**whole, "stable": not pole, "motions": motions, "unstable": pole})
+        for pole in poles
     )
     rows = [
         ["least, anywhere", "7.25", "51.0", "0.500", "–", "–", "–"],
         ["heave", "9.86", "54.0", "0.994", "1.50", "422", "66.8, 79.2"],
         ["warp", "–", "–", "0.994", "1.50", "422", "–"],
     ]
-    assert table_of(text_of({"run": one}, limits), "Margins of the control loop")[1:] == rows
-    unstable = ["the closed loop is unstable", *["–"] * 6]
-    both = table_of(text_of({"one": one, "other": other}, limits), "Margins of the control loop")[1:]
+    assert table_of(text_of({"run": one}, loops), "Margins of the control loop")[1:] == rows
+    unstable = ["the closed loop is unstable: heave at 84.2 Hz with damping ratio −0.01", *["–"] * 6]
+    both = table_of(text_of({"one": one, "other": other}, loops), "Margins of the control loop")[1:]
     assert both == [["one"], *rows, ["other"], unstable, *rows]
 
 

@@ -76,7 +76,7 @@ def test_a_result_holds_the_limits_that_judged_it(folder: Path, tmp_path: Path, 
     (folder / NAME).write_text(text, encoding="utf-8")
     scenario = load_scenario(folder / "machine.toml")
     before = scenario.criteria.norm(scenario.criteria.norms[0])
-    simulate(scenario).save(tmp_path)
+    simulate(scenario).write(tmp_path)
     for then in (text.replace("20,10", "2000,1000").replace("fine cut", "other"), None):
         if then is None:
             shutil.rmtree(folder / "my limits")

@@ -5,11 +5,11 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
+from ehamj.folders import check_out, new_folder
 
 OCTAVES = ("1", "2", "4", "8", "16", "31.5", "63", "125", "250")
 """Bands that are printed [Hz]; all are on the page."""
@@ -25,7 +25,6 @@ def design(
     gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
     phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,
     disk_margin: Annotated[float, typer.Option(help="Least disk margin, also of all valves at once [-].")] = 0.5,
-    nichols: Annotated[bool, typer.Option("--nichols", help="Draw a Nichols plot of the loops too.")] = False,
     out_folder: Out = None,
     overwrite: Overwrite = False,
     overrides: Set = None,
@@ -35,7 +34,8 @@ def design(
 
     The margins hold on the machine and on its variations: mass ±30 %, half the oil's stiffness, 1.5 times the flow
     gain. Writes design.html (read it first), controller.json (a scenario runs it with `control.kind = "law"`),
-    scenario.toml (the machine under the designed control: `ehamj run FOLDER/scenario.toml`), tables and figures.
+    scenario.toml (the machine under the designed control: `ehamj run FOLDER/scenario.toml`), tables and figures;
+    Nichols plots with `--set output.nichols=true`.
     """
     from ehamj.design.command import DESIGN_FILES, design_controller, write_design
     from ehamj.design.page import attenuations
@@ -43,7 +43,7 @@ def design(
     check_out(out_folder, overwrite, DESIGN_FILES)
     margins = (gain_margin, phase_margin, disk_margin)
     with doing("designing") as progress:
-        found = design_controller(scenario, overrides or (), architecture, *margins, nichols=nichols, progress=progress)
+        found = design_controller(scenario, overrides or (), architecture, *margins, progress=progress)
         progress("writing page and figures")
         with new_folder(out_folder, overwrite) as (folder, target):
             write_design(target, found)

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Overwrite, app
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
+from ehamj.folders import check_out, new_folder
 
 
 @app.command()

@@ -9,18 +9,15 @@ import typer
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
+from ehamj.folders import check_out, new_folder
 
 if TYPE_CHECKING:
     from ehamj.judge import Summary
     from ehamj.result import Result
     from ehamj.scenario.model import Scenario
-
-SHOWN_BANDS = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation a run prints [Hz]."""
 
 
 @app.command()
@@ -86,6 +83,8 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
+    from ehamj.judge.brief import quiet_bands
+
     timing = summary.timing
     state = "complete" if summary.complete else "INCOMPLETE"
     times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
@@ -96,9 +95,7 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
         say(f"vibration class, {direction}: {said}")
     places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
     for place, levels in places.items():
-        quiet = {band: dB for band, dB in levels.items() if dB is not None and band in SHOWN_BANDS}
-        if quiet:
-            words = ", ".join(f"{round(dB)} dB at {band} Hz" for band, dB in quiet.items())
+        if words := quiet_bands(levels):
             say(f"vertical attenuation, floor to machine's {place}: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")

@@ -8,12 +8,12 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, out
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_names, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
+from ehamj.folders import check_out, new_folder
 from ehamj.plain.text import json_of
 from ehamj.scenario.load import load_scenario
 from ehamj.studies.catalogue import STUDIES

@@ -7,13 +7,13 @@ from typing import Annotated, Any
 
 import typer
 
-from ehamj.cli.folders import check_out, new_folder
 from ehamj.cli.frame import Json, Out, Overwrite, Set, app
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 from ehamj.findings import finite
+from ehamj.folders import check_out, new_folder
 from ehamj.pages.words import decibel, number
 from ehamj.result import load_result
 from ehamj.rig.comparison import Agreement, Comparison, TransmissibilitySettings, compare_result, compare_scenario

@@ -48,7 +48,6 @@ def design_controller(
     gain_margin: float = 6.0,
     phase_margin: float = 45.0,
     disk_margin: float = 0.5,
-    nichols: bool = False,
     progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
@@ -64,7 +63,6 @@ def design_controller(
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
-        nichols: draw the loop gains in a Nichols plot too.
         progress: called with what is being done.
 
     Raises:
@@ -101,7 +99,7 @@ def design_controller(
     scenario = scenario.model_copy(update={"control": control})
     progress("predicting what a run will show")
     limits = budget(scenario, machines["as designed" if held is None else OWN], design.law)
-    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits, nichols))
+    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
 
 
 def _nominal(scenario: Scenario) -> tuple[Scenario, Installation | None]:

@@ -6,52 +6,38 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from ehamj.arrays import Array, ComplexArray
+from ehamj.arrays import Array
 from ehamj.design.budget import Budget
 from ehamj.design.tuning import Design
 from ehamj.judge.levels import SLAB
+from ehamj.linear.loop import Loop
+from ehamj.linear.machine import LinearModel
+from ehamj.linear.margins import grid, loop_gains
 from ehamj.pages.words import AXIS_NAMES
-from ehamj.plant.levers import MOTIONS
-from ehamj.plots import Figure, Levels, Line, Response, attenuation, bode, lines_chart, nichols, nyquist
+from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart, loop_figures
 from ehamj.plots.charts import COLORS, DASHES
+from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing
 
 WORTH: Final = 0.01
 """Share of the machine's motion from which on a cause is shown."""
 
 
-def loop_drawings(
-    spectra: xr.Dataset, loops: tuple[Array, ComplexArray], design: Design, with_nichols: bool
-) -> dict[str, Drawing]:
-    """Loops of heave, roll and pitch, the others closed.
+def loop_drawings(spectra: xr.Dataset) -> dict[str, Drawing]:
+    """Gains and sensitivities of heave, roll and pitch on all machines, the others closed."""
+    caption = (
+        "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the variations. "
+        "Where the sensitivity lies below 0 dB the feedback quietens."
+    )
+    return {"loops": Drawing(caption, lambda: _loops_chart(spectra))}
 
-    Args:
-        spectra: gains and sensitivities on all machines.
-        loops: frequencies [Hz] and loop gains (f, motion) as designed.
-        design: whose disk margin is drawn.
-        with_nichols: draw a Nichols plot too.
-    """
-    f, gains = loops
-    curves = [Response(name, f, gains[:, k], COLORS[k]) for k, name in enumerate(MOTIONS)]
-    of_motions = min(design.reports["as designed"].motions[name].disk for name in MOTIONS)
-    disk = of_motions if of_motions < 2.0 else None
-    kept = "" if disk is None else f" The disk, of {disk:.2g}, is the largest that no curve enters."
-    found = {
-        "loops": Drawing(
-            "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the "
-            "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
-            lambda: _loops_chart(spectra),
-        ),
-        "bode": Drawing(
-            "Loop gain and phase of each motion as designed, the others closed.", lambda: bode("Bode plot", curves)
-        ),
-        "nyquist": Drawing(
-            f"The same about −1; what is larger is bent round.{kept}", lambda: nyquist("Nyquist plot", curves, disk)
-        ),
-    }
-    if with_nichols:
-        found["nichols"] = Drawing(f"The same, gain over phase.{kept}", lambda: nichols("Nichols plot", curves, disk))
-    return found
+
+def plotted(scenario: Scenario, model: LinearModel, design: Design) -> dict[str, Drawing]:
+    """Bode and Nyquist plots, and where the scenario asks for them Nichols plots, with the disk that is asked for."""
+    hertz = grid(design.law, model, dense=3)
+    gains = loop_gains(model, Loop.of(scenario, design.law), hertz)
+    figures = loop_figures(hertz, gains, design.requirements.disk_margin, scenario.output.nichols)
+    return {name: Drawing(caption, draw) for name, (caption, draw) in figures.items()}
 
 
 def budget_drawings(limits: Budget) -> dict[str, Drawing]:

@@ -5,19 +5,16 @@ from typing import Final
 import numpy as np
 import xarray as xr
 
-from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.design.budget import Budget
-from ehamj.design.figures import budget_drawings, loop_drawings
+from ehamj.design.figures import budget_drawings, loop_drawings, plotted
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.machine import LinearModel
 from ehamj.linear.margins import PATTERNS, grid, in_patterns
-from ehamj.linear.modes import modes
 from ehamj.pages.words import AXIS_NAMES, decibel
 from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
@@ -31,9 +28,7 @@ LOUDER: Final = 0.5
 """By so much the machine must be louder than the floor before it is said [dB]."""
 
 
-def outcome(
-    scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget, nichols: bool = False
-) -> Outcome:
+def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget) -> Outcome:
     """The design of a scenario's control as answers, tables and drawings.
 
     Args:
@@ -42,14 +37,13 @@ def outcome(
         machines: the machine and its variations.
         design: the law with its margins.
         limits: its budget on the machine as designed.
-        nichols: draw the loop gains in a Nichols plot too.
     """
     has_loop = feeds_back(design.law)
     tables, drawings = {}, {}
     if has_loop:
         spectra = loop_table(scenario, machines, design.law)
         tables = {"margins": margin_table(design), "loops": spectra}
-        drawings = loop_drawings(spectra, _as_designed(scenario, machines, design), design, nichols)
+        drawings = loop_drawings(spectra) | plotted(scenario, machines["as designed"], design)
     tables |= {"attenuation": attenuation_table(limits), "budget": budget_table(limits)}
     drawings |= budget_drawings(limits)
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
@@ -57,7 +51,7 @@ def outcome(
     return Outcome(
         title=f"Controller for {scenario.name}",
         question=f"Which {kind} law leaves the margins, and what limits it?",
-        answers=tuple(_answers(scenario, machines, design, limits, has_loop)),
+        answers=tuple(_answers(scenario, design, limits, has_loop)),
         tables=tables,
         drawings=drawings,
         notes=(
@@ -80,7 +74,7 @@ def outcome(
     )
 
 
-def _answers(scenario: Scenario, machines: Machines, design: Design, limits: Budget, has_loop: bool) -> list[str]:
+def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool) -> list[str]:
     found = []
     if has_loop:
         wanted = design.requirements
@@ -95,10 +89,9 @@ def _answers(scenario: Scenario, machines: Machines, design: Design, limits: Bud
         )
         if not design.tuned:
             found.append(f"{scenario.control.kind} has no loops to tune: its gains are as they were given.")
-        unstable = [name for name, one in design.reports.items() if not one.stable]
+        unstable = [f"{name} ({one.unstable})" for name, one in design.reports.items() if one.unstable]
         if unstable:
-            loop = Loop.of(scenario, design.law)
-            found.append(f"Unstable: {'; '.join(f'{name}, {growing(machines[name], loop)}' for name in unstable)}.")
+            found.append(f"Unstable: {'; '.join(unstable)}.")
     else:
         found.append("The law only measures the ground: there is no loop, and nothing that could become unstable.")
     found += _predicted(limits)
@@ -154,27 +147,6 @@ def _predicted(limits: Budget) -> list[str]:
     return found
 
 
-def growing(model: LinearModel, loop: Loop) -> str:
-    """What grows in an unstable loop, in words."""
-    found = [one for one in modes(model, loop) if one.damping_ratio < 0.0]
-    words = (f"{one.name} at {one.frequency:.3g} Hz, damping ratio {one.damping_ratio:.2g}" for one in found)
-    return " and ".join(words).replace("-", "−") if found else "a motion that grows without swinging"
-
-
-def _as_designed(scenario: Scenario, machines: Machines, design: Design) -> tuple[Array, ComplexArray]:
-    """Frequencies [Hz] and loop gains of heave, roll and pitch with the others closed, (f, motion)."""
-    model, loop = machines["as designed"], Loop.of(scenario, design.law)
-    f = loop_grid(design.law, model)
-    moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
-    return f, np.asarray(1.0 / np.einsum("fkk->fk", moved)[:, : len(MOTIONS)] - 1.0, complex)
-
-
-def loop_grid(law: LinearController, model: LinearModel | None = None) -> Array:
-    """Frequencies at which loops are shown [Hz], dense about a machine's resonances."""
-    f = grid(law, model)
-    return np.asarray(f[(f >= 0.5) & (f <= 2000.0)])
-
-
 def margin_table(design: Design) -> xr.Dataset:
     """Margins of each pattern of motion on each machine, and of all valves at once."""
     names = list(design.reports)
@@ -198,7 +170,8 @@ def margin_table(design: Design) -> xr.Dataset:
 
 def loop_table(scenario: Scenario, machines: Machines, law: LinearController) -> xr.Dataset:
     """Loop gain and sensitivity of heave, roll and pitch over frequency, the others closed, on each machine [dB]."""
-    f, patterns = loop_grid(law), MOTIONS
+    f, patterns = grid(law), MOTIONS
+    f = f[(f >= 0.5) & (f <= 2000.0)]
     gain, sensitivity = np.zeros((2, len(machines), len(patterns), f.size))
     loop = Loop.of(scenario, law)
     for row, model in enumerate(machines.values()):

@@ -43,8 +43,19 @@ class PlaceMargins(Finding):
     crossings_hz: list[float]
 
 
+class UnstablePole(Finding):
+    """The fastest growing pole of an unstable loop, as in `ehamj.linear.unstable`."""
+
+    frequency_hz: float
+    damping_ratio: float
+    growth_1_s: float
+    motion: str
+    count: int
+    words: str
+
+
 class LoopMargins(Finding):
-    """What a closed loop has in hand: the worst of all places, and of each motion."""
+    """What a closed loop has in hand: the worst of all places, and of each motion; the pole that grows, if one does."""
 
     stable: bool
     gain_db: float | None
@@ -52,6 +63,7 @@ class LoopMargins(Finding):
     disk: float
     disk_all_valves: float
     motions: dict[str, PlaceMargins]
+    unstable: UnstablePole | None = None
 
 
 class Timing(Finding):

@@ -20,7 +20,7 @@ from ehamj.control import LinearController
 from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
-from ehamj.linear.sampled import STABLE, spectral_radius
+from ehamj.linear.unstable import UnstablePole, unstable_pole
 from ehamj.plant.levers import MOTIONS, plane, warp
 
 PATTERNS: Final = (*MOTIONS, "warp")
@@ -55,15 +55,21 @@ class Margins:
 class LoopReport:
     """What a closed loop has in hand.
 
-    ``stable`` by the eigenvalues of the sampled loop. ``valves``, ``motions`` (heave, roll, pitch, warp) and
-    ``readings`` hold the margins at each place with the rest closed; ``disk`` is that of all four valves at once.
+    ``unstable`` is the pole of the sampled loop that grows, None where it is stable. ``valves``, ``motions`` (heave,
+    roll, pitch, warp) and ``readings`` hold the margins at each place with the rest closed; ``disk`` is that of all
+    four valves at once.
     """
 
-    stable: bool
+    unstable: UnstablePole | None
     disk: float
     valves: Mapping[str, Margins]
     motions: Mapping[str, Margins]
     readings: Mapping[str, Margins]
+
+    @property
+    def stable(self) -> bool:
+        """By the eigenvalues of the sampled loop."""
+        return self.unstable is None
 
     @property
     def worst(self) -> tuple[float, float, float]:
@@ -77,14 +83,15 @@ class LoopReport:
         chosen = {name: {key: m.to_dict() for key, m in getattr(self, name).items()} for name in places}
         return {
             "stable": self.stable, "gain_db": finite(gain), "phase_deg": finite(phase), "disk": disk,
-            "disk_all_valves": self.disk, **chosen,
+            "disk_all_valves": self.disk, **chosen, "unstable": self.unstable and self.unstable.to_dict(),
         }  # fmt: skip
 
 
-def grid(law: LinearController, model: LinearModel | None = None) -> Array:
-    """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances."""
+def grid(law: LinearController, model: LinearModel | None = None, dense: int = 1) -> Array:
+    """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances;
+    ``dense`` times as many for smooth pictures."""
     half = 0.5 / max(part.period for part in law.parts)
-    found = [np.geomspace(0.02, 0.99 * half, 250), np.geomspace(20.0, min(700.0, 0.9 * half), 150)]
+    found = [np.geomspace(0.02, 0.99 * half, 250 * dense), np.geomspace(20.0, min(700.0, 0.9 * half), 150 * dense)]
     if model is not None:
         poles = np.linalg.eigvals(model.A)
         for pole in poles[poles.imag > 0]:
@@ -98,6 +105,12 @@ def in_patterns(sensitivity: ComplexArray, positions: Sequence[Sequence[float]])
     """The sensitivity (f, valve, valve) as that of `PATTERNS` of valves at positions [m], (f, pattern, pattern)."""
     basis = np.column_stack([plane(positions), warp(positions)])
     return np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
+
+
+def loop_gains(model: LinearModel, loop: Loop, hertz: ArrayLike) -> dict[str, ComplexArray]:
+    """Loop gain of each of `PATTERNS` with the others closed, at frequencies below half the rate [Hz]."""
+    moved = in_patterns(opened(model, loop, hertz).sensitivity, model.plant.positions)
+    return {name: 1.0 / moved[:, k, k] - 1.0 for k, name in enumerate(PATTERNS)}
 
 
 def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
@@ -120,7 +133,7 @@ def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> Lo
     moved = in_patterns(sensitivity, model.plant.positions)
     at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", cut.plant, sensitivity, cut.law, optimize=True)
     return LoopReport(
-        spectral_radius(model, loop) < STABLE,
+        unstable_pole(model, loop),
         disk_margin(sensitivity),
         {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(model.plant.mounts)},
         {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(PATTERNS)},

@@ -176,6 +176,18 @@ def _shares(names: tuple[str, ...], eigen: Eigen, k: int) -> dict[str, float]:
     return shares
 
 
+def named(model: LinearModel, names: tuple[str, ...], eigen: Eigen, k: int) -> str:
+    """What moves in an eigenvector, also in one that does not swing: as `modes` names it, and of pressures and a law
+    in what pattern, and which motion they take along."""
+    mode, vector = _mode(model, names, eigen, k, {}), eigen.right[:, k]
+    if mode.name == "pressure":
+        one, two = (vector[_places(names, f"pressure_{chamber}", model)] for chamber in (1, 2))
+        return pattern_name("pressure", one - two, model.plant)
+    if mode.name == "controller" and np.abs(mode.shape).any():
+        return f"the controller's states with {motion_name(model.plant.machine, mode.shape)}"
+    return "the controller's states" if mode.name == "controller" else mode.name
+
+
 def _places(names: Sequence[str], what: str, model: LinearModel) -> list[int]:
     """Where a state of each mount lies."""
     return [names.index(f"{what} {mount}") for mount in model.plant.mounts]

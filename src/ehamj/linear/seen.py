@@ -13,11 +13,12 @@ from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.sampled import sampled_machine
+from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
 
 
 def sampled_plant(
-    scenario: Scenario,
+    scenario: Given,
     outputs: Sequence[str] | None = None,
     rate: float | None = None,
     delay: float | None = None,
@@ -47,6 +48,7 @@ def sampled_plant(
             measures another quantity; if ``rate`` or ``delay`` are no times; if there is no law to close, or its
             period does not divide this one.
     """
+    scenario = as_scenario(scenario)
     model, own = linear_model(scenario.plant), scenario.controller()
     laws = () if own is None else own.parts
     rates = list(dict.fromkeys(1.0 / law.period for law in laws))

@@ -11,7 +11,8 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.paper.actuator import Form, bode, delta_h, omega_h
 from ehamj.paper.loop import PositionLoop
 from ehamj.paper.reproduction import Reproduction
-from ehamj.plots import Figure, Line, lines_chart
+from ehamj.plots import Branch, Figure, Line, lines_chart, locus_chart, view_of
+from ehamj.plots.charts import COLORS
 
 FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
     "figure-3": ("Open loop of the initial design: exact, and eq. 8 corrected and as printed", ("initial",)),
@@ -28,6 +29,14 @@ FIGURES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
     ),
 }
 """The paper's figures: caption and cases. The paper numbers its last one 5 a second time; the text calls it 7."""
+
+LOCUS: Final = (
+    "Beyond the paper: closed-loop poles of a proportional position loop as its gain rises from zero past the highest "
+    "that keeps 6 dB and 45° to the limit of stability. The pair that turns is the slower of valve and load's; the "
+    "pole on the real axis says how fast errors go."
+)
+BEYOND, STEPS = 1.25, 81
+"""How far beyond its limit a gain is followed, and how many gains there are up to each mark."""
 
 FORMS: Final[dict[Form, str]] = {
     "exact": "exact, third order",
@@ -64,7 +73,7 @@ def figure(reproduction: Reproduction, name: str) -> Figure:
     valves = sorted({actuator.valve_frequency / (2.0 * math.pi) for actuator, _ in designs.values()})
     return lines_chart(
         f"{name.replace('-', ' ').capitalize()} of the paper", FREQUENCY, panels, "x",
-        {"\n" * k + f"valve {hertz:.0f} Hz": hertz for k, hertz in enumerate(valves)},
+        {f"valve {hertz:.0f} Hz": hertz for hertz in valves},
         {MAGNITUDE: (-200.0, -90.0), PHASE: (-460.0, 10.0)},
     )  # fmt: skip
 
@@ -85,3 +94,21 @@ def _lines(label: str, actuator: Actuator, mass: float, form: Form, k: int) -> l
         line = Line(names[marker], hertz, 20.0 * np.log10(magnitude), k, k, marker)
         pairs.append((line, replace(line, y=phase)))
     return pairs
+
+
+def root_locus(reproduction: Reproduction) -> Figure:
+    """Poles of the closed position loop of figure 7's designs over its gain, by python-control's root locus."""
+    import control
+
+    every = reproduction.cases | reproduction.variants
+    branches: list[Branch] = []
+    for k, name in enumerate(FIGURES["figure-7"][1]):
+        loop = PositionLoop.of_actuator(every[name].actuator, reproduction.study.mass)
+        designed, limit = loop.highest_gain(6.0, 45.0), loop.stability_gain
+        ends = (0.0, designed, limit, BEYOND * limit)
+        gains = np.concatenate([np.linspace(ends[i], ends[i + 1], STEPS) for i in range(3)])
+        poles = control.root_locus_map(control.tf([loop.numerator], loop.denominator), gains=gains).loci
+        branches += [Branch(every[name].label, poles[:, j], COLORS[k]) for j in range(poles.shape[1])]
+    marks = {"no gain": 0, "6 dB and 45°": STEPS, "limit of stability": 2 * STEPS}
+    view = view_of(np.concatenate([branch.poles for branch in branches]))
+    return locus_chart("Root locus of a position loop", branches, marks, [view])

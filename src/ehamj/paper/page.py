@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from ehamj.pages import Page, Picture, Section, Table, badge, write_page
-from ehamj.paper.figures import FIGURES, figure
+from ehamj.paper.figures import FIGURES, LOCUS, figure, root_locus
 from ehamj.paper.reproduction import FAILS, GIVEN, Reproduction
 from ehamj.result import written_whole
 
@@ -46,6 +46,7 @@ def paper_page(found: Reproduction) -> Page:
     table = Table("", head, numbers, kind="words", numeric=(2, 3, 4, 5))
     said = Table("", ("Statement", "Section", "What the numbers say"), words, kind="words")
     drawn = [Picture(name, figure(found, name), caption) for name, (caption, _) in FIGURES.items()]
+    drawn.append(Picture("root-locus", root_locus(found), LOCUS))
     return Page(
         "The paper, reproduced",
         "The paper, reproduced",

@@ -22,7 +22,7 @@ COLORS: Final = (
     style.INK,
 )
 DASHES: Final[tuple[Any, ...]] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)))
-LONGEST: Final = 50
+LONGEST: Final = 60
 """Letters of a name in the legend."""
 HEIGHT: Final = 190.0
 """Height of a single panel [pt]."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -73,16 +73,13 @@ def _branch(axes: Axes, branch: Branch, marks: Mapping[str, int], view: View) ->
     near = np.convolve(seen, [1, 1, 1], "same") > 0  # one step beyond the edge, so that lines reach it
     roots = np.asarray(np.where(near & (roots.imag >= -1e-6 * view.top), roots, np.nan), complex)
     named = bool(branch.label)
-    line = _without_small_steps(roots, view)
-    axes.plot(
-        line.real, line.imag, color=branch.color, linewidth=1.8 if named else 0.9, zorder=3 if named else 2,
-        clip_on=True,
-    )  # fmt: skip
-    for (_, row), symbol in zip(marks.items(), SYMBOLS, strict=False):
-        axes.plot(
-            [roots[row].real], [roots[row].imag], symbol, color=branch.color, markerfacecolor="white" if named else
-            "none", markersize=5.5 if named else 3.5, markeredgewidth=1.3 if named else 0.8, zorder=4 if named else 2.5,
-        )  # fmt: skip
+    width, size = (1.8, 5.5) if named else (0.9, 3.5)
+    line, order = _without_small_steps(roots, view), 3.0 if named else 2.0
+    axes.plot(line.real, line.imag, color=branch.color, linewidth=width, zorder=order)
+    look: dict[str, Any] = {"color": branch.color, "markerfacecolor": "white", "markersize": size}
+    look |= {"markeredgewidth": 0.7 * width, "zorder": order + 0.5}
+    for row, symbol in zip(marks.values(), SYMBOLS, strict=False):
+        axes.plot([roots[row].real], [roots[row].imag], symbol, **look)
 
 
 def _without_small_steps(roots: ComplexArray, view: View) -> ComplexArray:

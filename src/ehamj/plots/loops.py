@@ -5,12 +5,13 @@ The disk about −1 is that of the balanced disk margin α (σ = 0; Seiler, Pack
 inverse of that.
 """
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 
-from ehamj.arrays import Array
+from ehamj.arrays import Array, ComplexArray
 from ehamj.plots import style
 from ehamj.plots.axes import decibel_axis, frequency_axis, linear_axis
 from ehamj.plots.responses import Response
@@ -25,6 +26,41 @@ NICHOLS: Final = (-40.0, 40.0)
 """Least range of a Nichols plot [dB]."""
 POINTS: Final = 400
 """Of a disk's edge."""
+
+
+COLORS: Final = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE)
+BODE: Final = "Bode plot of each motion's loop gain, the others closed; lines at 0 dB and −180°."
+NYQUIST: Final = (
+    "Nyquist plot of the same, with the unit circle: while a motion's curve stays out of the disk, its gain and phase "
+    "may change by what the disk margin says. Curves beyond 2.25 are dotted and bent to a magnitude of 3."
+)
+NICHOLS_PLOT: Final = "Nichols plot of the same: crosses and disks at −180° and what is alike."
+
+
+def loop_figures(
+    hertz: Array, gains: Mapping[str, ComplexArray], disk: float, nichols_too: bool = False, of: str = ""
+) -> dict[str, tuple[str, Callable[[], Figure]]]:
+    """Figures of a control loop by name, each with its caption and what draws it.
+
+    Args:
+        hertz: frequencies [Hz].
+        gains: complex loop gain by place where the loop is broken.
+        disk: balanced disk margin whose disk is drawn [-].
+        nichols_too: with a Nichols plot.
+        of: whose loop it is, where there are several.
+    """
+    curves = [
+        Response(name, hertz, gain, color)
+        for (name, gain), color in zip(gains.items(), itertools.cycle(COLORS), strict=False)
+    ]
+    where = f" of the loop, {of}" if of else " of the loop"
+    found: dict[str, tuple[str, Callable[[], Figure]]] = {
+        "bode": (BODE, lambda: bode(f"Bode plot{where}", curves)),
+        "nyquist": (NYQUIST, lambda: nyquist(f"Nyquist plot{where}", curves, disk)),
+    }
+    if nichols_too:
+        found["nichols"] = (NICHOLS_PLOT, lambda: nichols(f"Nichols plot{where}", curves, disk))
+    return found
 
 
 def _data(curves: Sequence[Response]) -> list[Any]:

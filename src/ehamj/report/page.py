@@ -31,11 +31,16 @@ def report_page(shown: Results | Shown, sections: Sequence[Callable[[Shown], Sec
     scenario, summary = shown.scenario, shown.first.summary
     versions = ", ".join(f"{name} {version}" for name, version in summary.versions.items())
     return Page(
-        f"{scenario.name}: vibration isolation report",
-        scenario.name,
-        scenario.description,
+        f"{_heading(shown)}: vibration isolation report",
+        _heading(shown),
+        scenario.description if shown.together else "",
         [found for section in sections if (found := section(shown)) is not None],
-        verdict(shown.first),
+        verdict(shown),
         failures(shown.results),
         f"Versions: {versions}.",
     )
+
+
+def _heading(shown: Shown) -> str:
+    """The scenario's name; of several scenarios the label of each."""
+    return shown.scenario.name if shown.together else " beside ".join(shown.results)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ehamj import plots
+from ehamj.control.kinds import STANDARD
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
 from ehamj.errors import InputError
@@ -75,6 +76,12 @@ class Shown:
     def alone(self) -> bool:
         """Whether there is one result only."""
         return len(self.results) == 1
+
+    @property
+    def together(self) -> bool:
+        """Whether all results are of one scenario: itself and variants of its control."""
+        own = {self.scenario.name, *(self.scenario.variant(name).name for name in STANDARD)}
+        return all(result.scenario.name in own for result in self.results.values())
 
     @cached_property
     def colors(self) -> dict[str, str]:

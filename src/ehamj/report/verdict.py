@@ -6,8 +6,7 @@ from ehamj.criteria.curves import Norm, Verdict, where
 from ehamj.judge.headline import AT_BEST
 from ehamj.pages.words import decibel, number, scaled
 from ehamj.plant.axes import AXES
-from ehamj.report.shown import Results
-from ehamj.result import Result
+from ehamj.report.shown import Results, Shown
 
 UNITS: Final = {
     "displacement": ((1e6, "µm"), (1e3, "mm")),
@@ -23,9 +22,10 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
     return small if abs(value) * small[0] < 1e3 else large
 
 
-def verdict(result: Result) -> list[tuple[str, str]]:
-    """The headline as the summary says it: vertical apart from horizontal, and what both are judged by."""
-    return list(result.summary.criterion.lines().items())
+def verdict(shown: Shown) -> list[tuple[str, str]]:
+    """The headline as the summary of the result reported says it, vertical apart from horizontal."""
+    whose = "" if shown.together else f"{shown.label}, "
+    return [(f"{whose}{name}", said) for name, said in shown.first.summary.criterion.lines().items()]
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:

@@ -19,6 +19,7 @@ from ehamj.linear.eigen import mac
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import Mode, modes
 from ehamj.linear.shapes import weights
+from ehamj.linear.unstable import unstable_pole
 from ehamj.mujoco.model import reduced
 from ehamj.plant.axes import DOFS
 from ehamj.plant.levers import lever
@@ -32,8 +33,6 @@ from ehamj.scenario.model import Scenario
 Kind = Literal["ring-down", "random", "sweep", "hammer"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
-GROWS: Final = 1e-3
-"""Growth rate [1/s] from which a machine counts as unstable; neutral pressures stay below it."""
 NEAR: Final = 0.1
 """Relative distance in frequency at which a computed mode becomes unlikely to be the one that was found."""
 
@@ -123,9 +122,8 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
         raise InputError(f"realisations = {realisations}: must be at least 1")
     still = _still(scenario)
     model = linear_model(still.plant)
-    growth = float(np.linalg.eigvals(model.A).real.max())
-    if growth > GROWS:
-        raise InputError(f"the machine is unstable with its valves held, it moves away as exp({growth:.3g} t): no test")
+    if pole := unstable_pole(model):
+        raise InputError(f"the machine is unstable with its valves held, {pole}: no test")
     computed = tuple(mode for mode in modes(model) if mode.machine_moves)
     if not computed:
         raise InputError("the machine has no oscillation: there is nothing to identify")

@@ -48,7 +48,8 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
     louder = worsened(prepared, dataset, isolated, shares)
     margins = loop_margins(scenario, prepared.law)
-    unstable = [UNSTABLE] if margins is not None and not margins.stable else []
+    runaway = margins.unstable if margins is not None else None
+    unstable = [f"{UNSTABLE}: {runaway.words}"] if runaway else []
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
     asked: dict[str, Any] = {} if failure is None else {"failure": failure}

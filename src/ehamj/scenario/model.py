@@ -35,6 +35,7 @@ class Output(Settings):
 
     replay: bool = Field(True, description="write replay.rrd")
     report: bool = Field(True, description="write report.html and figures/")
+    nichols: bool = Field(False, description="show loop gains as Nichols plots too, in reports and designs")
     bookkeeping: bool = Field(False, description="balance oil and energy in states of their own, and report them")
     exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
 

@@ -8,6 +8,7 @@ from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import floor_response, modes_of
 from ehamj.labels import labelled
+from ehamj.pages.words import decibel
 from ehamj.plots import Figure, Line, lines_chart, map_chart
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
@@ -94,8 +95,8 @@ def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, floa
         f"Here the lower mode about x rises as k to the power {slope:.2f}; below 0.5 it also "
         "rocks on the vertical stiffness.",
         f"Since the valves do not reach the horizontal, soft is what isolates it: at 20 Hz, {factor:.2g} times today's "
-        f"stiffness lets {20 * np.log10(least):.0f} dB of a swaying floor through, today's "
-        f"{20 * np.log10(own):.0f} dB.",
+        f"stiffness lets {decibel(20 * np.log10(least))} dB of a swaying floor through, today's "
+        f"{decibel(20 * np.log10(own))} dB.",
     )
 
 
@@ -121,12 +122,12 @@ def _modes_chart(modes: xr.Dataset, mean: float) -> Figure:
 
 
 def _sway_chart(response: xr.DataArray, mean: float) -> Figure:
-    decibel = 20 * np.log10(response.transpose("factor", "frequency").values)
+    through = 20 * np.log10(response.transpose("factor", "frequency").values)
     return map_chart(
         "A floor that sways along x",
         ("frequency [Hz]", response["frequency"].values),
         ("lateral stiffness of a mount [N/m]", response["stiffness"].values),
-        ("CG over floor [dB]", np.clip(decibel, -59.9, 29.9)),
+        ("CG over floor [dB]", np.clip(through, -59.9, 29.9)),
         points=[Line("as it is", response["frequency"].values[[0, -1]], [mean, mean], color=1, dash=1)],
         levels=(-60.0, -40.0, -30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0),
         logarithmic="xy",

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from ehamj.pages import Page, Picture, Section, Table, safe_name, write_page
+from ehamj.pages.words import exact, number
 from ehamj.result import written_whole
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
@@ -17,6 +19,8 @@ from ehamj.studies.outcome import Outcome
 STUDY_FILES = ("study.json", "study.html")
 """Files without which a folder is no study."""
 
+ROUNDING = 1e-9
+"""Share of a column's largest number below which a number is rounding."""
 LONGEST_TABLE = 40
 """Rows up to which a table is shown on the page."""
 
@@ -78,10 +82,31 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and np.isnan(value) else value
 
 
-def _shown(value: Any) -> str:
+def _columns(rows: Sequence[Sequence[Any]]) -> tuple[list[list[str]], list[int]]:
+    """Cells as a person reads them, and which columns are numbers.
+
+    What is below `ROUNDING` of its column's largest is nothing but rounding, and 0.
+    """
+    cells, numeric = [], []
+    for k, column in enumerate(zip(*rows, strict=True)):
+        numbers = [value for value in column if isinstance(value, float)]
+        least = ROUNDING * max(map(abs, numbers), default=0.0)
+        cells.append([_shown(value, least) for value in column])
+        if all(isinstance(value, int | float) or value == "" for value in column) and k > 0:
+            numeric.append(k)
+    return [list(row) for row in zip(*cells, strict=True)], numeric
+
+
+def _shown(value: Any, least: float = 0.0) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if value is None:
+        return ""
     if isinstance(value, float):
-        return f"{value:.4g}".replace("-", "−")
-    return "" if value is None else str(value)
+        if abs(value) < 1e4 and value == round(value):
+            return exact(value)
+        return number(0.0 if abs(value) < least else value, 4)
+    return exact(value) if isinstance(value, int) else str(value).replace("_", " ")
 
 
 def files_of(outcome: Outcome, stem: str = "study") -> str:
@@ -102,7 +127,8 @@ def page(name: str, outcome: Outcome, scenario: Scenario) -> Page:
         head, rows = flat_table(dataset)
         if len(rows) <= LONGEST_TABLE:
             title = dataset.attrs.get("title", table)
-            tables.append(Table(title, head, [[_shown(value) for value in row] for row in rows]))
+            cells, numeric = _columns(rows)
+            tables.append(Table(title, head, cells, kind="words", numeric=numeric))
     does = Markup(", with which <code>ehamj study {} scenario.toml</code> comes out the same.").format(name)
     sections = [
         Section("figures", figures=pictures),

@@ -10,6 +10,7 @@ from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import STABLE, spectral_radius
+from ehamj.linear.unstable import unstable_pole
 from ehamj.plant.plant import Plant
 
 PERIOD: Final = 1e-4
@@ -46,8 +47,8 @@ def highest_factor(model: LinearModel, loop: Loop) -> float:
         InputError: if even a thousandth of the gain is unstable.
     """
     low = 1e-3
-    if spectral_radius(model, scaled(loop, low)) > STABLE:
-        raise InputError("control: the loop is unstable even with a thousandth of its gain")
+    if pole := unstable_pole(model, scaled(loop, low)):
+        raise InputError(f"control: the loop is unstable even with a thousandth of its gain: {pole}")
     high = low
     while spectral_radius(model, scaled(loop, high)) <= STABLE:
         low, high = high, 3.0 * high

@@ -10,10 +10,12 @@ from ehamj.report.sections.headline import classes, headline, warnings
 from ehamj.report.sections.histories import histories
 from ehamj.report.sections.inputs import inputs
 from ehamj.report.sections.limits import limits
+from ehamj.report.sections.loops import loops
 from ehamj.report.sections.machine import machine
 from ehamj.report.sections.modes import modes
 from ehamj.report.sections.numbers import numbers
 from ehamj.report.sections.relative import relative
+from ehamj.report.sections.runs import runs
 from ehamj.report.sections.spectra import spectra
 from ehamj.report.sections.spectrogram import spectrogram
 from ehamj.report.sections.transmissibility import transmissibility
@@ -23,6 +25,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     headline,
     classes,
     warnings,
+    runs,
     machine,
     attenuation,
     transmissibility,
@@ -32,6 +35,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     relative,
     histories,
     limits,
+    loops,
     modes,
     numbers,
     inputs,

@@ -72,11 +72,11 @@ def _quantities(title: str, parameters: Parameters) -> Table:
         shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
         if unit == "Pa" and isinstance(value, float) and 1e4 <= value < 1e8:
             shown += f" ({exact(BAR * value)} bar)"
-        rows.append([_named(name, text), _symbol(symbol), shown, badge(parameters.sources.get(name, ""))])
+        rows.append([named(name, text), _symbol(symbol), shown, badge(parameters.sources.get(name, ""))])
     return Table(title, ("quantity", "symbol", "value", "source"), rows, kind="words")
 
 
-def _named(key: str, text: str) -> str:
+def named(key: str, text: str) -> str:
     """What something is, and its key in a scenario."""
     return Markup("{} <code>{}</code>").format(text, key)
 
@@ -129,7 +129,7 @@ def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterato
             for k, part in enumerate(inner):
                 yield from _flat(part, f"{key}.{k}.")
         else:
-            yield _named(key, about.description or ""), plain(value)
+            yield named(key, about.description or ""), plain(value)
 
 
 TABLES: Final[tuple[Callable[[Scenario], list[Table]], ...]] = (

@@ -1,19 +1,15 @@
-"""Tables of how near a run came to its limits: peaks, when a limit was reached, and what the loop's margins are."""
+"""Tables of how near a run came to its limits: peaks, and when a limit was reached."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.judge.summary import LoopMargins, PlaceMargins
 from ehamj.pages import Section, Table
 from ehamj.pages.words import BAR, DASH, LITRE_PER_MINUTE, measured, number, scaled
 from ehamj.report.shown import Shown
 from ehamj.result import Result
-
-LOOP_HEAD: Final = ("loop", "gain [dB]", "phase [°]", "disk [-]", "peak [-]", "peak at [Hz]", "crosses at [Hz]")
 
 
 @dataclass(frozen=True)
@@ -40,7 +36,7 @@ def limits_of(result: Result) -> Limits:
 
 def limits(shown: Shown) -> Section:
     """How near a run came to its limits, and what it drew."""
-    tables = [_against_limits(shown), _saturation(shown), _when_limited(shown), _margins(shown), _oil(shown)]
+    tables = [_against_limits(shown), _saturation(shown), _when_limited(shown), _oil(shown)]
     return Section("limits", "Limits, oil and power", tables=tables)
 
 
@@ -120,29 +116,3 @@ def of_each(title: str, key: str, quantities: Iterable[tuple[str, str, float]], 
         [text, *(number(scaled(getattr(table, name), factor)) for table in tables)] for text, name, factor in quantities
     ]
     return Table(title, ["", *shown.results], rows, note)
-
-
-def _margins(shown: Shown) -> Table:
-    """What each law's loop has in hand before it becomes unstable, as the summary says it."""
-    known = {label: found for label, result in shown.results.items() if (found := result.summary.margins)}
-    rows: list[list[str]] = []
-    for label, table in known.items():
-        if len(known) > 1:
-            rows.append([label])
-        if not table.stable:
-            rows.append(["the closed loop is unstable", *[DASH] * (len(LOOP_HEAD) - 1)])
-        rows.append(["least, anywhere", *_loop(table)])
-        rows += [[name, *_loop(one)] for name, one in table.motions.items()]
-    note = (
-        "Each motion opened by itself, the rest closed; the least also over single valves, single readings and all "
-        "valves at once. Peak: of the sensitivity. Practice asks for 6 dB, 45°, a disk margin of 0.5 and a peak below "
-        f"2. {DASH}: unlimited, or no crossing."
-    )
-    return Table("Margins of the control loop", LOOP_HEAD, rows, note)
-
-
-def _loop(one: LoopMargins | PlaceMargins) -> list[str]:
-    """Cells of a loop's row."""
-    names = ("gain_db", "phase_deg", "disk", "peak_sensitivity", "peak_hz")
-    crossings = ", ".join(map(number, getattr(one, "crossings_hz", ())))
-    return [*(number(getattr(one, name, None)) for name in names), crossings or DASH]

@@ -14,26 +14,35 @@ from ehamj.errors import InputError
 RUNS = Path("runs")
 
 
-def check_out(folder: Path | None, overwrite: bool, marks: Sequence[str]) -> None:
+def check_out(
+    folder: Path | None, overwrite: bool, marks: Sequence[str], said: str = "--out", flag: str = "--overwrite"
+) -> None:
     """Raise InputError unless ``folder`` may be written; called before anything is computed.
 
     Only a folder that holds the files ``marks`` is replaced: it is of the kind that will be written.
+
+    Args:
+        folder: to be made; without, one under runs/.
+        overwrite: whether one that is there may be replaced.
+        marks: files that a folder of the kind holds.
+        said: what messages begin with.
+        flag: what allows to replace.
     """
     where, why = folder or RUNS, ""
     above = next(path for path in (where.absolute(), *where.absolute().parents) if path.exists())
     if folder is not None and folder.exists():
         if not overwrite:
-            why = "exists already; name another folder or add --overwrite"
+            why = f"exists already; name another folder or add {flag}"
         elif not folder.is_dir():
             why = "is a file, not a folder"
         elif any(folder.iterdir()) and not all((folder / name).is_file() for name in marks):
-            why = "--overwrite replaces a folder of its own kind only, and this is none"
+            why = f"{flag} replaces a folder of its own kind only, and this is none"
         elif Path.cwd().is_relative_to(folder.resolve()):
             why = "is where you stand; replace it from a folder above"
     if not why and not (above.is_dir() and os.access(above, os.W_OK)):
         why = f"cannot be written, since {str(above)!r} is no writable folder"
     if why:
-        raise InputError(f"--out {str(where)!r}: {why}")
+        raise InputError(f"{said} {str(where)!r}: {why}")
 
 
 def _numbered() -> Path:

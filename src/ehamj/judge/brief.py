@@ -1,0 +1,69 @@
+"""A run in ten lines: what a person asks for first."""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from ehamj.judge.summary import Summary
+
+SHOWN_BANDS: Final = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation is named [Hz]."""
+MICRO: Final = 1e6
+
+
+def brief(summary: Summary) -> dict[str, str]:
+    """Ten lines by what each is about."""
+    timing = summary.timing
+    state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
+    found = {"run": f"{summary.name}: {timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s, {state}"}
+    found |= summary.criterion.briefly()
+    for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
+        found[place] = f"vertically {said}" if (said := quiet_bands(levels)) else "vertically undecided in every band"
+    found["peak motion"] = _motion(summary.peak)
+    found["valves"] = _valves(summary)
+    found["margins"] = _margins(summary)
+    found["warnings"] = f"{len(summary.warnings)}: {summary.warnings[0]}" if summary.warnings else "none"
+    found["more"] = "result.summary, result.dataset (xarray), result.save(folder) with report and replay"
+    return found
+
+
+def quiet_bands(levels: Mapping[str, float | None]) -> str:
+    """Attenuation in a few bands, in words; empty where every one is undecided."""
+    return ", ".join(f"{level:.0f} dB at {band} Hz" for band in SHOWN_BANDS if (level := levels.get(band)) is not None)
+
+
+def _largest(levels: Any, *last: str) -> float | None:
+    """The largest number in nested tables, of those that end in the keys ``last``."""
+    if levels is None or isinstance(levels, int | float):
+        return levels
+    if last and last[0] in levels:
+        return _largest(levels[last[0]], *last[1:])
+    found = [level for one in levels.values() if (level := _largest(one, *last)) is not None]
+    return max(found, default=None)
+
+
+def _motion(peak: Mapping[str, Any]) -> str:
+    places = {"floor": "ground_velocity", "CG": "cg_velocity"}
+    found = {name: _largest(peak.get(channel), "z") for name, channel in places.items()}
+    said = [f"{name} {MICRO * level:.3g} µm/s" for name, level in found.items() if level is not None]
+    turns = [_largest(peak.get("machine_displacement"), dof) for dof in ("rx", "ry")]
+    said += [f"rotation {MICRO * max(turn):.3g} µrad"] if (turn := [one for one in turns if one is not None]) else []
+    return ", ".join(said) or "no row was recorded"
+
+
+def _valves(summary: Summary) -> str:
+    command = _largest(summary.peak.get("valve_command"))
+    said = "" if command is None else f"commands up to {command:.2g} V, "
+    shares = {what: max(share for share in by.values()) for what, by in summary.saturation.items() if by}
+    at = [f"{what} {100 * share:.2g} % of the time" for what, share in shares.items() if share > 0.0]
+    return f"{said}at a limit: {', '.join(at)}" if at else f"{said}never at a limit"
+
+
+def _margins(summary: Summary) -> str:
+    margins = summary.margins
+    if margins is None:
+        return "no feedback loop"
+    if not margins.stable:
+        return "the loop is UNSTABLE"
+    gain = "unlimited" if margins.gain_db is None else f"{margins.gain_db:.1f} dB"
+    phase = "unlimited" if margins.phase_deg is None else f"{margins.phase_deg:.0f}°"
+    return f"gain {gain}, phase {phase}, disk {margins.disk:.2f}"

@@ -1,0 +1,58 @@
+"""The control loop: its gain as Bode, Nyquist and Nichols plots, and the margins that it leaves."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from ehamj import plots
+from ehamj.judge.summary import LoopMargins, PlaceMargins
+from ehamj.pages import Picture, Section, Table
+from ehamj.pages.words import DASH, number
+from ehamj.report.shown import Shown
+
+LOOP_HEAD: Final = ("loop", "gain [dB]", "phase [°]", "disk [-]", "peak [-]", "peak at [Hz]", "crosses at [Hz]")
+ASKED: Final = 0.5
+"""Disk margin that practice asks for [-]."""
+
+
+def loops(shown: Shown) -> Section | None:
+    """Plots and margins of each law that measures the machine; None where no law does."""
+    table = _margins(shown)
+    if not table.rows:
+        return None
+    return Section("loops", "Control loop", list(_figures(shown)), [table])
+
+
+def _figures(shown: Shown) -> Iterator[Picture]:
+    known = {label: found for label, one in shown.evaluations.items() if (found := one.loop_gains) is not None}
+    for label, (hertz, gains) in known.items():
+        several = label if len(known) > 1 else ""
+        figures = plots.loop_figures(hertz, gains, ASKED, shown.results[label].scenario.output.nichols, several)
+        for name, (caption, draw) in figures.items():
+            yield Picture(f"loop-{name}-{label}" if several else f"loop-{name}", draw(), caption)
+
+
+def _margins(shown: Shown) -> Table:
+    """What each law's loop has in hand before it becomes unstable, as the summary says it."""
+    known = {label: found for label, result in shown.results.items() if (found := result.summary.margins)}
+    rows: list[list[str]] = []
+    for label, table in known.items():
+        if len(known) > 1:
+            rows.append([label])
+        if not table.stable:
+            words = f": {table.unstable.words}" if table.unstable else ""
+            rows.append([f"the closed loop is unstable{words}", *[DASH] * (len(LOOP_HEAD) - 1)])
+        rows.append(["least, anywhere", *_loop(table)])
+        rows += [[name, *_loop(one)] for name, one in table.motions.items()]
+    note = (
+        "Each motion opened by itself, the rest closed; the least also over single valves, single readings and all "
+        "valves at once. Peak: of the sensitivity. Practice asks for 6 dB, 45°, a disk margin of 0.5 and a peak below "
+        f"2. {DASH}: unlimited, or no crossing."
+    )
+    return Table("Margins of the control loop", LOOP_HEAD, rows, note)
+
+
+def _loop(one: LoopMargins | PlaceMargins) -> list[str]:
+    """Cells of a loop's row."""
+    names = ("gain_db", "phase_deg", "disk", "peak_sensitivity", "peak_hz")
+    crossings = ", ".join(map(number, getattr(one, "crossings_hz", ())))
+    return [*(number(getattr(one, name, None)) for name in names), crossings or DASH]

@@ -1,0 +1,161 @@
+"""Several runs on one page: what each is, and in which settings they differ."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final, NamedTuple
+
+from pydantic import BaseModel
+
+from ehamj.control.settings import DigitalSettings
+from ehamj.pages import Section, Table
+from ehamj.pages.words import DASH, exact, plain
+from ehamj.report.sections.inputs import named
+from ehamj.report.shown import Shown, ground_parts
+from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import named as named_differences
+from ehamj.scenario.variation import unlike
+
+ASIDE: Final = ("name", "description", "compare", "output", "sources", "designed_for")
+"""Settings that say what a run is called, what is written of it and where its values come from, not what it does; and
+the machine that a law is for, which has a line of its own."""
+MOST: Final = 4
+"""Settings of a table that only some runs have which are still told one by one."""
+MISSING: Final = object()
+
+
+def runs(shown: Shown) -> Section | None:
+    """A line for each run, and a table of the settings that are not the same in all; None of a single run."""
+    if shown.alone:
+        return None
+    return Section("runs", "What is compared", tables=[_each(shown), differences(shown)])
+
+
+def _each(shown: Shown) -> Table:
+    """Name, description, duration, floor, control and verdict of each run."""
+    columns = []
+    for result in shown.results.values():
+        scenario, simulated = result.scenario, result.summary.timing.simulated_s
+        cut = "" if result.complete else f" of {exact(scenario.duration)} s, incomplete"
+        columns.append(
+            {
+                "what it is": scenario.description or DASH,
+                "simulated": f"{exact(round(simulated, 6))} s{cut}",
+                "floor": floor_in_words(scenario),
+                "control": control_in_words(scenario),
+                **{f"verdict, {name}": said for name, said in result.summary.criterion.briefly().items()},
+                "judged by": result.summary.criterion.lines().get("judged by", DASH),
+            }
+        )
+    rows = [[name, *(column[name] for column in columns)] for name in columns[0]]
+    note = "Verdict: the vibration class of the machine at its worst place."
+    return Table("Runs", ["", *shown.results], rows, note, kind="words")
+
+
+def differences(shown: Shown) -> Table:
+    """Every setting that is not the same in all runs, side by side; without rows where all are."""
+    scenarios = [result.scenario for result in shown.results.values()]
+    rows = [row for row in _differing(scenarios, "", "") if len(set(row[1:])) > 1]
+    made = [derived_for(scenario) for scenario in scenarios]
+    if len(set(made)) > 1:
+        rows.append([named("control.designed_for", "machine that the law is derived for"), *made])
+    note = f"All other settings are the same. {DASH}: the run has no such setting."
+    return Table("Differences in settings", ["setting", *shown.results], rows, note, kind="words")
+
+
+def derived_for(scenario: Scenario) -> str:
+    """The machine that a scenario's law is derived for: its own, or what of it was otherwise."""
+    if not isinstance(scenario.control, DigitalSettings):
+        return DASH
+    other = unlike(scenario.nominal, scenario.installation)
+    return named_differences(other, "{key} = {one}") if other else "the run's own"
+
+
+def floor_in_words(scenario: Scenario) -> str:
+    """Kinds of the ground, each with what tells it from others of its kind."""
+    return " + ".join(_kind_in_words(part) for part in ground_parts(scenario))
+
+
+def control_in_words(scenario: Scenario) -> str:
+    """Kind of the control, and the parts that it is the sum of."""
+    return _kind_in_words(scenario.control)
+
+
+def _kind_in_words(settings: Any) -> str:
+    """The kind of some settings, with a name, level or file that they are by, and their parts."""
+    found = [str(getattr(settings, "kind", type(settings).__name__))]
+    for name in ("name", "level", "file", "floor"):
+        value = getattr(settings, name, None)
+        if isinstance(value, str) and value:
+            found.append(value)
+    parts = getattr(settings, "parts", ())
+    return " ".join(found) + (f" ({', '.join(_kind_in_words(part) for part in parts)})" if parts else "")
+
+
+def _differing(values: Sequence[Any], key: str, about: str) -> Iterator[list[str]]:
+    """Rows of what differs in some values: name and key, and each as text; tables that all have are gone through.
+
+    Of tables of several kinds that is told which is not as it is by default.
+    """
+    if all(value == values[0] for value in values[1:]):
+        return
+    tables = [_table(value) for value in values]
+    whole = [table for table in tables if table is not None]
+    if len(whole) < len(tables):
+        yield [named(key, _short(about)), *map(_in_words, values)]
+        return
+    kinds = len({table["kind"].value for table in whole if "kind" in table}) > 1
+    names = dict.fromkeys(name for table in whole for name in table)
+    for name in sorted(names, key=lambda one: one != "kind"):
+        found = [table.get(name, ABSENT) for table in whole]
+        told = not kinds or name == "kind" or any(one is not ABSENT and one.value != one.default for one in found)
+        if name not in ASIDE and told:
+            text = next(one.about for one in found if one is not ABSENT)
+            yield from _differing([one.value for one in found], f"{key}.{name}".lstrip("."), text)
+
+
+class Part(NamedTuple):
+    """A setting of a table."""
+
+    value: Any
+    about: str = ""
+    default: Any = MISSING
+
+
+ABSENT: Final = Part(MISSING)
+
+
+def _table(value: Any) -> dict[str, Part] | None:
+    """The settings of a table by name; None of a value that has none."""
+    if isinstance(value, BaseModel):
+        fields = type(value).model_fields.items()
+        return {name: Part(getattr(value, name), f.description or "", f.get_default()) for name, f in fields}
+    if isinstance(value, Mapping):
+        return {str(name): Part(part) for name, part in value.items()}
+    if isinstance(value, tuple) and value and all(isinstance(part, BaseModel) for part in value):
+        return {str(getattr(part, "name", k)): Part(part) for k, part in enumerate(value)}
+    return None
+
+
+def _short(about: str) -> str:
+    """A description without its explanations, with its unit."""
+    unit = re.search(r"\[[^\]]*\]", about)
+    said = re.split(r"[:;(\[]", about)[0].strip()
+    return f"{said} {unit.group()}" if unit else said
+
+
+def _in_words(value: Any) -> str:
+    """A setting as text: of a table its kind, or what was set of it."""
+    if value is MISSING:
+        return DASH
+    table = _table(value)
+    if table is None:
+        return plain(value)
+    if isinstance(value, tuple):
+        return ", ".join(_in_words(part) for part in value)
+    if isinstance(value, BaseModel) and hasattr(value, "kind"):
+        return _kind_in_words(value)
+    given = value.model_fields_set if isinstance(value, BaseModel) else set(table)
+    told = {name: part.value for name, part in table.items() if name in given and name not in ASIDE}
+    if len(told) > MOST:
+        return f"{len(told)} settings"
+    return ", ".join(f"{name} {_in_words(part)}" for name, part in told.items()) or "as it is by default"

@@ -1,0 +1,58 @@
+"""What the README shows of Python runs as it stands, and gives what it says."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import ehamj
+from ehamj.scenario.load import load_scenario
+
+README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """The folder where all blocks ran one after another, and what they left."""
+    folder, left = tmp_path_factory.mktemp("reader"), dict[str, Any]()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for block in re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL):
+            exec(block, left)
+    return folder, left
+
+
+def test_a_result_is_saved_whole(ran: tuple[Path, dict[str, Any]]) -> None:
+    folder, left = ran
+    saved = {path.name for path in (folder / "runs/mine").iterdir()}
+    assert saved >= {"report.html", "replay.rrd", "result.nc", "summary.json", "scenario.toml", "controller.json"}
+    assert ehamj.load_result(folder / "runs/mine").summary == left["result"].summary
+
+
+def test_a_law_held_isolates_less_than_on_its_machine_and_more_than_none(ran: tuple[Path, dict[str, Any]]) -> None:
+    designed, held, passive = ran[1]["levels"]
+    assert designed > held + 3.0 > passive + 20.0
+
+
+def test_the_example_law_isolates_as_the_comment_says(ran: tuple[Path, dict[str, Any]]) -> None:
+    quieter = ran[1]["quieter"].summary
+    assert quieter["attenuation_db"]["z"]["10"] == pytest.approx(9.0, abs=1.0)
+    assert max(quieter["saturation"]["command"].values()) == 0.0
+    assert not [warning for warning in quieter["warnings"] if "unstable" in warning]
+
+
+def test_the_compiled_law_is_the_same_one(ran: tuple[Path, dict[str, Any]]) -> None:
+    python, compiled = (ran[1][name].summary["attenuation_db"]["z"]["10"] for name in ("quieter", "same"))
+    assert compiled == pytest.approx(python, abs=1.0)  # it takes over 0.2 s later
+    law = ehamj.load_controller(ran[0] / "law.json")
+    assert law.inputs == ran[1]["law"].inputs
+
+
+def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
+    (block,) = (
+        one for one in re.findall(r"^```toml\n(.*?)^```", README, re.MULTILINE | re.DOTALL) if "[machine]" in one
+    )
+    (tmp_path / "mine.toml").write_text(block, encoding="utf-8")
+    scenario = load_scenario(tmp_path / "mine.toml")
+    assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 4000.0)
