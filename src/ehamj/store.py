@@ -8,9 +8,10 @@ from ehamj.errors import InputError
 from ehamj.folders import check_out, new_folder
 from ehamj.report import Shown, write_report
 from ehamj.result import RESULT_FILES, SAVING, Result
+from ehamj.run.progress import Progress, silent
 
 
-def write_run(folder: Path, results: Mapping[str, Result], progress: Callable[[str], None] = lambda step: None) -> None:
+def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent) -> None:
     """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with

@@ -686,7 +686,7 @@ def test_names_of_the_user_are_text(results: dict[str, Result]) -> None:
     both = {name: run, "_x": results["feedforward"]}
     seen = text_of(both)
     assert seen.xpath("//script") == []
-    assert seen.xpath("//h1")[0].text_content() == name
+    assert seen.xpath("//h1")[0].text_content() == f"{name} beside _x"
     (figure,) = (picture.figure for picture in report_page(both).pictures if picture.name == "attenuation-z")
     assert html.escape(name, quote=False)[:35] in plots.svg(figure, "a")
 

@@ -1,7 +1,8 @@
 """Transmissibilities of one machine side by side: linear and measured, passive and under control; as files."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated, Final, Literal, NamedTuple, Self
 
 import numpy as np
@@ -28,6 +29,7 @@ from ehamj.result import Result
 from ehamj.rig.measurement import Measurement
 from ehamj.rig.multisine import LEVEL, by_multisine, lines
 from ehamj.rig.welch import by_welch
+from ehamj.run.progress import Progress, silent
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 
@@ -192,9 +194,7 @@ def own_output(outputs: Sequence[str], dof: str) -> str:
     return next(name for name in outputs if name.endswith(f" {dof}"))
 
 
-def compare_scenario(
-    scenario: Scenario, settings: TransmissibilitySettings, progress: Callable[[str], None] = lambda step: None
-) -> Comparison:
+def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings, progress: Progress = silent) -> Comparison:
     """Linear and measured by multisines, passive and under the scenario's control; ``progress`` hears what runs.
 
     Raises:
@@ -207,12 +207,18 @@ def compare_scenario(
     outputs, frequency = machine_channels(s.reference), lines(s.first, s.last, s.lines)
     variants = []
     for name, one in kinds.items():
-        progress(f"{name}, {len(s.dofs) * s.realisations} nonlinear runs")
-        measured = by_multisine(one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence)
+        measured = by_multisine(
+            one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence,
+            partial(_prefixed, progress, name),
+        )  # fmt: skip
         loop = Loop.of(one, one.controller())
         at_lines = rigid_floor(model, frequency, loop, outputs, s.dofs)
         variants.append(replace(_linear(name, model, loop, s), measured=(measured,), at_lines=at_lines))
     return Comparison(scenario, s, tuple(variants), lever_scale(model.plant))
+
+
+def _prefixed(progress: Progress, name: str, step: str) -> None:
+    progress(f"{name}, {step}")
 
 
 def runs_unknown_law(result: Result) -> bool:

@@ -22,6 +22,7 @@ from ehamj.linear.response import TURNS, lever_scale, machine_channels, slab_pat
 from ehamj.plant.axes import DOFS
 from ehamj.result import Result
 from ehamj.rig.measurement import Measurement, channel
+from ehamj.run.progress import Progress, counted, silent
 from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -60,6 +61,7 @@ def by_multisine(
     velocity: float = LEVEL,
     estimator: Estimator = "h1",
     confidence: float = 0.95,
+    progress: Progress = silent,
 ) -> Measurement:
     """Measure the answer to a rigid floor under the scenario's control, in ``len(dofs)·realisations`` runs.
 
@@ -72,6 +74,7 @@ def by_multisine(
         velocity: RMS velocity of each line [m/s]; small, since the machine is nonlinear.
         estimator: h1, h2 or hv, see `estimate`.
         confidence: probability of the confidence circles.
+        progress: hears which run begins.
 
     Raises:
         InputError: if an argument is not allowed, or the loop is unstable or hardly damped.
@@ -87,14 +90,15 @@ def by_multisine(
     levels = [velocity / length if dof in TURNS else velocity for dof in dofs]
     phases = np.concatenate([_phases(scenario.seed, k, q, f.size) for k in range(realisations)])
     duration = settling + PERIODS * PERIOD
-    runs = simulate_many(
-        excited(scenario, {"ground": _ground(dofs, f, levels, phase, fade_in)}, f, duration) for phase in phases
+    cases = (
+        excited(scenario, {"ground": _ground(dofs, f, levels, phase, fade_in)}, f, duration)
+        for phase in counted(list(phases), progress)
     )
+    answers = np.array(simulate_many(cases, reduce=lambda run: _answers(run, outputs, f, settling)))
     amplitude = np.sqrt(2.0) * np.outer(levels, 1.0 / (2 * np.pi * f))
     # A sine of phase φ has the spectral line −j·A·exp(jφ) at the beginning of its period, which whole periods follow.
     given = (-1j * amplitude * np.exp(1j * phases)).transpose(0, 2, 1)
     given = given * np.exp(2j * np.pi * f * settling)[:, None]
-    answers = np.array([_answers(run, outputs, f, settling) for run in runs])
     found = estimate(Spectra.of_lines(f, given, answers), estimator, confidence)
     words = f"multisine of {f.size} lines, {realisations} × {q} experiments, {estimator.upper()}"
     return Measurement(tuple(outputs), tuple(dofs), found, words)

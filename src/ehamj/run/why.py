@@ -59,15 +59,16 @@ class Reasons:
     def of(self, one: Worse) -> str:
         """In words: the mode that is excited and by what, or the limit that was reached."""
         if self.model is None or self.python:
-            return self._not_linear()
+            return self._not_linear("")
         held, ruled = self._levels(one, None), self._levels(one, self.loop)
         level = self._measured(one)
         held_db, ruled_db = (20.0 * np.log10(np.hypot.reduce(part) / level + 1e-12) for part in (held, ruled))
         if ruled_db < -EXPLAINED:
-            return self._not_linear()
+            return self._not_linear(self._excited(one, one.axis))
         motion = DOFS[int(np.argmax(ruled))]
         by = "" if motion == one.axis else f", driven by the floor's {MOTIONS[motion]}"
-        excited = self._excited(one, motion)
+        follows = "the linear machine amplifies it" if motion == one.axis else "the machine follows"
+        excited = self._excited(one, motion) or follows
         if self.law is None:
             return f"{excited}{by}"
         if held_db >= ruled_db - AS_PASSIVE:
@@ -126,7 +127,10 @@ class Reasons:
         return float(floor) * 10.0 ** ((one.amplification_db or 0.0) / 20.0)
 
     def _excited(self, one: Worse, motion: str) -> str:
-        """The mode that one of the floor's motions excites most along the axis, by its shape and its resonance."""
+        """The mode that one of the floor's motions excites most along the axis, by its shape and its resonance.
+
+        "" where there is none within `NEAR`.
+        """
         band, row = next(own for own in BANDS if own.name == one.band), self._row(one)
 
         def share(mode: Mode) -> float:
@@ -145,7 +149,7 @@ class Reasons:
         taking = [m for m in self.modes if m.machine_moves and octaves(m) <= NEAR and share(m) >= TAKES_PART]
         mode = max(taking, key=answer, default=None)
         if mode is None:
-            return "the linear machine amplifies it" if motion == one.axis else "the machine follows"
+            return ""
         named = f"{mode.name} at {mode.frequency:.3g} Hz (damping {mode.damping_ratio:.2g})"
         return f"it lies on the flank of {named}" if octaves(mode) > FLANK else f"{named} is excited"
 
@@ -155,8 +159,8 @@ class Reasons:
         band = next(own for own in BANDS if own.name == one.band)
         return f"; the valves follow up to {corner:.3g} Hz only" if band.edges[1] > 0.5 * corner else ""
 
-    def _not_linear(self) -> str:
-        """What the linear machine does not have, of what this run has."""
+    def _not_linear(self, excited: str) -> str:
+        """What the linear machine does not have, of what this run has, and the mode that is ``excited``, if any."""
         reached = {name: max(of_mount.values()) for name, of_mount in self.shares.items()}
         found = [f"{WORDS[name]} for {100 * share:.2g} % of the time" for name, share in reached.items() if share > 0]
         if self.scenario.force:
@@ -166,8 +170,9 @@ class Reasons:
         if self.python:
             found.append("a Python function commands the valves")
         if not found:
-            return "the linear machine does not: it is the valves' nonlinearity, or what moves in other bands"
-        return f"the linear machine does not say why; in this run {', '.join(found)}"
+            return "the linear machine would not: it is the valves' nonlinearity, or what moves in other bands"
+        rings = f"; {excited}" if excited else ""
+        return f"the linear machine would not, and in this run {', '.join(found)}{rings}"
 
 
 def _over(one: Worse, level: float, held: Array) -> str:

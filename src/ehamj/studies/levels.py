@@ -25,7 +25,7 @@ from ehamj.run.simulate import simulate_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress
+from ehamj.studies.outcome import Drawing, Outcome, Progress, counted
 from ehamj.studies.study import among, study
 
 BANDS: Final = ("2", "5", "10", "20", "50", "100")
@@ -61,8 +61,7 @@ def levels(scenario: Scenario, settings: LevelSettings, progress: Progress) -> O
     """A machine that cannot be simulated so is refused."""
     laws = _laws(scenario, settings.isolate_from)
     cases = [_case(scenario, settings, law, level) for law in laws.values() for level in settings.levels]
-    progress(f"{len(cases)} nonlinear runs")
-    found = level_table(list(laws), settings.levels, simulate_many(cases))
+    found = level_table(list(laws), settings.levels, simulate_many(counted(cases, progress)))
     return Outcome(
         title="Attenuation against the floor's level",
         question="How strong a floor can this machine be isolated from, and what happens beyond?",

@@ -9,13 +9,9 @@ import xarray as xr
 
 from ehamj.plots import Figure, Line
 from ehamj.plots.charts import DASHES
+from ehamj.run.progress import Progress, counted, silent
 
-Progress = Callable[[str], None]
-"""Called with what is being done now."""
-
-
-def silent(text: str) -> None:
-    """No progress is shown."""
+__all__ = ["Drawing", "Outcome", "Progress", "counted", "curves", "decibel", "silent"]
 
 
 @dataclass(frozen=True)

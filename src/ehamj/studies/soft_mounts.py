@@ -29,7 +29,7 @@ from ehamj.run.simulate import simulate
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
-from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel
+from ehamj.studies.outcome import Drawing, Outcome, Progress, curves, decibel, silent
 from ehamj.studies.rest import modes_table
 from ehamj.studies.study import Positive, among, study
 from ehamj.studies.variants import check_gravity, positions, preset, resized, still, with_every_actuator
@@ -141,8 +141,7 @@ def boundary(scenario: Scenario, actuator: Actuator, width: float) -> float:
 def soft_mounts(scenario: Scenario, settings: SoftMountSettings, progress: Progress) -> Outcome:
     """A machine without gravity, or that cannot stand on its mounts at all, is refused."""
     check_gravity(scenario, "tips")
-    progress("tipping boundary")
-    tipping = tipping_table(scenario, settings)
+    tipping = tipping_table(scenario, settings, progress)
     progress("transmissibility and modes")
     systems = compared_systems(scenario, settings.presets)
     gains = transmissibility_table(systems)
@@ -189,7 +188,7 @@ NOTES = (
 )
 
 
-def tipping_table(scenario: Scenario, settings: SoftMountSettings) -> xr.Dataset:
+def tipping_table(scenario: Scenario, settings: SoftMountSettings, progress: Progress = silent) -> xr.Dataset:
     """CG height at which the machine tips [m], over ``mounts`` and ``width``: closed form, eigenvalues, and runs.
 
     The runs stand 0.5 % below the eigenvalue's height and fall 0.5 % above; ``stands`` and ``falls`` are the heights at
@@ -201,11 +200,13 @@ def tipping_table(scenario: Scenario, settings: SoftMountSettings) -> xr.Dataset
     closed, eigen, stands, fell = (np.full(shape, np.nan) for _ in range(4))
     about = np.full(shape, "", dtype=object)
     for i, j in np.ndindex(*shape):
+        progress(f"tipping boundary, {i * len(widths) + j + 1} of {about.size}")
         both = tipping_height(tall(scenario, actuators[i], 1.0, widths[j]).plant)
         closed[i, j], about[i, j] = min(both), AXES_OF_TIPPING[int(np.argmin(both))]
         eigen[i, j] = boundary(scenario, actuators[i], widths[j])
 
     def run(case: tuple[int, int, int]) -> None:
+        progress(f"nonlinear run {runs.index(case) + 1} of {len(runs)}")
         i, j, side = case
         height = (1.0 + side * MARGIN) * eigen[i, j]
         down = falls(tall(scenario, actuators[i], height, widths[j]), about[i, j], settings.duration)

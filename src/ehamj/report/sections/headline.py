@@ -17,7 +17,10 @@ from ehamj.result import Result
 
 OF_LEVELS: Final = "Of the RMS over the whole run."
 """What attenuation is of."""
-WORST: Final = "Worst place: of the centre of gravity, each foot and every point, the one with least in that band."
+WORST: Final = (
+    "Worst place: of the centre of gravity, each foot and every point, the one with least in that band; a foot is held "
+    "against the ground below it, all else against the mean of the floor."
+)
 HEADLINE_BANDS: Final = ("5", "10", "20", "50", "100")
 
 OLDER: Final = (
