@@ -12,9 +12,9 @@ from ehamj.criteria.settings import CriteriaSettings
 from ehamj.criteria.vc import CLASSES, CLASSIC, FLAT
 from ehamj.estimate.bands import bands
 from ehamj.judge import isolation
-from ehamj.judge.headline import scatter
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import levels_of
+from ehamj.judge.scatter import scatter
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import make_dataset
 from ehamj.scenario.load import parse_scenario

@@ -3,13 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from markupsafe import Markup
 
 from ehamj.control.architectures.file import Law
-from ehamj.control.installation import Installation
-from ehamj.control.settings import DigitalSettings
+from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.design.outcome import outcome
@@ -25,10 +24,11 @@ from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 
-OWN: Final = "the scenario's own"
-"""Name of the scenario's machine among those that a law is judged on, where it is held for another."""
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
+
+RUNS_ON: Final = "the machine it runs on"
+"""Name among the machines of the scenario's own, where the law is designed for another (``control.designed_for``)."""
 
 
 @dataclass(frozen=True)
@@ -82,34 +82,25 @@ def design_controller(
     given = scenario.control
     kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
     if kind != given.kind:
-        shared = {**given.shared, "designed_for": given.designed_for} if isinstance(given, DigitalSettings) else {}
+        shared = given.shared if isinstance(given, DigitalSettings) else {}
+        shared = shared | ({"designed_for": given.designed_for} if isinstance(given, DigitalSettings) else {})
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
-    nominal, held = _nominal(scenario)
-    machines = dict(machines_of(nominal))
-    if held is not None:
-        machines[OWN] = linear_model(scenario.plant)
+    believed, held = scenario.as_designed(), given.designed_for if isinstance(given, DigitalSettings) else None
+    machines = dict(machines_of(believed))
+    if held is not None:  # the law is derived for a machine that differs from the one it runs on
+        machines[RUNS_ON] = linear_model(scenario.plant)
     if kind in SYNTHESES:
-        design = synthesised(nominal, machines, beginning(kind, nominal.control), wanted, progress)
-        control: Any = Law(kind="law", file=CONTROLLER_FILE)
+        design = synthesised(believed, machines, beginning(kind, given), wanted, progress)
+        control: ControlSettings = Law(kind="law", file=CONTROLLER_FILE)
     else:
         progress("choosing crossings")
-        design = _designed(nominal, machines, wanted)
-        control = design.settings if held is None else design.settings.model_copy(update={"designed_for": held})
+        design = _designed(believed, machines, wanted)
+        control = design.settings.model_copy(update={"designed_for": held})
     scenario = scenario.model_copy(update={"control": control})
     progress("predicting what a run will show")
-    limits = budget(scenario, machines["as designed" if held is None else OWN], design.law)
+    limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
-
-
-def _nominal(scenario: Scenario) -> tuple[Scenario, Installation | None]:
-    """The scenario on the machine that its law is held for, and that machine; None where it is the scenario's own."""
-    held = getattr(scenario.control, "designed_for", None)
-    if held is None:
-        return scenario, None
-    control = scenario.control.model_copy(update={"designed_for": None})
-    own = {name: getattr(held, name) for name in Installation.model_fields}
-    return scenario.model_copy(update={**own, "control": control}), held
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:

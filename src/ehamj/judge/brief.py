@@ -15,7 +15,8 @@ def brief(summary: Summary) -> dict[str, str]:
     timing = summary.timing
     state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
     found = {"run": f"{summary.name}: {timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s, {state}"}
-    found |= summary.criterion.briefly()
+    by = f", by {summary.criterion.title}" if summary.criterion.title else ""
+    found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
     for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
         found[place] = f"vertically {said}" if (said := quiet_bands(levels)) else "vertically undecided in every band"
     found["peak motion"] = _motion(summary.peak)

@@ -10,102 +10,16 @@ from typing import Final
 import numpy as np
 from pydantic import Field
 
-from ehamj.criteria.curves import WHOLE, Norm, Verdict, where
-from ehamj.estimate.sliding import averaging_time
-from ehamj.findings import Finding, finite
+from ehamj.criteria.curves import Norm, Verdict
+from ehamj.findings import Finding
+from ehamj.judge.decisive import Decisive, open_in_words
 from ehamj.judge.levels import Levels
 from ehamj.judge.places import AtPlace
-from ehamj.plant.axes import AXES
+from ehamj.judge.scatter import scatter
 
 DIRECTIONS: Final = {"vertical": ("z",), "horizontal": ("x", "y")}
 """Axes of each direction that is judged apart from the other."""
 ACTUATED: Final = {"vertical": "actuated", "horizontal": "not actuated"}
-
-AT_BEST: Final = "at best"
-"""Before a class that is met as far as bands are known."""
-AT_REST: Final = 100.0
-"""Margin above which nothing moves that anybody would call a vibration [dB]."""
-FEW: Final = 4
-"""Undecided bands that a headline still names one by one."""
-DEVIATIONS: Final = 2.0
-"""Standard deviations that count as scatter: 95 of 100 estimates lie within."""
-DECILES: Final = 2.563
-"""Between the levels exceeded for 10 and for 90 % of the time, in standard deviations of a normal distribution."""
-STATIONARY: Final = 2.0
-"""Spread of the windows' mean squares, over that of white noise in the band, above which noise is not stationary."""
-
-
-class Decisive(Finding):
-    """What decides about a place along the axis where it is worst."""
-
-    place: str
-    """``floor``, ``feet``, ``machine`` (its centre of gravity) or a point."""
-    mount: str | None = None
-    """Of floor and feet: the mount that is worst."""
-    axis: str
-    verdict: Verdict
-    scatter_db: float | None = None
-    """By how much the level in the deciding band may differ by chance, see `scatter`; None: not known."""
-    next_scatter_db: float | None = None
-    """The same in the band that decides about the next stricter class."""
-
-    @property
-    def at(self) -> str:
-        """The place in words."""
-        return place_in_words(self.place, self.mount)
-
-    @property
-    def where(self) -> str:
-        """The place in words, and the axis where there are several."""
-        return self.at if self.axis == "z" else f"{self.at} along {self.axis}"
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether nothing moves there along its axes."""
-        verdict = self.verdict
-        return verdict.met is not None and (verdict.margin_db is None or verdict.margin_db > AT_REST)
-
-    def class_in_words(self, undecided: Sequence[str] = ()) -> str:
-        """The class met, at best where bands are ``undecided``, or that not even the coarsest is."""
-        verdict = self.verdict
-        if verdict.deciding_band is None:
-            return "not judged"
-        if verdict.met is None:
-            return f"worse than {verdict.next_class}"
-        if undecided:
-            return f"{AT_BEST} {verdict.met}"
-        return "at rest" if self.at_rest else verdict.met
-
-    def reason(self) -> str:
-        """Distance to the limit of the class, and to that of the next stricter, each with its band and scatter."""
-        verdict = self.verdict
-        if verdict.deciding_band is None:
-            return ""
-        if self.at_rest:
-            return "at rest"
-        below, above = verdict.margin_db, verdict.excess_db
-        here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
-        found = []
-        if below is not None:
-            chance = scatter_in_words(below, self.scatter_db)
-            own = f" {here}{chance}" if chance or here != there or above is None else ""
-            found.append(f"{decibel(below)} dB below its limit{own}")
-        if above is not None:
-            of = f"that of {verdict.next_class}" if found else "its limit"
-            found.append(f"{decibel(above)} dB above {of} {there}{scatter_in_words(above, self.next_scatter_db)}")
-        return " and ".join(found)
-
-    def briefly(self) -> str:
-        """Place, class, margin and band, as they stand beside others."""
-        verdict, along = self.verdict, "" if self.axis == "z" else f", {self.axis}"
-        if verdict.deciding_band is None:
-            return f"{self.at} not judged"
-        said = "at rest" if self.at_rest else ""
-        if not said and verdict.margin_db is not None:
-            said = f"{decibel(verdict.margin_db)} dB below{along}, {band_in_words(verdict.deciding_band)}"
-        elif not said:
-            said = f"{decibel(verdict.excess_db or 0.0)} dB above{along}, {band_in_words(verdict.deciding_band)}"
-        return f"{self.at} {self.class_in_words()} ({said})"
 
 
 class Direction(Finding):
@@ -155,43 +69,6 @@ class Direction(Finding):
         if self.worst.verdict.deciding_band is None or self.worst.at_rest:
             return met
         return f"{met}; worst at {self.worst.where}, {self.worst.reason()}"
-
-
-def place_in_words(place: str, mount: str | None = None) -> str:
-    """What a person calls a place of the summary, and the mount of floor and feet."""
-    if place in ("floor", "feet"):
-        what = "mount" if place == "floor" else "foot"
-        return f"worst {what}" if mount is None else f"{what} {mount}"
-    return "centre of gravity" if place == "machine" else place
-
-
-def open_in_words(bands: int, undecided: Sequence[str]) -> str:
-    """How many of the bands that could decide are undecided, and which, if they are few."""
-    if not undecided:
-        return ""
-    if WHOLE in undecided and bands == 1:
-        return "the peak is undecided"
-    which = f" ({band_in_words(', '.join(undecided))})" if len(undecided) <= FEW and WHOLE not in undecided else ""
-    return f"{len(undecided)} of {bands} bands undecided{which}"
-
-
-def band_in_words(band: str) -> str:
-    """A band, or what stands for it where the whole history decides."""
-    return "peak" if band == WHOLE else f"{band} Hz"
-
-
-def decibel(value: float) -> str:
-    """A distance to a limit [dB]: to a tenth, below that to a hundredth."""
-    if abs(value) < 0.005:
-        return "less than 0.01"
-    return f"{value:.{1 if abs(value) >= 0.095 else 2}f}"
-
-
-def scatter_in_words(distance: float, scatter: float | None) -> str:
-    """What to know of a distance to a limit [dB] that chance alone may have made."""
-    if scatter is None or abs(distance) > scatter:
-        return ""
-    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)"
 
 
 def direction(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm, levels: Levels) -> Direction:
@@ -253,26 +130,3 @@ def _left_open(
     order = list(dict.fromkeys(name for axis in axes for name in could[axis]))  # in each from low to high
     missing = {name for place in places for axis in axes for name in place[axis].undecided if name in could[axis]}
     return len(order), tuple(name for name in order if name in missing)
-
-
-def scatter(levels: Levels, place: str, mount: int | None, axis: str, band: str | None) -> float | None:
-    """By how much the RMS of a whole run may differ from that of a longer one, two standard deviations [dB].
-
-    The run's mean square is the mean of those of its windows, T/τ of them that do not overlap (τ: 1 s, or 1/bandwidth
-    where that is longer). Their spread is read from the levels exceeded for 10 and 90 % of the time, taken as those of
-    a normal distribution: for stationary noise this gives 1/√(bandwidth · T) of the mean square, for a steady line 0.
-
-    None where the levels over time are not known, and of peaks.
-    """
-    row = levels.row(band)
-    if row is None:
-        return None
-    at = (row, *(() if mount is None else (mount,)), AXES.index(axis))
-    rms, high, low = (float(levels.places[place]["velocity", name][at]) for name in ("rms", "l10", "l90"))
-    if not rms > 0.0 or levels.seconds <= 0.0:
-        return None
-    spread = (high**2 - low**2) / DECILES / rms**2
-    time = averaging_time(levels.bands[row], "max_1s")
-    if not spread <= STATIONARY / np.sqrt(levels.bands[row].width * time):
-        return None
-    return finite(DEVIATIONS * 10.0 / np.log(10.0) * spread / np.sqrt(levels.seconds / time))

@@ -7,7 +7,7 @@ from typing import Final
 from pydantic import Field
 
 from ehamj.findings import Finding
-from ehamj.judge.headline import place_in_words
+from ehamj.judge.decisive import place_in_words
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, SLAB, ByBand
 from ehamj.plant.axes import AXES

@@ -38,10 +38,10 @@ OWN: Final = {
 def _kind(state: str) -> str:
     """What a state is, of `SIZES`; '' for the states of options, laws and delays."""
     words = state.split(" ")
-    if words[0] == "controller" and len(words) > 2:  # an instrument's, of the size of what it measures
+    if words[:2] == ["controller", "sensor"]:  # of the size of what the instrument measures
         quantity = quantity_of(words[2])
         return quantity if quantity in SIZES else "pressure"
-    if words[0] in SIZES:
+    if words[0] in SIZES or words[0] == "controller":
         return words[0]
     return "pressure" if "pressure" in words[0] else ""
 

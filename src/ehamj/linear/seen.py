@@ -38,8 +38,8 @@ def sampled_plant(
             pressure of every mount.
         rate: of the samples [Hz]; without: that of its law, or without a law the default of `[control]`.
         delay: of the computation [s]; without: that of its law of this rate, or one sample.
-        disturbances: further inputs, of `linearise`'s, held between samples: displacement [m] and velocity [m/s] of the
-            ground, each an input of its own, or forces [N, N m].
+        disturbances: further inputs, of `linearise`'s, held between samples (half a sample late in the mean):
+            displacement [m] and velocity [m/s] of the ground, each an input of its own, or forces [N, N m].
         closed: the scenario's own law runs as well, and the plant is what a further one of ``rate`` sees of both; its
             period must be a multiple of all periods of the own law.
 

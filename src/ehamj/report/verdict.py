@@ -3,7 +3,7 @@
 from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.headline import AT_BEST
+from ehamj.judge.decisive import AT_BEST
 from ehamj.pages.words import decibel, number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown

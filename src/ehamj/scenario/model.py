@@ -127,6 +127,13 @@ class Scenario(Installation, Course):
         """The forces on the machine itself."""
         return load_of(self.force, self.points, self.machine.cg, self.duration, self.seed)
 
+    def as_designed(self) -> Self:
+        """The scenario on the very machine that its law is derived from."""
+        if not isinstance(self.control, DigitalSettings) or self.control.designed_for is None:
+            return self
+        control = self.control.model_copy(update={"designed_for": None})
+        return self.model_copy(update={**{name: getattr(self.nominal, name) for name in PARTS}, "control": control})
+
     def controller(self) -> LinearController | None:
         """The digital controller, if there is one.
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ehamj import plots
-from ehamj.judge.headline import place_in_words
+from ehamj.judge.decisive import place_in_words
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, DASH, decibel
 from ehamj.plots import Levels

@@ -9,7 +9,7 @@ import numpy as np
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
 from ehamj.estimate.statistics import SHORT, BandStatistic
-from ehamj.judge.headline import place_in_words
+from ehamj.judge.decisive import place_in_words
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled

@@ -7,7 +7,7 @@ from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
-from ehamj.judge.headline import place_in_words
+from ehamj.judge.decisive import place_in_words
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel

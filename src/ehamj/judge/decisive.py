@@ -1,0 +1,124 @@
+"""What decides about one place, in words: its class, the distance to limits, and what chance may have made of it."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from ehamj.criteria.curves import WHOLE, Verdict, where
+from ehamj.findings import Finding
+
+AT_BEST: Final = "at best"
+"""Before a class that is met as far as bands are known."""
+AT_REST: Final = 100.0
+"""Margin above which nothing moves that anybody would call a vibration [dB]."""
+FEW: Final = 4
+"""Undecided bands that a headline still names one by one."""
+
+
+class Decisive(Finding):
+    """What decides about a place along the axis where it is worst."""
+
+    place: str
+    """``floor``, ``feet``, ``machine`` (its centre of gravity) or a point."""
+    mount: str | None = None
+    """Of floor and feet: the mount that is worst."""
+    axis: str
+    verdict: Verdict
+    scatter_db: float | None = None
+    """By how much the level in the deciding band may differ by chance, see `scatter`; None: not known."""
+    next_scatter_db: float | None = None
+    """The same in the band that decides about the next stricter class."""
+
+    @property
+    def at(self) -> str:
+        """The place in words."""
+        return place_in_words(self.place, self.mount)
+
+    @property
+    def where(self) -> str:
+        """The place in words, and the axis where there are several."""
+        return self.at if self.axis == "z" else f"{self.at} along {self.axis}"
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves there along its axes."""
+        verdict = self.verdict
+        return verdict.met is not None and (verdict.margin_db is None or verdict.margin_db > AT_REST)
+
+    def class_in_words(self, undecided: Sequence[str] = ()) -> str:
+        """The class met, at best where bands are ``undecided``, or that not even the coarsest is."""
+        verdict = self.verdict
+        if verdict.deciding_band is None:
+            return "not judged"
+        if verdict.met is None:
+            return f"worse than {verdict.next_class}"
+        if undecided:
+            return f"{AT_BEST} {verdict.met}"
+        return "at rest" if self.at_rest else verdict.met
+
+    def reason(self) -> str:
+        """Distance to the limit of the class, and to that of the next stricter, each with its band and scatter."""
+        verdict = self.verdict
+        if verdict.deciding_band is None:
+            return ""
+        if self.at_rest:
+            return "at rest"
+        below, above = verdict.margin_db, verdict.excess_db
+        here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
+        found = []
+        if below is not None:
+            chance = scatter_in_words(below, self.scatter_db)
+            own = f" {here}{chance}" if chance or here != there or above is None else ""
+            found.append(f"{decibel(below)} dB below its limit{own}")
+        if above is not None:
+            of = f"that of {verdict.next_class}" if found else "its limit"
+            found.append(f"{decibel(above)} dB above {of} {there}{scatter_in_words(above, self.next_scatter_db)}")
+        return " and ".join(found)
+
+    def briefly(self) -> str:
+        """Place, class, margin and band, as they stand beside others."""
+        verdict, along = self.verdict, "" if self.axis == "z" else f", {self.axis}"
+        if verdict.deciding_band is None:
+            return f"{self.at} not judged"
+        said = "at rest" if self.at_rest else ""
+        if not said and verdict.margin_db is not None:
+            said = f"{decibel(verdict.margin_db)} dB below{along}, {band_in_words(verdict.deciding_band)}"
+        elif not said:
+            said = f"{decibel(verdict.excess_db or 0.0)} dB above{along}, {band_in_words(verdict.deciding_band)}"
+        return f"{self.at} {self.class_in_words()} ({said})"
+
+
+def place_in_words(place: str, mount: str | None = None) -> str:
+    """What a person calls a place of the summary, and the mount of floor and feet."""
+    if place in ("floor", "feet"):
+        what = "mount" if place == "floor" else "foot"
+        return f"worst {what}" if mount is None else f"{what} {mount}"
+    return "centre of gravity" if place == "machine" else place
+
+
+def open_in_words(bands: int, undecided: Sequence[str]) -> str:
+    """How many of the bands that could decide are undecided, and which, if they are few."""
+    if not undecided:
+        return ""
+    if WHOLE in undecided and bands == 1:
+        return "the peak is undecided"
+    which = f" ({band_in_words(', '.join(undecided))})" if len(undecided) <= FEW and WHOLE not in undecided else ""
+    return f"{len(undecided)} of {bands} bands undecided{which}"
+
+
+def band_in_words(band: str) -> str:
+    """A band, or what stands for it where the whole history decides."""
+    return "peak" if band == WHOLE else f"{band} Hz"
+
+
+def decibel(value: float) -> str:
+    """A distance to a limit [dB]: to a tenth, below that to a hundredth."""
+    if abs(value) < 0.005:
+        return "less than 0.01"
+    return f"{value:.{1 if abs(value) >= 0.095 else 2}f}"
+
+
+def scatter_in_words(distance: float, scatter: float | None) -> str:
+    """What to know of a distance to a limit [dB] that chance alone may have made."""
+    if scatter is None or abs(distance) > scatter:
+        return ""
+    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)"
