@@ -146,6 +146,7 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A ground",
         "A reader of records",
         "A force",
+        "A fault",
         "An architecture",
         "A norm",
         "A study",

@@ -20,6 +20,7 @@ RANKS = (
     ("criteria",),
     ("memory", "ground", "forces", "judge"),
     ("control",),
+    ("faults",),
     ("mujoco", "scenario"),
     ("linear", "result"),
     ("designs", "pages"),

@@ -48,6 +48,7 @@ ISOLATOR: Final = record(
     *Feed._fields,
     *(name for component in COMPONENTS for name in component.Values._fields),
     *PLACES.values(),
+    "connected",  # 1: fed by the supply; 0: its branch is cut off
     "mount_x",  # [m]
     "mount_y",
     "weight",  # constant force on the stroke coordinate, up positive [N]
@@ -233,9 +234,12 @@ def rows(plant: Plant) -> list[Row]:
     n = len(plant.mounts)
     table = np.zeros(n, ISOLATOR)
     for mount, (actuator, (x, y)) in enumerate(zip(plant.actuators, plant.positions, strict=True)):
+        connected = plant.mounts[mount] not in plant.cut_off
+        pressure = plant.supply.pressure if connected else plant.supply.tank_pressure
         values = {
-            **Feed(plant.supply.pressure, plant.supply.tank_pressure, plant.supply.rating_pressure)._asdict(),
+            **Feed(pressure, plant.supply.tank_pressure, plant.supply.rating_pressure)._asdict(),
             **actuator.record(),
+            "connected": float(connected),
             "mount_x": x,
             "mount_y": y,
             # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.

@@ -27,7 +27,8 @@ pressures = st.floats(0.0, 90e5)
 def flows(spool: float, pressure_1: float, pressure_2: float, cross: float = CROSS) -> np.ndarray:
     """Flow into chamber 1, into chamber 2 and from the supply, of a valve that opens no further than its stroke."""
     opening = min(max(spool, -STROKE), STROKE)
-    return np.array(chamber_flows(opening, pressure_1, pressure_2, FEED, Edges.Values(GAIN, EDGE, cross, EPS)))
+    edges = Edges.Values(GAIN, EDGE, cross, EPS, 0.0, 0.0, 0.0)
+    return np.array(chamber_flows(opening, pressure_1, pressure_2, FEED, edges))
 
 
 def load_flow(spool: float, load: float) -> float:

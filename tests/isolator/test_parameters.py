@@ -61,6 +61,10 @@ ZERO_TOO = (
     "threshold",
     "rated_flow",
     "air_fraction",
+    "outside_leakage_1",
+    "outside_leakage_2",
+    "null_drift_from",
+    "null_drift_limit",
 )
 INFINITE_TOO = ("foot_stiffness", "spool_drive_limit", "wall_modulus")
 SPECIAL = (
@@ -69,6 +73,8 @@ SPECIAL = (
     "null_offset",
     "flow_curve",
     "polytropic_exponent",
+    "null_drift",
+    "spool_stuck_at",
 )  # limits of their own, tested with the options
 
 positive = st.floats(min_value=1e-12, max_value=1e12)

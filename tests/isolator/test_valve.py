@@ -18,7 +18,7 @@ GAIN, LEAK, EPS = 1.94e-6, 3.3e-12, 1e-3
 SUPPLY, TANK = 70e5, 2e5
 MIDDLE = 0.5 * (SUPPLY + TANK)
 FEED = Feed(SUPPLY, TANK, (SUPPLY - TANK) / 2)
-EDGES = Edges.Values(GAIN, LEAK, 0.0, EPS)
+EDGES = Edges.Values(GAIN, LEAK, 0.0, EPS, 0.0, 0.0, 0.0)
 SPOOL = Spool.Values(2.0, 1571.0, 0.65, 5.42e6, 20.0, 10.0)
 
 pressures = st.floats(-20e5, 90e5)

@@ -91,7 +91,7 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
     if summary.peak:
         _print_levels(summary, mount)
-    for direction, said in summary.criterion.lines().items():
+    for direction, said in summary.lines().items():
         say(f"vibration class, {direction}: {said}")
     places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
     for place, levels in places.items():

@@ -12,9 +12,11 @@ from ehamj.isolator.flow_curve import FlowCurve
 from ehamj.isolator.fluid import Fluid
 from ehamj.isolator.hysteresis import Hysteresis
 from ehamj.isolator.membrane import Membrane
+from ehamj.isolator.null_drift import NullDrift
 from ehamj.isolator.null_offset import NullOffset
 from ehamj.isolator.overlap import Overlap
 from ehamj.isolator.spool import Spool
+from ehamj.isolator.stuck_spool import StuckSpool
 from ehamj.isolator.supply import Supply
 from ehamj.isolator.threshold import Threshold
 
@@ -26,6 +28,8 @@ class Actuator(
     EndStops,
     Threshold,
     Hysteresis,
+    StuckSpool,
+    NullDrift,
     NullOffset,
     Overlap,
     Spool,

@@ -50,6 +50,8 @@ class At(NamedTuple):
     """Position at which the edges are fully open, x_max [mA]."""
     held: float
     """Where the metering edges stood at the end of the last step [mA]."""
+    time: float
+    """Since the start [s]."""
 
 
 STAGES = {

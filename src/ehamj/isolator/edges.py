@@ -3,6 +3,8 @@
 import math
 from typing import Any, ClassVar, NamedTuple
 
+from pydantic import Field
+
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
 from ehamj.isolator.overlap import Openings
@@ -47,7 +49,16 @@ class Edges(Component):
         35e5, "Pa", "Δp_N", "pressure drop over one edge at which rated_flow holds", "assumed", gt=0
     )
 
-    takes: ClassVar[Any] = ("flow_gain", "edge_leakage", "cross_leakage", "laminar_ratio")
+    outside_leakage_1: float = quantity(
+        0.0, "m³/s/Pa", "g_1", "conductance of a leak from chamber 1 to outside, at tank pressure", "assumed", ge=0
+    )
+    outside_leakage_2: float = quantity(0.0, "m³/s/Pa", "g_2", "the same from chamber 2", "assumed", ge=0)
+    check_valve: bool = Field(False, description="no oil flows back through the valve into the supply")
+
+    takes: ClassVar[Any] = (
+        "flow_gain", "edge_leakage", "cross_leakage", "laminar_ratio", "outside_leakage_1", "outside_leakage_2",
+        "check_valve",
+    )  # fmt: skip
 
     @property
     def edge_leakage(self) -> float:
@@ -83,6 +94,10 @@ def port_flow(opening: float, pressure: float, feed: Feed, own: "Edges") -> tupl
     # 1/rated is shared by both ports of a valve.
     through = own.flow_gain * opening * turbulence(drop * (1.0 / feed.rated_pressure), own.laminar_ratio)
     drawn = own.edge_leakage * (feed.supply_pressure - pressure)
+    if own.check_valve != 0.0 and feed.supply_pressure < pressure:
+        drawn = 0.0
+        if opening > 0.0:
+            through = 0.0
     drained = own.edge_leakage * (pressure - feed.tank_pressure)
     return through + drawn - drained, drawn + (through if opening > 0.0 else 0.0)
 
@@ -91,10 +106,22 @@ def port_flow(opening: float, pressure: float, feed: Feed, own: "Edges") -> tupl
 def lapped_port_flow(feeding: float, draining: float, pressure: float, feed: Feed, own: "Edges") -> tuple[float, float]:
     """As `port_flow`, for edges that open on their own: ``feeding`` from the supply, ``draining`` to the tank [mA]."""
     above, below = feed.supply_pressure - pressure, pressure - feed.tank_pressure
+    if own.check_valve != 0.0:
+        above = max(above, 0.0)
     in_turbulent = own.flow_gain * feeding * turbulence(above / feed.rated_pressure, own.laminar_ratio)
     out_turbulent = own.flow_gain * draining * turbulence(below / feed.rated_pressure, own.laminar_ratio)
     drawn, drained = in_turbulent + own.edge_leakage * above, out_turbulent + own.edge_leakage * below
     return drawn - drained, drawn
+
+
+@kernel
+def leaked(pressure_1: float, pressure_2: float, feed: Feed, own: "Edges") -> tuple[float, float]:
+    """What leaves chambers 1 and 2 across the piston and to outside [m³/s]."""
+    across = own.cross_leakage * (pressure_1 - pressure_2)
+    return (
+        across + own.outside_leakage_1 * (pressure_1 - feed.tank_pressure),
+        own.outside_leakage_2 * (pressure_2 - feed.tank_pressure) - across,
+    )
 
 
 @kernel
@@ -106,8 +133,8 @@ def chamber_flows(opening: float, pressure_1: float, pressure_2: float, feed: Fe
     """
     flow_1, drawn_1 = port_flow(opening, pressure_1, feed, own)
     flow_2, drawn_2 = port_flow(-opening, pressure_2, feed, own)
-    across = own.cross_leakage * (pressure_1 - pressure_2)
-    return Flows(flow_1 - across, flow_2 + across, drawn_1 + drawn_2)
+    lost_1, lost_2 = leaked(pressure_1, pressure_2, feed, own)
+    return Flows(flow_1 - lost_1, flow_2 - lost_2, drawn_1 + drawn_2)
 
 
 @kernel
@@ -115,5 +142,5 @@ def lapped_chamber_flows(edges: Openings, pressure_1: float, pressure_2: float, 
     """As `chamber_flows`, for edges with overlap."""
     flow_1, drawn_1 = lapped_port_flow(edges.feeds_1, edges.drains_1, pressure_1, feed, own)
     flow_2, drawn_2 = lapped_port_flow(edges.feeds_2, edges.drains_2, pressure_2, feed, own)
-    across = own.cross_leakage * (pressure_1 - pressure_2)
-    return Flows(flow_1 - across, flow_2 + across, drawn_1 + drawn_2)
+    lost_1, lost_2 = leaked(pressure_1, pressure_2, feed, own)
+    return Flows(flow_1 - lost_1, flow_2 - lost_2, drawn_1 + drawn_2)

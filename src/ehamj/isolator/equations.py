@@ -74,7 +74,7 @@ def valve_flows(at, pressure_1, pressure_2, feed, states, own):  # type: ignore[
 
 
 @kernel
-def isolator_rates(state, states, command, plate, held, feed, own):  # type: ignore[no-untyped-def]
+def isolator_rates(state, states, command, plate, held, time, feed, own):  # type: ignore[no-untyped-def]
     """Time derivatives of an isolator's states and of its options', its flows, and its force on the plate [N].
 
     Args:
@@ -83,10 +83,11 @@ def isolator_rates(state, states, command, plate, held, feed, own):  # type: ign
         command: [V].
         plate: `Plate`.
         held: where the metering edges stood at the end of the last step [mA].
+        time: [s].
         feed: `ehamj.isolator.supply.Feed`.
         own: `Isolator`.
     """
-    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held)
+    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
     pressure_1 = actual_pressure(state.pressure_1, own.fluid.vapour_pressure)
     pressure_2 = actual_pressure(state.pressure_2, own.fluid.vapour_pressure)
     volume_1, volume_2 = chamber_volumes(plate.stroke, own.cylinder)
@@ -105,11 +106,11 @@ def isolator_rates(state, states, command, plate, held, feed, own):  # type: ign
 
 
 @kernel
-def settled(state, held, states, own):  # type: ignore[no-untyped-def]
+def settled(state, held, time, states, own):  # type: ignore[no-untyped-def]
     """What a step leaves to be put right at its end: position and rate of the spool, and where its edges stand."""
-    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held)
+    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
     (position, rate), _ = _settled((state.spool, state.spool_rate), at, own, states)
-    return position, rate, metered(At(position, rate, at.stroke, held), states, own)
+    return position, rate, metered(At(position, rate, at.stroke, held, time), states, own)
 
 
 @kernel

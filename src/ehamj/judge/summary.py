@@ -5,6 +5,8 @@ from typing import Any
 from pydantic import Field
 
 from ehamj.findings import Finding
+from ehamj.judge.faults import FaultFound
+from ehamj.judge.headline import DIRECTIONS
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
@@ -87,6 +89,8 @@ class Head(Finding):
 class Summary(Isolation, Head):
     """A run in numbers, SI."""
 
+    fault: list[FaultFound] = Field(default_factory=list)
+    """What struck, in order."""
     relative: dict[str, RelativeMotion] = Field(default_factory=dict)
     response_spectrum: ResponseSpectra | None = None
     worse: list[Worse] = Field(default_factory=list)
@@ -106,3 +110,21 @@ class Summary(Isolation, Head):
     seed: int
     failure: str | None = None
     """What went wrong, of a run that is not complete."""
+
+    def lines(self) -> dict[str, str]:
+        """The headline, see `ehamj.judge.verdicts.Criterion.lines`; where something failed, of the parts before and
+        after, since levels of the whole run are those of no machine that there was."""
+        parts = {"before the fault": self.fault[0].before} if self.fault else {}
+        parts |= {f"after {one.where}'s {one.kind}": one.after for one in self.fault}
+        found: dict[str, str] = {}
+        rest: dict[str, str] = {}
+        for when, phase in parts.items():
+            if phase is not None:
+                own = phase.criterion.lines()
+                span = f"{when}, {phase.from_s:.4g} to {phase.to_s:.4g} s"
+                found |= {f"{name} {span}": own.pop(name) for name in DIRECTIONS}
+                rest = own
+        if found:
+            return found | {name: said for name, said in rest.items() if name == "judged by"}
+        mixed = " before and after the fault together" if self.fault else ""
+        return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()}

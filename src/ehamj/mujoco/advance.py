@@ -153,8 +153,9 @@ def count_limits(machine, tally):  # type: ignore[no-untyped-def]
         counted.spool += spool
         counted.spool_drive += drive
         counted.cavitation += state.pressure_1 <= vapour or state.pressure_2 <= vapour
-        drawn += mount.drawn
-        power += mount.drawn * feed_from(machine, k).supply_pressure
+        taken = machine.isolators[k].connected * mount.drawn
+        drawn += taken
+        power += taken * feed_from(machine, k).supply_pressure
     total = tally.drawn[0]
     total.flow += drawn
     total.peak_flow = max(total.peak_flow, drawn)
@@ -167,7 +168,7 @@ def settle_valves(machine):  # type: ignore[no-untyped-def]
     for k in range(machine.mounts.size):
         mount, state, record = machine.mounts[k], machine.states[k], machine.isolators[k]
         state.spool, state.spool_rate, mount.metering = settled(
-            state_of(state), mount.metering, options_of(machine.act, record), isolator_of(record)
+            state_of(state), mount.metering, machine.time[0], options_of(machine.act, record), isolator_of(record)
         )
 
 

@@ -61,9 +61,9 @@ def stage_inputs(machine, s, force):  # type: ignore[no-untyped-def]
 
 @kernel
 def feed_from(machine, k):  # type: ignore[no-untyped-def]
-    """What an isolator is fed with: the shared supply's pressure where it has states."""
+    """What an isolator is fed with: the shared supply's pressure where it has states and reaches it."""
     feed, place = feed_of(machine.isolators[k]), machine.isolators[0].supply_at
-    if place > 0.0:
+    if place > 0.0 and machine.isolators[k].connected > 0.0:
         shared = part(machine.act, place, 1, SUPPLY_STATE)[0]
         return Feed(shared.supply_pressure, feed.tank_pressure, feed.rated_pressure)
     return feed
@@ -88,6 +88,7 @@ def write_rates(machine):  # type: ignore[no-untyped-def]
             machine.control[k] + mount.command,
             plate_of(machine, k),
             mount.metering,
+            machine.time[0],
             feed_from(machine, k),
             isolator_of(isolator),
         )
@@ -102,7 +103,7 @@ def write_supply_rates(machine, row):  # type: ignore[no-untyped-def]
     """Time derivatives of the supply's states, from the flow that all isolators draw."""
     drawn, place = 0.0, machine.isolators[0].supply_at
     for k in range(machine.mounts.size):
-        drawn += machine.mounts[k].drawn
+        drawn += machine.isolators[k].connected * machine.mounts[k].drawn
     rate = part(machine.act_dot, place, 1, SUPPLY_STATE)[0]
     found = supply_rates(supply_state_of(part(machine.act, place, 1, SUPPLY_STATE)[0]), drawn, supply_of(row))
     rate.station_pressure, rate.line_flow, rate.supply_pressure = found

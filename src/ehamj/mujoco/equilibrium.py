@@ -146,14 +146,15 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     number = activations(model, np.arange(nq + nv, state.size, dtype=float))
     mid = 0.5 * (own["supply_pressure"] + own["tank_pressure"])
     limit = own["voltage_limit"]
-    parts.isolators["spool"] = own["valve_gain"] * np.clip(inputs.command, -limit, limit)
+    asked = own["valve_gain"] * np.clip(inputs.command, -limit, limit)
+    parts.isolators["spool"] = np.where(own["spool_stuck"], own["spool_stuck_at"] * own["spool_stroke"], asked)
     parts.isolators["pressure_1"] = parts.isolators["pressure_2"] = mid
     fine = 1e-9 * (own["bulk_modulus"] / own["volume_1"]) * (own["flow_gain"] * own["spool_stroke"])
     pressures = np.column_stack([number.isolators["pressure_1"], number.isolators["pressure_2"]]).ravel()
     # For each kind of unknown: which, what balances it, its unit, and the tolerance of that balance.
     kinds = [
         (np.arange(nq), nq + np.arange(nv), np.full(nq, 1e-5), np.full(nv, 1e-7)),
-        (pressures, pressures, np.repeat(mid, 2), np.repeat(fine, 2)),
+        (pressures, pressures, np.repeat(np.maximum(mid, own["rated_pressure"]), 2), np.repeat(fine, 2)),
     ]
     if number.options.size:
         small = option_scales(model)

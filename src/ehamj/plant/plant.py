@@ -1,7 +1,7 @@
 """Everything physical that is simulated, as one value."""
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
@@ -27,6 +27,16 @@ class Plant:
     """Names of the mounts, in the order of everything that has one entry per mount."""
     bookkeeping: bool = False
     """Whether oil and energy are balanced in the simulation's own states."""
+    cut_off: tuple[str, ...] = ()
+    """Mounts whose branch has lost the supply: their valves are fed at the tank's pressure."""
+
+    def with_actuator(self, mount: str, values: dict[str, Any]) -> Self:
+        """The plant with other values of the actuator at one mount."""
+        changed = [
+            actuator.with_values(values) if name == mount else actuator
+            for name, actuator in zip(self.mounts, self.actuators, strict=True)
+        ]
+        return replace(self, actuators=tuple(changed))
 
     @property
     def total_mass(self) -> float:

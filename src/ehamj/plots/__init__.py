@@ -8,7 +8,18 @@ pyplot never. Colours are those of Okabe and Ito, which most colour-blind people
 from ehamj.plots.bands import QUIETEST, Levels, attenuation, criterion, levels
 from ehamj.plots.charts import Line, direction_chart, lines_chart
 from ehamj.plots.files import inline, svg
-from ehamj.plots.histories import FAR_LIMIT, STRETCHES, Limit, Trace, envelope, finite, history, quieter, thinned
+from ehamj.plots.histories import (
+    FAR_LIMIT,
+    STRETCHES,
+    Limit,
+    Moment,
+    Trace,
+    envelope,
+    finite,
+    history,
+    quieter,
+    thinned,
+)
 from ehamj.plots.loci import Branch, View, locus_chart, view_of
 from ehamj.plots.loops import bode, loop_figures, nichols, nyquist
 from ehamj.plots.machine import Foot, Mark, machine_plan, machine_side
@@ -24,8 +35,8 @@ from ehamj.plots.style import (  # isort: skip
 __all__ = [
     "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE", "QUIETEST",
     "SKY", "STRETCHES", "STYLE", "VERMILLION", "Branch", "Figure", "Foot", "Levels", "Limit", "Line", "Mark",
-    "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart", "envelope",
-    "finite", "history", "inline", "levels", "lines_chart", "locus_chart", "loop_figures", "machine_plan",
+    "Moment", "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart",
+    "envelope", "finite", "history", "inline", "levels", "lines_chart", "locus_chart", "loop_figures", "machine_plan",
     "machine_side", "map_chart", "mount_styles", "nichols", "nyquist", "quieter", "response", "response_matrix",
     "shown", "spectrogram", "svg", "thinned", "view_of",
 ]  # fmt: skip

@@ -48,6 +48,14 @@ class Limit:
     values: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class Moment:
+    """A time [s] at which something happened."""
+
+    label: str
+    time: float
+
+
 def envelope(time: Array, values: Array, most: int = STRETCHES) -> tuple[Array, Array, Array]:
     """Lowest and highest value in each of at most ``most`` stretches of a record; no peak is lost.
 
@@ -93,6 +101,7 @@ def history(
     limits: Sequence[Limit] = (),
     window: tuple[float, float] | None = None,
     closer: Sequence[Sequence[Trace]] = (),
+    moments: Sequence[Moment] = (),
 ) -> Figure:
     """Time histories: above, the envelope of the whole run with its limits; below, every line in a part of it.
 
@@ -105,6 +114,7 @@ def history(
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
         closer: traces of ``detail`` that are too small to be seen there, each group again at a scale of its own.
+        moments: marked by upright lines.
     """
     figure, (above, *below) = style.new_figure(title, (2 if window else 1) + len(closer))
     entries: dict[str, Artist] = {}
@@ -122,6 +132,8 @@ def history(
         if window:
             axes.set_xlim(*window)
             axes.set_xlabel(f"time [s], the {window[1] - window[0]:.3g} s marked above")
+    for axes in (above, *below):
+        entries |= _moments(axes, moments, window if axes in below else None)
     entries |= _limits(above, [*whole, *([] if window else detail)], limits)
     panels = [above, *below]
     for k, axes in enumerate(panels):
@@ -164,6 +176,13 @@ def _line_over_time(axes: Axes, trace: Trace, window: tuple[float, float] | None
     time, values = thinned(trace.time[inside], finite(trace.values[inside]))
     (line,) = axes.plot(time, values, color=trace.color, linewidth=trace.width, linestyle=trace.dash)
     return line
+
+
+def _moments(axes: Axes, moments: Sequence[Moment], window: tuple[float, float] | None) -> dict[str, Artist]:
+    """Upright lines at what falls into the window; without one, into the whole run."""
+    shown = [one for one in moments if window is None or window[0] <= one.time <= window[1]]
+    look: dict[str, Any] = {"color": style.MOMENT_COLOR, "linewidth": 1.3, "linestyle": (0, (1, 1)), "zorder": 4}
+    return {one.label: axes.axvline(one.time, **look) for one in shown}
 
 
 def _limits(axes: Axes, traces: Sequence[Trace], limits: Sequence[Limit]) -> dict[str, Artist]:

@@ -18,7 +18,7 @@ import rerun.blueprint as rrb
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
-from ehamj.replay.marks import arrow_scale, log_arrows, log_bar
+from ehamj.replay.marks import arrow_scale, log_arrows, log_bar, log_faults
 from ehamj.replay.plots import compared_plots, isolator_plots, log_plot
 from ehamj.replay.recording import check_whole, fixed, recorded, result_color
 from ehamj.replay.scene import exaggeration_for, log_scene, main_frequency
@@ -60,6 +60,7 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
             log_scene(recording, label, result, factor)
             log_bar(recording, label, result, factor)
             log_arrows(recording, label, result, arrows, result_color(index))
+            log_faults(recording, label, result)
         for plot in itertools.chain(compared.values(), *(plots.values() for plots in isolators.values())):
             log_plot(recording, plot)
         log_attenuation(recording, curves, tuple(results))

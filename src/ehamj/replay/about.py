@@ -54,7 +54,7 @@ def _verdicts(results: Mapping[str, Result]) -> str:
     return "\n".join(
         f"- {label}, {direction}: {verdict}"
         for label, result in results.items()
-        for direction, verdict in result.summary.criterion.lines().items()
+        for direction, verdict in result.summary.lines().items()
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ehamj.plant.machine import Machine
 from ehamj.replay import attenuation, spectrogram
+from ehamj.replay.marks import FAULT_LOG
 from ehamj.replay.plots import NEGLIGIBLE, Plot
 from ehamj.replay.recording import TIMELINE, entity
 from ehamj.replay.spectrogram import Heat
@@ -84,6 +85,8 @@ def make_blueprint(
         if shown:
             pages.append(rrb.Tabs(*shown, name=name) if len(results) > 1 else rrb.Vertical(*shown, name=name))
     left = rrb.Vertical(machines, rolling, row_shares=[3, 2])
+    if any(result.summary.fault for result in results.values()):
+        pages.append(rrb.TextLogView(origin=entity(FAULT_LOG), name="faults"))
     return laid_out(rrb.Horizontal(left, rrb.Tabs(*pages, active_tab=0), column_shares=[3, 2]), speed)
 
 

@@ -5,12 +5,15 @@ from collections.abc import Iterable
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.recording import GROUND_COLOR, Array, Color, entity, fixed, moving
+from ehamj.replay.recording import FAULT_COLOR, GROUND_COLOR, Array, Color, entity, fixed, moving
 from ehamj.replay.scene import FLOOR, LARGEST_DRAWN, drawn_rows, nice, pose_rows
 from ehamj.result import Result
 
 TYPICAL_ARROW = 0.2
 """Length of an arrow that shows the RMS velocity [m]."""
+
+FAULT_LOG = "faults"
+"""Where their words are logged."""
 
 LEAST_VELOCITY = 1e-12
 """RMS velocity below which there are no arrows: rounding [m/s]."""
@@ -64,6 +67,24 @@ def log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale:
         vectors[..., 2] = scale * velocity
         columns = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3)).partition([velocity.shape[1]] * len(rows))
         moving(recording, path, result.dataset.time.values[rows], columns)
+
+
+def log_faults(recording: rr.RecordingStream, label: str, result: Result) -> None:
+    """From the time of each fault on: a mark with its words at the mount, or above the machine; and a line of text."""
+    for number, one in enumerate(result.summary.fault):
+        mounts, size = result.scenario.plant.mounts, result.scenario.machine.size
+        place = [0.0, 0.0, 1.15 * size[2]]
+        if one.where in mounts:
+            x, y = result.scenario.plant.positions[mounts.index(one.where)]
+            place = [x + 0.25 * np.sign(x), y + 0.25 * np.sign(y), 0.05]  # outside, where the bed does not hide it
+        words = f"{one.where}: {one.kind}"
+        at = np.array([one.time_s])
+        path = entity(label, "world", f"fault {number + 1}")
+        columns = rr.Points3D.columns(positions=[place], radii=[0.07], colors=[FAULT_COLOR], labels=[words])
+        moving(recording, path, at, columns)
+        fixed(recording, path, rr.Points3D.from_fields(show_labels=True))
+        text = rr.TextLog.columns(text=[f"{label}, {one.in_words()}"], level=["WARN"])
+        moving(recording, FAULT_LOG, at, text)
 
 
 def _vertical(result: Result, rows: np.ndarray | slice) -> tuple[Array, Array]:

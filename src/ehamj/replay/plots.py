@@ -1,14 +1,24 @@
 """Time histories: which channels are shown, in which units, order and colours, and how a long run is thinned."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import rerun as rr
 
-from ehamj.replay.recording import GROUND_COLOR, MOUNT_COLORS, Array, Color, entity, fixed, moving, result_color
+from ehamj.replay.recording import (
+    FAULT_COLOR,
+    GROUND_COLOR,
+    MOUNT_COLORS,
+    Array,
+    Color,
+    entity,
+    fixed,
+    moving,
+    result_color,
+)
 from ehamj.replay.scene import fitted_slab
 from ehamj.result import Result
 
@@ -81,7 +91,18 @@ def compared_plots(results: Mapping[str, Result]) -> dict[str, Plot]:
             for place, (who, label, values, color, width) in enumerate(lines)
         ]
         plots[name] = Plot(title, tuple(traces))
-    return plots
+    return {name: with_faults(name, plot, results.values()) for name, plot in plots.items()}
+
+
+def with_faults(name: str, plot: Plot, results: Iterable[Result]) -> Plot:
+    """The plot with an upright line at each time at which something failed."""
+    times = dict.fromkeys(one.time_s for result in results for one in result.summary.fault)
+    high = np.array([[-plot.peak], [plot.peak]])
+    lines = [
+        Trace(entity(ROOT, name, f"fault {number}"), ("fault",), (FAULT_COLOR,), np.array([at, at + 1e-9]), high, 1.5)
+        for number, at in enumerate(times, 1)
+    ]
+    return Plot(plot.title, (*plot.traces, *lines))
 
 
 def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
@@ -103,7 +124,7 @@ def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
         plots[name] = Plot(
             title, (Trace(entity(ROOT, name, label), names, colors, result.dataset.time.values, values),)
         )
-    return plots
+    return {name: with_faults(f"{name} {label}", plot, [result]) for name, plot in plots.items()}
 
 
 def log_plot(recording: rr.RecordingStream, plot: Plot) -> None:

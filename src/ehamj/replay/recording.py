@@ -23,6 +23,9 @@ TIMELINE: Final = "sim_time"
 GROUND_COLOR: Final[Color] = (110, 165, 235)
 """Everything that is the ground: its lines, its pads."""
 
+FAULT_COLOR: Final[Color] = (255, 70, 60)
+"""What has failed."""
+
 RESULT_COLORS: Final[tuple[Color, ...]] = (
     (92, 214, 140),
     (240, 110, 150),

@@ -25,7 +25,7 @@ def unit_of(quantity: str, value: float) -> tuple[float, str]:
 def verdict(shown: Shown) -> list[tuple[str, str]]:
     """The headline as the summary of the result reported says it, vertical apart from horizontal."""
     whose = "" if shown.together else f"{shown.label}, "
-    return [(f"{whose}{name}", said) for name, said in shown.first.summary.criterion.lines().items()]
+    return [(f"{whose}{name}", said) for name, said in shown.first.summary.lines().items()]
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:

@@ -170,7 +170,7 @@ def excited(scenario: Scenario, change: Mapping[str, Any], frequency: Array, dur
     if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
         raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     rate = 1000.0 * float(np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0))
-    return changed(scenario, {**change, "duration": duration, "record_rate": rate, "compare": ()})
+    return changed(scenario, {**change, "duration": duration, "record_rate": rate, "compare": (), "fault": ()})
 
 
 def line_amplitudes(signal: Array, index: NDArray[np.int64]) -> ComplexArray:

@@ -8,11 +8,13 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
+from ehamj.faults import in_order
 from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.memory import COMMAND, inputs
 from ehamj.mujoco.advance import DONE, NOT_LOADED, Stopped, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
+from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
 from ehamj.signals import Signal
 
@@ -30,6 +32,8 @@ class Driven:
     tally: Tally
     stopped: Stopped
     seconds: float
+    struck: tuple[Struck, ...] = ()
+    """Faults that struck, in order."""
 
 
 def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
@@ -53,23 +57,43 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
             f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
         ) from None
     done, recorded, seconds = 0, 0, 0.0
-    stopped = Stopped(0, DONE, -1)
+    stopped, struck = Stopped(0, DONE, -1), Faults(prepared)
     while stopped.status == DONE and done < prepared.steps:
-        steps = min(STRETCH, prepared.steps - done)
+        steps = min(STRETCH, prepared.steps - done, struck.steps_left(done))
         last = done + steps == prepared.steps
         driven = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
         noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
         pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
         began = clock.perf_counter()
-        stopped, rows = advance(
+        stopped, rows_done = advance(
             prepared.model, prepared.data, done, steps, driven, recording.after(recorded), last, loop, noise, pushed
         )  # fmt: skip
         seconds += clock.perf_counter() - began
         done += stopped.steps
-        recorded += rows
+        recorded += rows_done
         if progress is not None:
             progress(done / prepared.steps)
-    return Driven(recording.rows.part(slice(recorded)), recording.tally, stopped._replace(steps=done), seconds)
+    rows, ended = recording.rows.part(slice(recorded)), stopped._replace(steps=done)
+    return Driven(rows, recording.tally, ended, seconds, struck.found)
+
+
+class Faults:
+    """Faults of a run as it goes on: what is due strikes before the next stretch, which ends before the others."""
+
+    def __init__(self, prepared: Prepared) -> None:
+        self._prepared, self._plant = prepared, prepared.scenario.plant
+        self._due = [(step_of(fault, prepared.timestep), fault) for fault in in_order(prepared.scenario.fault)]
+        self.found: tuple[Struck, ...] = ()
+
+    def steps_left(self, done: int) -> int:
+        """Let strike what is due after so many steps; steps until the next."""
+        own = self._prepared
+        while self._due and self._due[0][0] <= done:
+            _, fault = self._due.pop(0)
+            channels = own.controller.inputs if own.controller is not None else ()
+            one = strike(own.model, own.data, own.loop, channels, self._plant, fault, done * own.timestep)
+            self._plant, self.found = one.plant, (*self.found, one)
+        return self._due[0][0] - done if self._due else own.steps
 
 
 def sample_inputs(

@@ -7,6 +7,7 @@ from ehamj.errors import SimulationFailed
 from ehamj.judge.levels import duration_of
 from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, Stopped
 from ehamj.result import Result
+from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
 from ehamj.run.timestep import follows
 
@@ -27,8 +28,9 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
     scenario, timestep = prepared.scenario, prepared.timestep
     if stopped.status != DONE:
         return _stopped(prepared, stopped, duration_of(dataset))
-    if scenario.timestep == "auto" or follows(scenario.plant, timestep):
+    if scenario.timestep == "auto" or all(follows(plant, timestep) for plant in plants(scenario)):
         return None
+    whose = "" if not follows(scenario.plant, timestep) else " of the machine with its faults"
     # It ended although its step is too long: where and when the oil first tore, if it did.
     torn, where = np.argwhere(dataset["chamber_void"].max("chamber").values > 0.0), ""
     if torn.size:
@@ -36,7 +38,7 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
         where = f" at {float(dataset.time[row]):.6g} s, at {dataset['mount'].values[mount]}"
     return (
         f"simulation failed{where}: timestep = {timestep:g} s is beyond the integrator's stability for the fastest "
-        "mode, and only voids in the oil kept the motion bounded. Kept to the end, marked incomplete; use "
+        f"mode{whose}, and only voids in the oil kept the motion bounded. Kept to the end, marked incomplete; use "
         "timestep = 'auto' or a shorter one"
     )
 

@@ -42,19 +42,23 @@ def warnings(shares: Mapping[str, ByMount]) -> list[str]:
 
 def at_limit(dataset: xr.Dataset, plant: Plant, rate: float) -> dict[str, AtLimit | None]:
     """When each limit was reached, by the recorded rows at ``rate`` [Hz]; None where it was in none of them."""
+    return {name: _longest(states, rate, plant.mounts) for name, states in reached(dataset, plant).items()}
+
+
+def reached(dataset: xr.Dataset, plant: Plant) -> dict[str, NDArray[np.bool_]]:
+    """Which rows and mounts are at each limit, (time, mount)."""
     command, spool = dataset["valve_command"].values, dataset["spool"].values
     limit, stroke, gain, frequency, drive = (
         np.array([getattr(actuator, name) for actuator in plant.actuators])
         for name in ("voltage_limit", "spool_stroke", "valve_gain", "valve_frequency", "spool_drive_limit")
     )
     target = gain * np.clip(command, -limit, limit)
-    reached = {
+    return {
         "command": np.abs(command) >= limit,
         "spool": np.abs(spool) >= stroke,
         "spool_drive": np.abs(frequency**2 * (target - spool)) >= drive,
         "cavitation": (dataset["chamber_void"].values > 0.0).any(axis=2),
     }
-    return {name: _longest(states, rate, plant.mounts) for name, states in reached.items()}
 
 
 def _longest(states: NDArray[np.bool_], rate: float, mounts: tuple[str, ...]) -> AtLimit | None:

@@ -15,6 +15,7 @@ from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.result import make_dataset
+from ehamj.run.faults import Struck
 from ehamj.run.prepare import Prepared
 from ehamj.scenario.model import Scenario
 
@@ -23,8 +24,8 @@ Channels = dict[str, Array]
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
-def observe(prepared: Prepared, rows: Rows) -> xr.Dataset:
-    """Everything that a result holds, from the recorded rows."""
+def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr.Dataset:
+    """Everything that a result holds, from the recorded rows; ``struck`` are the faults of the run."""
     scenario, plant = prepared.scenario, prepared.scenario.plant
     times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
@@ -39,6 +40,9 @@ def observe(prepared: Prepared, rows: Rows) -> xr.Dataset:
             channels[f"point_{motion}"] = np.stack(each[mounts + 1 :], axis=1)
     channels |= _strokes(plant, rows, channels)
     channels |= _oil(prepared, rows, channels["stroke"])
+    for one in struck:
+        if set(one.plant.cut_off) == set(plant.mounts):  # a constant supply that is lost
+            channels["supply_pressure"][times >= one.time - 1e-9] = plant.supply.tank_pressure
     channels |= _relative(scenario, channels)
     if not prepared.load.absent:
         channels["external_force"] = prepared.load.sample(times)[0]

@@ -15,6 +15,7 @@ from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
+from ehamj.run.faults import shorter_step, unread
 from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
@@ -38,6 +39,8 @@ class Prepared:
     noise: ReadingNoise | None
     every: int
     steps: int
+    of_step: tuple[str, ...] = ()
+    """What to know of the step."""
 
     @property
     def timestep(self) -> float:
@@ -52,7 +55,9 @@ class Prepared:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the result must know."""
-        notes = (*self.motion.notes, *self.scenario.machine.assumptions)
+        read = tuple(self.controller.inputs) if self.controller is not None else ()
+        failing = (*unread(self.scenario.fault, read), *self.of_step)
+        notes = (*self.motion.notes, *self.scenario.machine.assumptions, *failing)
         if not isinstance(self.controller, PythonController):
             return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"
@@ -84,6 +89,7 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
         ground = motion.sample(start)
         command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
         equilibrium(model, data, Inputs(ground.displacement[0], ground.velocity[0], command))
+        usual = choose_timestep(scenario.model_copy(update={"fault": ()}), controller) if scenario.fault else timestep
     except EquilibriumError as error:
         raise InputError(f"{error} (machine.mass, actuators, supply, control)") from error
     steps = round(scenario.duration / timestep)
@@ -96,4 +102,6 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     if controller is not None:
         made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.laws.base * timestep)
         noise = None if made.silent else made
-    return Prepared(scenario, norms, model, data, motion, commands, load, controller, loop, noise, every, steps)
+    of_step = () if timestep == usual else (shorter_step(timestep, usual),)
+    driven = (motion, commands, load, controller, loop, noise)
+    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step)

@@ -42,7 +42,7 @@ def simulate(scenario: Given, progress: Progress | None = None, controller: Any 
     with hydraulics():
         prepared = prepare(scenario, None if controller is None else as_controller(controller))
         driven = drive(prepared, progress)
-    dataset = observe(prepared, driven.rows)
+    dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
     summary = summarise(prepared, driven, dataset, clock.perf_counter() - started, failed)

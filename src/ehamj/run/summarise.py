@@ -16,6 +16,8 @@ from ehamj.judge.summary import LoopMargins, Summary, Timing
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
+from ehamj.run.aftermath import aftermath
+from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
 from ehamj.run.limits import at_limit, oil, saturation, warnings
@@ -50,9 +52,13 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     margins = loop_margins(scenario, prepared.law)
     runaway = margins.unstable if margins is not None else None
     unstable = [f"{UNSTABLE}: {runaway.words}"] if runaway else []
+    limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
     asked: dict[str, Any] = {} if failure is None else {"failure": failure}
+    struck = aftermath(prepared, driven.struck, dataset)
+    if struck:
+        asked["fault"] = struck
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -62,15 +68,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[
-            *prepared.notes,
-            *unstable,
-            *undecided,
-            *(one.in_words() for one in louder),
-            *warnings(shares),
-            *clipped,
-            *reserves(dataset, plant),
-        ],
+        warnings=[*told(struck), *prepared.notes, *unstable, *undecided, *(one.in_words() for one in louder), *limits],
         worse=louder,
         peak=peak,
         rms=rms,

@@ -15,6 +15,7 @@ from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, jacobian
 from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.plant import Plant
+from ehamj.run.faults import plants
 from ehamj.scenario.model import Scenario
 
 SHORTEST_STEP = 2e-6
@@ -37,7 +38,8 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None)
     periods = _periods(scenario, controller)
     if scenario.timestep != "auto":
         return _stated(scenario.timestep, periods)
-    fastest = float(np.abs(_modes(scenario.plant)).max())
+    # Faults may make it faster: the step is one for the whole run.
+    fastest = max(float(np.abs(_modes(plant)).max()) for plant in plants(scenario))
     fastest = max(fastest, STEP_PER_TIME_CONSTANT / scenario.load().longest_step)
     period = float(common_divisor(periods.values()))
     if period < SHORTEST_STEP:

@@ -17,6 +17,7 @@ from ehamj.control.settings import DigitalSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.errors import InputError
+from ehamj.faults.kinds import Fault, check_faults
 from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
@@ -67,6 +68,7 @@ class Scenario(Installation, Course):
     relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
     criteria: CriteriaSettings = CriteriaSettings()
     force: tuple[Force, ...] = Field((), description="forces on the machine itself, which add up")
+    fault: tuple[Fault, ...] = Field((), description="what fails in the course of the run; the law knows nothing of it")
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -76,6 +78,7 @@ class Scenario(Installation, Course):
         check_points(self.points, self.machine, MOUNTS)
         check_relatives(self.relative, self.points, MOUNTS)
         check_forces(self.force, self.points)
+        check_faults(self.fault, MOUNTS, self.duration)
         spectrum = self.criteria.response_spectrum
         if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:
             raise ValueError(

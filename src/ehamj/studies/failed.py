@@ -1,11 +1,12 @@
 """One actuator failed: what still carries the machine, how it then moves, and how well the others isolate.
 
-The law keeps driving all four valves as if nothing had happened: it is the law of the sound machine.
+The law keeps driving all four valves as if nothing had happened: it is the law of the intact machine. What the
+actuator becomes is what a fault of a run (`ehamj.faults`) makes of it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,8 @@ from pydantic import Field
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
-from ehamj.isolator.actuator import Actuator
+from ehamj.faults.chamber_leak import FACTORS
+from ehamj.faults.supply_lost import NEGLIGIBLE_AREA
 from ehamj.labels import table
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
@@ -28,46 +30,19 @@ from ehamj.studies.rest import modes_table, static_forces
 from ehamj.studies.study import WholeHertz, among, study
 from ehamj.studies.variants import still, with_actuators
 
-NEGLIGIBLE_GAIN = 1e-9
-"""Gain of a valve that no longer moves [mA/V]."""
-NEGLIGIBLE_AREA = 1e-6
-"""Area of a piston without oil [m²]: 7 N at full pressure."""
-LEAK: Final = 100.0
-"""By which a worn piston seal multiplies the flow-pressure coefficient; the edges' leakage stays."""
 STUCK: Final = 0.05
 """Opening of a valve that stuck while it worked, over full stroke [-]."""
-
-
-def stuck(share: float) -> Callable[[Actuator], Actuator]:
-    """The valve's spool stays at a share of its stroke whatever the command."""
-    return lambda actuator: actuator.with_values(
-        {"valve_gain": NEGLIGIBLE_GAIN, "null_offset": share * actuator.spool_stroke}
-    )
-
-
-def leaking(actuator: Actuator) -> Actuator:
-    """Oil passes the piston `LEAK` times as easily as in all; the edges' own leakage stays."""
-    return actuator.with_values(
-        {
-            "flow_pressure": LEAK * actuator.flow_pressure,
-            "edge_leakage_share": actuator.edge_leakage_share / LEAK,
-        }
-    )
-
-
-def membrane_only(actuator: Actuator) -> Actuator:
-    """The oil is lost: only the membrane carries."""
-    return actuator.with_values({"piston_area": NEGLIGIBLE_AREA})
-
-
+INTACT: Final = "intact"
+"""The machine as it is."""
 STUCK_OPEN: Final = f"valve stuck {100 * STUCK:.0f} % open"
-FAILURES: Final[dict[str, Callable[[Actuator], Actuator]]] = {
-    "valve stuck centred": stuck(0.0),
-    STUCK_OPEN: stuck(STUCK),
-    "valve stuck fully open": stuck(0.999),
-    "piston leaks": leaking,
-    "membrane only": membrane_only,
+FAILURES: Final[dict[str, dict[str, Any]]] = {
+    "valve stuck centred": {"kind": "valve-stuck", "opening": 0.0},
+    STUCK_OPEN: {"kind": "valve-stuck", "opening": STUCK},
+    "valve stuck fully open": {"kind": "valve-stuck", "opening": 1.0},
+    "piston leaks": {"kind": "chamber-leak"},
+    "membrane only": {"kind": "supply-lost"},
 }
+"""Faults of `ehamj.faults` by what they come to."""
 
 
 class FailedSettings(Settings):
@@ -97,25 +72,28 @@ def at_mount(scenario: Scenario, mount: str | None) -> str:
 
 
 def failed(scenario: Scenario, failure: str, mount: str | None = None) -> Scenario:
-    """The machine with one actuator failed; ``sound`` is the machine as it is.
+    """The machine with one actuator failed, and at rest in it; ``intact`` is the machine as it is.
 
     Raises:
         InputError: if there is no such failure or mount.
     """
-    if failure == "sound":
+    if failure == INTACT:
         return scenario
     if failure not in FAILURES:
-        raise InputError(f"failure = {failure!r}: must be one of sound, {', '.join(FAILURES)}")
+        raise InputError(f"failure = {failure!r}: must be one of {INTACT}, {', '.join(FAILURES)}")
     name, plant = at_mount(scenario, mount), scenario.plant
-    own = plant.actuators[plant.mounts.index(name)]
-    return changed(scenario, with_actuators(scenario, {name: FAILURES[failure](own)}))
+    fault = changed(scenario, {"fault": ({"mount": name, "time": 0.0, **FAILURES[failure]},)}).fault[0]
+    settled = fault.settled(plant, np.zeros(len(plant.mounts)), np.inf)
+    if failure == "membrane only":
+        settled = settled.with_actuator(name, {"piston_area": NEGLIGIBLE_AREA})
+    return changed(scenario, with_actuators(scenario, {name: settled.actuators[plant.mounts.index(name)]}))
 
 
 OUTPUTS: Final = ("cg_displacement z", "machine_displacement rx", "machine_displacement ry")
 
 
 def residual(model: LinearModel, loop: Loop | None, hertz: Array) -> ComplexArray:
-    """CG heave [-] and rotations [rad/m] over a heaving floor, (frequency, 3), linear."""
+    """CG heave [-] and rotations [rad/m, that is µrad/µm] over a heaving floor, (frequency, 3), linear."""
     return rigid_floor(model, hertz, loop, OUTPUTS, ("z",)).response[:, :, 0]
 
 
@@ -145,9 +123,9 @@ def simulated_residual(
 def simulated_event(
     scenario: Scenario, share: float, mount: str | None = None, duration: float = 1.5
 ) -> dict[str, Array]:
-    """What each mount carries after a valve of the sound machine ran to a share of its stroke and stayed there.
+    """What each mount carries after a valve of the intact machine ran to a share of its stroke and stayed there.
 
-    As `static_forces`, from a nonlinear run that begins at the sound machine's equilibrium.
+    As `static_forces`, from a nonlinear run that begins at the intact machine's equilibrium.
     """
     name, plant = at_mount(scenario, mount), scenario.plant
     own = plant.actuators[plant.mounts.index(name)]
@@ -169,7 +147,7 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
     """A machine with a failed actuator that has no operating point is refused."""
     loop, mount = Loop.of(scenario, scenario.controller()), at_mount(scenario, settings.mount)
     models, answers = {}, {}
-    for case in ("sound", *settings.failures):
+    for case in (INTACT, *settings.failures):
         progress(f"{case}: linear model and run")
         machine = failed(scenario, case, mount)
         models[case] = linear_model(machine.plant)
@@ -189,7 +167,7 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
         answers=(
             *_failure_answers(mount, isolation, forces),
             f"Nonlinear runs agree with the linear residuals within {largest:.1g} of the floor's motion.",
-            f"A run in which the valve of the sound machine opens to {100 * STUCK:.0f} % and stays ends with the "
+            f"A run in which the valve of the intact machine opens to {100 * STUCK:.0f} % and stays ends with the "
             f"forces computed for it, to {off:.2g} N.",
         ),
         tables={"isolation": isolation, "forces": forces, "modes": modes_table(models), "curves": residuals},
@@ -200,7 +178,7 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
             ),
             "rocking": Drawing(
                 "Rotation that the same floor causes, since the failed corner still follows it.",
-                lambda: _failed_chart(residuals, isolation, "rotation", "rotation over floor [dB re 1 rad/m]"),
+                lambda: _failed_chart(residuals, isolation, "rotation", "rotation over floor [dB re 1 µrad/µm]"),
             ),
         },
         notes=NOTES,
@@ -208,10 +186,15 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
     )
 
 
+LEAST: Final = 1e-9
+"""Residual below which nothing is told apart [-]."""
+TURNS: Final = 1e-2
+"""Rotation over the floor from which a machine turns [µrad/µm]: 10 nm a metre from its centre for each µm."""
+
 NOTES: Final = (
-    "The law is that of the sound machine and drives all valves; without a law valves are held.",
-    f"piston leaks: {LEAK:g} times the flow-pressure coefficient, across the piston. membrane only: no oil in "
-    "the cylinder. A stuck valve keeps its opening whatever the command.",
+    "The law is that of the intact machine and drives all valves; without a law valves are held.",
+    f"piston leaks: {FACTORS['piston']:g} times the flow-pressure coefficient, across the piston. membrane only: no "
+    "oil in the cylinder. A stuck valve keeps its opening whatever the command.",
     "Negative membrane forces pull: the feet must be bolted.",
 )
 
@@ -227,8 +210,8 @@ def _isolation_table(
         {"case": (list(answers), "", "actuator"), "frequency": (list(lines), "Hz", "frequency")},
         heave=(heave[0], "1", "CG heave over floor, linear"),
         heave_simulated=(heave[1], "1", "CG heave over floor, nonlinear run"),
-        rotation=(turn[0], "rad/m", "rotation over floor, linear"),
-        rotation_simulated=(turn[1], "rad/m", "rotation over floor, nonlinear run"),
+        rotation=(turn[0], "µrad/µm", "rotation over floor, linear"),
+        rotation_simulated=(turn[1], "µrad/µm", "rotation over floor, nonlinear run"),
         difference=(np.abs(simulated - linear)[..., 0], "1", "run less linear, CG heave over floor, complex"),
     )
 
@@ -240,7 +223,7 @@ def _curves_table(models: Mapping[str, LinearModel], loop: Loop | None) -> xr.Da
         "residual of a heaving floor over frequency, linear",
         {"case": (list(models), "", "actuator"), "frequency": (f, "Hz", "frequency")},
         heave=(np.abs(values[..., 0]), "1", "CG heave over floor"),
-        rotation=(np.linalg.norm(values[..., 1:], axis=-1), "rad/m", "rotation over floor"),
+        rotation=(np.linalg.norm(values[..., 1:], axis=-1), "µrad/µm", "rotation over floor"),
     )
 
 
@@ -262,10 +245,13 @@ def _failure_answers(mount: str, isolation: xr.Dataset, forces: xr.Dataset) -> l
     found = []
     for case in isolation["case"].values:
         one, rest = isolation.sel(frequency=at, case=case), forces.sel(case=case)
-        heave, turn = float(one["heave"]), float(one["rotation"])
-        words = f"{case.capitalize()}: a heaving floor of {at:g} Hz reaches the CG with {20 * np.log10(heave):.0f} dB"
-        words += f" and turns the machine by {turn:.2g} rad per m" if turn > 1e-6 else " and does not turn the machine"
-        if case != "sound":
+        heave, linear, turn = (float(one[what]) for what in ("heave_simulated", "heave", "rotation_simulated"))
+        ran, expected = (20 * np.log10(max(value, LEAST)) for value in (heave, linear))
+        words = f"{case.capitalize()}: a heaving floor of {at:g} Hz reaches the CG with {ran:.0f} dB in the run"
+        words += f" (linear {expected:.0f} dB)" if round(ran) != round(expected) else ""
+        words += f" and turns the machine by {turn:.2g} µrad per µm" if turn > TURNS else ""
+        words += " and hardly turns the machine" if turn <= TURNS else ""
+        if case != INTACT:
             carried = rest["membrane"] + rest["oil"]
             low, high, oil = float(carried.min()), float(carried.max()), float(rest["oil"].sel(mount=mount))
             spread = f"{1e-3 * low:.1f} to {1e-3 * high:.1f}" if high - low > 1.0 else f"{1e-3 * low:.1f}"

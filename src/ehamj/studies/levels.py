@@ -99,6 +99,7 @@ def _case(scenario: Scenario, settings: LevelSettings, control: ControlSettings,
         "record_rate": RECORD_RATE,
         "plates": "tied" if all(a.rigid_foot for a in scenario.plant.actuators) else "sliding",
         "compare": (),
+        "fault": (),
         "timestep": "auto",
     }
     return changed(scenario, values)

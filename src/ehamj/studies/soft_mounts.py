@@ -119,7 +119,7 @@ def falls(scenario: Scenario, about: str, duration: float = 60.0) -> bool:
     """
     dof = "rx" if about == "about x" else "ry"
     nudge = {"kind": "shock", "dof": dof, "velocity": NUDGE, "pulse_time": 0.05, "return_time": 0.2, "begin": 0.01}
-    values = {"ground": nudge, "duration": duration, "record_rate": 200.0}
+    values = {"ground": nudge, "duration": duration, "record_rate": 200.0, "fault": ()}
     run = simulate(changed(scenario, values))
     tilt = np.abs(run.dataset["machine_displacement"].sel(dof=dof).values)
     return bool(tilt[-tilt.size // 10 :].max() > 1.5 * tilt[: tilt.size // 2].max())

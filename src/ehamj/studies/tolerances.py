@@ -264,21 +264,19 @@ def _answers(found: xr.Dataset, drawn: xr.Dataset, scatter: xr.Dataset, settings
 
 
 def _causes(found: xr.Dataset, drawn: xr.Dataset, settings: ToleranceSettings) -> str:
-    """Which values go with the attenuation, by rank correlation with how far they are off."""
+    """Which value goes with the attenuation most, by rank correlation; of the isolators' values their means."""
     from scipy.stats import spearmanr
 
     level = found["attenuation"].sel(band=settings.band).values[1:]
-    off = {name: drawn[name].mean("mount").values[1:] - 1.0 for name in OF_ISOLATORS if getattr(settings, name)}
-    if settings.mass:
-        off["mass"] = drawn["mass"].values[1:] / drawn["mass"].values[0] - 1.0
-    ranks = {name: float(spearmanr(np.abs(values), level).statistic) for name, values in off.items()}
-    if not ranks:
-        return "Only the centre of gravity varies."
-    name = min(ranks, key=lambda one: ranks[one])
-    return (
-        f"It falls most with how far the {name.replace('_', ' ')} is off, the isolators' mean (rank correlation "
-        f"{ranks[name]:.2f})."
-    )
+    values = {name: drawn[name].mean("mount").values[1:] for name in OF_ISOLATORS if getattr(settings, name)}
+    values |= {"mass": drawn["mass"].values[1:]} if settings.mass else {}
+    ranks = {name: float(spearmanr(one, level).statistic) for name, one in values.items()}
+    name = max(ranks, key=lambda one: abs(ranks[one]), default="")
+    if not name or abs(ranks[name]) < 0.3:
+        return "No single value decides how well a machine is isolated (all rank correlations are below 0.3)."
+    less = "less" if ranks[name] < 0.0 else "more"
+    words = f"the {name.replace('_', ' ')}" + ("" if name == "mass" else ", mean of the isolators,")
+    return f"It goes most with {words} of which more means {less} attenuation (rank correlation {ranks[name]:.2f})."
 
 
 def _chart(found: xr.Dataset, scatter: xr.Dataset, settings: ToleranceSettings) -> Figure:

@@ -16,7 +16,7 @@ from ehamj.scenario.model import Scenario
 
 def still(scenario: Scenario, **tables: Any) -> Scenario:
     """The bare machine: floor at rest, valves held, no variants."""
-    bare = {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "compare": ()}
+    bare = {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "compare": (), "fault": ()}
     return changed(scenario, bare | tables)
 
 

@@ -22,6 +22,10 @@ class Sensing(NamedTuple):
     feedthrough: Any
     zeroed: Any
     """One for a channel that counts from its value at the start, zero for the others."""
+    gains: Any
+    """Factor on each reading: one, unless the sensor has failed."""
+    offsets: Any
+    """What is added to it: zero, unless the sensor has failed."""
     limits: Any
     """Range of each reading."""
     resolutions: Any
@@ -97,7 +101,7 @@ def measure(sample, noise, own, memory):  # type: ignore[no-untyped-def]
     readings, analogue = memory.readings, memory.analogue
     for c in range(readings.size):
         value = analogue[c] + noise[sample, c] if noise.shape[0] > 0 else analogue[c]
-        readings[c] = converted(value, own.limits[c], own.resolutions[c])
+        readings[c] = converted(own.gains[c] * value + own.offsets[c], own.limits[c], own.resolutions[c])
 
 
 @kernel

@@ -6,6 +6,7 @@ from typing import Final
 from ehamj.pages import Section
 from ehamj.report.sections.attenuation import attenuation
 from ehamj.report.sections.criteria import criteria
+from ehamj.report.sections.faults import faults
 from ehamj.report.sections.headline import classes, headline, warnings
 from ehamj.report.sections.histories import histories
 from ehamj.report.sections.inputs import inputs
@@ -26,6 +27,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     classes,
     warnings,
     runs,
+    faults,
     machine,
     attenuation,
     transmissibility,

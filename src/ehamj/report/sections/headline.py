@@ -36,6 +36,9 @@ PROCESSING: Final = re.compile(
 """Warnings that only say how a record was processed."""
 
 
+MIXED: Final = " Where something failed, before and after together; see Faults for each."
+
+
 def headline(shown: Shown) -> Section:
     """Vertical attenuation at a few bands, at the place of the machine that has least, and at its centre of gravity."""
     rows: list[list[str]] = []
@@ -50,7 +53,8 @@ def headline(shown: Shown) -> Section:
             for place, table in own.items()
         ]
         tables += list(own.values())
-    note = f"{OF_LEVELS} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
+    mixed = MIXED if any(result.summary.fault for result in shown.results.values()) else ""
+    note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):

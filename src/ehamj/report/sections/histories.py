@@ -10,7 +10,7 @@ from ehamj import plots
 from ehamj.arrays import Array
 from ehamj.pages import Picture, Section
 from ehamj.pages.words import BAR, LITRE_PER_MINUTE, MICRO
-from ehamj.plots import Limit, Trace
+from ehamj.plots import Limit, Moment, Trace
 from ehamj.report.sections.limits import limits_of
 from ehamj.report.shown import Shown
 from ehamj.result import Result
@@ -49,7 +49,8 @@ def _figures(shown: Shown) -> Iterator[Picture]:
         if np.any(values):
             whole = [Trace("all mounts", time, values, shown.colors[shown.label])]
             detail = _per_mount(data, values)
-            yield Picture(f"history-{name}", plots.history(title, quantity, whole, detail, [bound], window), caption)
+            figure = plots.history(title, quantity, whole, detail, [bound], window, (), moments_of(shown.first))
+            yield Picture(f"history-{name}", figure, caption)
     yield _pressure_history(shown.first, window)
 
 
@@ -79,16 +80,25 @@ def _quantities(result: Result) -> Iterator[tuple[str, str, str, Array, Limit, s
 def characteristic_part(result: Result) -> Window:
     """From when to when a run is drawn in full [s]; None for a run that is hardly longer.
 
-    Around the vertical peak of the floor, or of the machine if the floor rests; the end of a run that failed.
+    Around the first fault; without any, around the vertical peak of the floor, or of the machine if the floor rests;
+    the end of a run that failed.
     """
     time = result.dataset.time.values
     if time[-1] - time[0] < 1.5 * ZOOM:
         return None
+    if result.summary.fault:
+        begin = min(max(result.summary.fault[0].time_s - 0.4 * ZOOM, float(time[0])), float(time[-1]) - ZOOM)
+        return begin, begin + ZOOM
     ground = result.dataset.ground_velocity.values[:, :, 2].mean(axis=1)
     signal = np.abs(ground if np.any(ground) else result.dataset.cg_velocity.values[:, 2])
     peak = float(time[int(np.argmax(np.nan_to_num(signal)))]) if result.complete else float(time[-1])
     begin = min(max(peak - 0.4 * ZOOM, float(time[0])), float(time[-1]) - ZOOM)
     return begin, begin + ZOOM
+
+
+def moments_of(result: Result) -> list[Moment]:
+    """When its faults struck."""
+    return [Moment(f"fault: {one.where}, {one.what}", one.time_s) for one in result.summary.fault]
 
 
 def _velocity_history(shown: Shown, window: Window) -> Picture:
@@ -102,7 +112,7 @@ def _velocity_history(shown: Shown, window: Window) -> Picture:
     traces += sorted(machines, key=lambda trace: -float(np.nan_to_num(trace.values).std()))  # the quietest on top
     title, quantity = "Vertical velocity of floor and machine", "velocity [µm/s]"
     closer = plots.quieter([trace.within(window) for trace in traces])
-    figure = plots.history(title, quantity, traces, traces, (), window, closer)
+    figure = plots.history(title, quantity, traces, traces, (), window, closer, moments_of(shown.first))
     caption = "Floor: mean of the mounts; machine: its centre of gravity."
     if closer:
         caption += f" Below, at their own scale: {'; '.join(trace.label for trace in closer[0])}."
@@ -112,7 +122,9 @@ def _velocity_history(shown: Shown, window: Window) -> Picture:
 def _pressure_history(first: Result, window: Window) -> Picture:
     """About the mean of each chamber, which a supply of 70 bar would hide the motion behind."""
     time, pressure = first.dataset.time.values, BAR * first.dataset.chamber_pressure.values
-    mean = np.nanmean(plots.finite(pressure), axis=0)
+    fault = next(iter(first.summary.fault), None)
+    until, before = (time[-1], "") if fault is None else (max(fault.time_s, time[0]), " before the fault")
+    mean = np.nanmean(plots.finite(pressure[time <= until]), axis=0)
     supply, off = first.scenario.supply, pressure - mean
     whole = [
         Trace(f"chamber {k + 1}, all mounts", time, off[:, :, k], color)
@@ -124,8 +136,8 @@ def _pressure_history(first: Result, window: Window) -> Picture:
         whole.append(Trace("manifold", time, manifold - np.nanmean(plots.finite(manifold)), plots.FLOOR_COLOR))
     above, below = BAR * supply.pressure - float(mean.max()), BAR * supply.tank_pressure - float(mean.min())
     words = f"supply {BAR * supply.pressure:.4g}, tank {BAR * supply.tank_pressure:.4g} bar"
-    title = "Chamber pressures, about their mean"
-    figure = plots.history(title, "pressure [bar]", whole, detail, [Limit(words, (above, below))], window)
+    title, moments = f"Chamber pressures, about their mean{before}", moments_of(first)
+    figure = plots.history(title, "pressure [bar]", whole, detail, [Limit(words, (above, below))], window, (), moments)
     means = "; ".join(f"chamber {k + 1}: {_range(mean[:, k])} bar" for k in range(2))
     caption = f"Chamber 1, which lifts, solid; chamber 2 dashed. Means, absolute: {means}."
     if np.ptp(manifold) > 0:

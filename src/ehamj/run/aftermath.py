@@ -1,0 +1,121 @@
+"""What faults made of a run: its parts before, while they settle and after, and what was to be expected."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from ehamj.control import PythonController
+from ehamj.judge.faults import Expectation, FaultFound, Phase
+from ehamj.judge.levels import duration_of
+from ehamj.plant.plant import Plant
+from ehamj.run.expected import expected
+from ehamj.run.faults import Struck
+from ehamj.run.phases import part_of, phase
+from ehamj.run.prepare import Prepared
+
+OFTEN = 0.01
+"""Share of the time at a limit after a fault from which it is worth a word."""
+GROWN = 10.0
+"""Strokes after a fault over those before, from which they are worth a word."""
+
+
+def aftermath(prepared: Prepared, struck: Sequence[Struck], dataset: xr.Dataset) -> list[FaultFound]:
+    """What each fault made of the run, in order.
+
+    Args:
+        prepared: what was simulated.
+        struck: faults that struck.
+        dataset: channels of the run.
+    """
+    end = duration_of(dataset)
+    found: list[FaultFound] = []
+    before_s = 0.0
+    for k, one in enumerate(struck):
+        until = struck[k + 1].time if k + 1 < len(struck) else end + 0.5 / prepared.scenario.record_rate
+        settled_s = min(one.time + one.fault.lasts, until)
+        after = _phase(prepared, dataset, (settled_s, until))
+        expectation, note = linear(prepared, struck[: k + 1], dataset, (settled_s, until)) if after else (None, "")
+        stuck = one.plant.actuators[_place(one)].spool_stuck_at if one.fault.kind == "valve-stuck" else None
+        found.append(
+            FaultFound(
+                kind=one.fault.kind,
+                where=one.fault.where,
+                time_s=one.time,
+                what=one.fault.what,
+                opening=stuck,
+                channels=list(one.channels),
+                before=_phase(prepared, dataset, (before_s, one.time)),
+                during=_phase(prepared, dataset, (one.time, settled_s), transient=True),
+                after=after,
+                expected=expectation,
+                note=note,
+            )
+        )
+        before_s = settled_s
+    return found
+
+
+def _place(one: Struck) -> int:
+    return one.plant.mounts.index(one.fault.mount or one.plant.mounts[0])
+
+
+def _phase(prepared: Prepared, dataset: xr.Dataset, span: tuple[float, float], transient: bool = False) -> Phase | None:
+    scenario, motion = prepared.scenario, prepared.motion
+    usable = motion.usable_from, motion.usable_to
+    return phase(dataset, scenario.plant, scenario.record_rate, span, prepared.norms, usable, transient)
+
+
+def linear(
+    prepared: Prepared, struck: Sequence[Struck], dataset: xr.Dataset, span: tuple[float, float]
+) -> tuple[Expectation | None, str]:
+    """What the linear machine with these faults does from one time to another [s]; in words why it is not known."""
+    if isinstance(prepared.controller, PythonController):
+        return None, "no linear expectation: the law is a Python function"
+    plant: Plant = prepared.scenario.plant
+    for one in struck:
+        plant = one.fault.settled(plant, one.spools, span[1] - one.time)
+    usable = prepared.motion.usable_from, prepared.motion.usable_to
+    faults = [one.fault for one in struck]
+    return expected(prepared.scenario, plant, prepared.law, faults, part_of(dataset, *span), usable)
+
+
+def warnings(found: Sequence[FaultFound]) -> list[str]:
+    """In words: what struck, that levels of the whole run mix what was before and after, and what ran away."""
+    if not found:
+        return []
+    said = [f"fault {one.in_words()}" for one in found]
+    said.append(
+        "levels, classes and attenuation of the whole run mix the machine before and after its faults: the parts of "
+        "the run are judged by themselves in the section on faults (summary.json: fault)"
+    )
+    for one in found:
+        said += _runaway(one)
+        if one.note:
+            said.append(f"fault {one.in_words()}: {one.note}")
+    return said
+
+
+def _runaway(one: FaultFound) -> list[str]:
+    said, last = [], one.after or one.during
+    if one.expected is not None and not one.expected.stable:
+        said.append(f"after the fault {one.in_words()}, the loop is unstable: {one.expected.pole}")
+    if last is None:
+        return said
+    for limit, words in (("command", "commands are at their limit"), ("cavitation", "oil cavitates")):
+        mount, share = max(last.saturation[limit].items(), key=lambda item: item[1])
+        known = 0.0 if one.before is None else one.before.saturation[limit][mount]
+        if share >= OFTEN and share > 2.0 * known:
+            said.append(
+                f"after the fault {one.in_words()}, {words} for {100 * share:.3g} % of the time ({mount}), before for "
+                f"{100 * known:.3g} %"
+            )
+    if one.before is not None:
+        mount, stroke = max(last.stroke.items(), key=lambda item: item[1] or 0.0)
+        usual = max((value or 0.0 for value in one.before.stroke.values()), default=0.0)
+        if stroke is not None and stroke > GROWN * max(usual, np.finfo(float).tiny) and stroke > 1e-6:
+            said.append(
+                f"after the fault {one.in_words()}, strokes run off to {1e6 * stroke:.3g} µm from equilibrium "
+                f"({mount}); before it {1e6 * usual:.3g} µm"
+            )
+    return said
