@@ -29,7 +29,7 @@ def brief(summary: Summary) -> dict[str, str]:
 
 def quiet_bands(levels: Mapping[str, float | None]) -> str:
     """Attenuation in a few bands, in words; empty where every one is undecided."""
-    return ", ".join(f"{level:.0f} dB at {band} Hz" for band in SHOWN_BANDS if (level := levels.get(band)) is not None)
+    return ", ".join(f"{round(level)} dB at {band} Hz" for band in SHOWN_BANDS if (level := levels.get(band)) is not None)
 
 
 def _largest(levels: Any, *last: str) -> float | None:

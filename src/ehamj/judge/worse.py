@@ -7,6 +7,7 @@ from typing import Final
 from pydantic import Field
 
 from ehamj.findings import Finding
+from ehamj.judge.attenuation import LEAST_LEVEL, NOISE
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, SLAB, ByBand
@@ -94,7 +95,9 @@ def worse(isolated: Isolation) -> list[Worse]:
 def _set_moving(isolated: Isolation) -> Iterator[Worse]:
     """Axes along which only the machine moves, where it moves more than along those that the floor moves along."""
     levels = isolated.third_octave_velocity
-    still = [axis for axis in AXES if not any(isolated.attenuation_db.get(axis, {}).values())]
+    loudest = {axis: max((v for v in levels["floor"][axis].values() if v is not None), default=0.0) for axis in AXES}
+    least = max(NOISE, LEAST_LEVEL * max(loudest.values()))
+    still = [axis for axis in AXES if loudest[axis] <= least]
     driven = [axis for axis in AXES if axis not in still]
     for axis in still if driven else ():
         moved: dict[str, tuple[float, str]] = {}
