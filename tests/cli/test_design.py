@@ -1,11 +1,13 @@
 """`ehamj design`: what it prints and writes, that what it writes runs, and what it refuses."""
 
 import json
+import re
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from ehamj.cli import frame
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario
 
@@ -30,6 +32,11 @@ def test_a_design_is_written_told_and_runs(cli) -> None:  # type: ignore[no-unty
     assert any("Leaves the margins" in answer for answer in told["answers"])
     folder = Path("made")
     assert {path.name for path in folder.iterdir() if path.is_file()} >= FILES
+    page = (folder / "design.html").read_text(encoding="utf-8")
+    text = " ".join(re.sub(r"<(style|svg).*?</\1>|<[^>]+>", " ", page, flags=re.DOTALL).split())
+    for words in ("4056 kg", "0, 0, 0.6 m", "bar, tank 0 bar", "318 cm²", "rest; 5 s", "modal:"):
+        assert words in text
+    assert not re.search(r"\d[eE][-+−]?\d|\binf\b|\bnan\b", text)
     law = json.loads((folder / "controller.json").read_text())
     assert law["period_s"] == 1e-4
     scenario = load_scenario(folder / "scenario.toml", ["duration=0.1"])
@@ -71,8 +78,18 @@ def test_what_cannot_be_designed_is_refused_and_nothing_written(cli, arguments, 
     assert not Path("made").exists()
 
 
-def test_a_scenario_keeps_its_own_architecture(cli) -> None:  # type: ignore[no-untyped-def]
-    control = "control={kind='stroke-servo', delay=1.5e-4}"
-    code, _, _ = cli("benchmark", *QUICK, "--set", control, "--out", "made", "--json")
+def test_a_scenario_keeps_its_own_architecture_and_the_machine_that_it_is_held_for(  # type: ignore[no-untyped-def]
+    cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(frame.out, "_width", 80)
+    control = "control={kind='stroke-servo', delay=1.5e-4, designed_for={machine={mass=4000.0}}}"
+    held = ("--set", control, "--set", "machine.mass=5200")
+    code, out, _ = cli("benchmark", *QUICK, *held, "--set", "output.nichols=true", "--out", "made")
     assert code == 0
-    assert load_scenario(Path("made/scenario.toml")).control.kind == "stroke-servo"
+    assert max(map(len, out.splitlines())) <= 80
+    assert "the machine it runs on" in out
+    assert {path.name for path in Path("made").glob("*.svg")} >= {"bode.svg", "nyquist.svg", "nichols.svg"}
+    written = load_scenario(Path("made/scenario.toml"))
+    assert written.control.kind == "stroke-servo"
+    assert (written.machine.mass, written.nominal.machine.mass) == (5200.0, 4000.0)
+    assert written.controller().to_dict()["A"] == json.loads(Path("made/controller.json").read_text())["A"]

@@ -5,10 +5,14 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log
+from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.folders import check_out, new_folder
+
+OCTAVES = ("1", "2", "4", "8", "16", "31.5", "63", "125", "250")
+"""Bands that are printed [Hz]; all are on the page."""
 
 
 @app.command()
@@ -30,13 +34,17 @@ def design(
 
     The margins hold on the machine and on its variations: mass ±30 %, half the oil's stiffness, 1.5 times the flow
     gain. Writes design.html (read it first), controller.json (a scenario runs it with `control.kind = "law"`),
-    scenario.toml (the machine under the designed control: `ehamj run FOLDER/scenario.toml`), tables and figures.
+    scenario.toml (the machine under the designed control: `ehamj run FOLDER/scenario.toml`), tables and figures;
+    Nichols plots with `--set output.nichols=true`.
     """
     from ehamj.design.command import DESIGN_FILES, design_controller, write_design
+    from ehamj.design.page import attenuations
 
     check_out(out_folder, overwrite, DESIGN_FILES)
-    with log.status("designing"):
-        found = design_controller(scenario, overrides or (), architecture, gain_margin, phase_margin, disk_margin)
+    margins = (gain_margin, phase_margin, disk_margin)
+    with doing("designing") as progress:
+        found = design_controller(scenario, overrides or (), architecture, *margins, progress=progress)
+        progress("writing page and figures")
         with new_folder(out_folder, overwrite) as (folder, target):
             write_design(target, found)
     if as_json:
@@ -50,7 +58,10 @@ def design(
     ]  # fmt: skip
     if rows:
         print_table(found.outcome.title, ("machine", "gain [dB]", "phase [deg]", "disk [-]", "stable"), rows)
+    shown = attenuations(found.limits, OCTAVES)
+    if shown.rows:
+        print_table(shown.title, shown.head, shown.rows)
     for answer in found.outcome.answers:
-        say(f"- {answer}")
+        say(f"- {answer}", words=True)
     say(f"page, tables and figures: {folder / 'design.html'}")
     say(f"run it: ehamj run {folder / 'scenario.toml'}")

@@ -32,9 +32,9 @@ def print_table(
     out.print(table)
 
 
-def say(text: str) -> None:
-    """Print a line as it is: nothing in it is markup, and it breaks where the terminal does."""
-    out.print(text, markup=False, highlight=False, soft_wrap=True)
+def say(text: str, words: bool = False) -> None:
+    """Print a line as it is: nothing in it is markup, and it breaks where the terminal does, or between its words."""
+    out.print(text, markup=False, highlight=False, soft_wrap=not words)
 
 
 def print_json(content: dict[str, Any]) -> None:

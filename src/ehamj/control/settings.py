@@ -28,6 +28,10 @@ ISOLATE_FROM = (
 )
 
 
+class SwingsUpError(InputError):
+    """A law whose states run away while its commands are limited."""
+
+
 class ControlSettings(Settings):
     """A table [control]: a digital law, or signals for the valves, or nothing."""
 
@@ -96,7 +100,7 @@ class SampledSettings(ControlSettings):
         """
         law, gain = parted(block, len(inputs), anti_windup, self.period, self.recovery)
         if gain is not None and limited_radius(law.A, law.C, gain) > UNSTABLE:
-            raise InputError(
+            raise SwingsUpError(
                 f"control.recovery = {self.recovery:g} s: too slow for loops that cross so low, which would swing up "
                 "while commands are limited; shorten it, or raise the crossing, or lower the integral"
             )

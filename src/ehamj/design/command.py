@@ -21,7 +21,7 @@ from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Outcome
+from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 
 DESIGN_FILES: Final = ("design.json", "design.html")
@@ -48,8 +48,12 @@ def design_controller(
     gain_margin: float = 6.0,
     phase_margin: float = 45.0,
     disk_margin: float = 0.5,
+    progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
+
+    A law that is held for another machine (``control.designed_for``) is designed for that one, judged on the scenario's
+    own beside the variations, and predicted on that.
 
     Args:
         source: scenario file or shipped name.
@@ -59,6 +63,7 @@ def design_controller(
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
+        progress: called with what is being done.
 
     Raises:
         InputError: if the scenario or an argument cannot be used, or no law leaves the margins.
@@ -86,12 +91,14 @@ def design_controller(
     if held is not None:  # the law is derived for a machine that differs from the one it runs on
         machines[RUNS_ON] = linear_model(scenario.plant)
     if kind in SYNTHESES:
-        design = synthesised(believed, machines, beginning(kind, given), wanted)
+        design = synthesised(believed, machines, beginning(kind, given), wanted, progress)
         control: ControlSettings = Law(kind="law", file=CONTROLLER_FILE)
     else:
+        progress("choosing crossings")
         design = _designed(believed, machines, wanted)
         control = design.settings.model_copy(update={"designed_for": held})
     scenario = scenario.model_copy(update={"control": control})
+    progress("predicting what a run will show")
     limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
 

@@ -10,6 +10,7 @@ back by the same map (`Block.sampled`): peaks of responses, and with them H∞ n
 loop exactly; only frequencies are stretched, f → tan(π f T)/(π T).
 """
 
+import warnings
 from abc import abstractmethod
 from dataclasses import replace
 from typing import Annotated
@@ -26,7 +27,7 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import LEAK, Blend, MotionLoop
 from ehamj.control.inverse import volts
 from ehamj.control.law import stack
-from ehamj.control.settings import SampledSettings
+from ehamj.control.settings import SampledSettings, SwingsUpError
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
@@ -75,7 +76,10 @@ class SynthesisSettings(SampledSettings):
     floor: Positive = Field(
         12.5e-6, description="velocity of the floor, RMS per third-octave from 1 to 80 Hz [m/s]; default: VC-C"
     )
-    plant_order: Annotated[int, Field(ge=4)] = Field(12, description="states kept of each motion's plant")
+    plant_order: Annotated[int, Field(ge=4)] = Field(
+        16,
+        description="states kept of each motion's plant; an eccentric centre of gravity brings yaw and both sways in",
+    )
     order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
 
     @abstractmethod
@@ -96,7 +100,13 @@ class SynthesisSettings(SampledSettings):
         plant, sensors = scenario.plant, scenario.sensors
         plants = motion_plants(scenario, model, self, self.plant_order).items()
         loops = {name: self.loop(own, getattr(self, name), scenario).sampled(self.period) for name, own in plants}
-        laws = [self.modal().with_loops(plant, sensors, loops)]
+        try:
+            laws = [self.modal().with_loops(plant, sensors, loops)]
+        except SwingsUpError as error:
+            raise InputError(
+                "design: loops were found that would swing up while commands are limited, since they lean on the "
+                "machine's sway, which the model of what the valves lost does not have; less gain helps"
+            ) from error
         if self.feedforward is not None:
             laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
         return stack(laws)
@@ -205,7 +215,10 @@ def reduced(block: Block, order: int) -> Block:
         raise InputError(
             "design: what is to be reduced is not stable; loosen the weights, or check warp and sway loops"
         )
-    small = control.balred(control.ss(*block), order, method="truncate")
+    with warnings.catch_warnings():
+        # A block whose minimal realisation is smaller still becomes that one, which is what is wanted.
+        warnings.filterwarnings("ignore", message="(?s).*greater.*minimal realization")
+        small = control.balred(control.ss(*block), order, method="truncate")
     return Block(small.A, small.B, small.C, small.D)
 
 

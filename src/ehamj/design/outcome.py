@@ -1,34 +1,29 @@
 """What a design comes out with: answers, tables and figures of margins, loops and budget."""
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 import xarray as xr
 
-from ehamj.arrays import Array
 from ehamj.control import LinearController
 from ehamj.design.budget import Budget
+from ehamj.design.figures import budget_drawings, loop_drawings, plotted
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.machine import LinearModel
-from ehamj.linear.margins import PATTERNS, grid, in_patterns, loop_gains
+from ehamj.linear.margins import PATTERNS, grid, in_patterns
 from ehamj.pages.words import AXIS_NAMES, decibel
-from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart, loop_figures
-from ehamj.plots.charts import COLORS, DASHES
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Drawing, Outcome
+from ehamj.studies.outcome import Outcome
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
 CLIPPED: Final = 1e-3
 """Share of the time beyond the valves' range from which on a prediction does not hold."""
-WORTH: Final = 0.01
-"""Share of the machine's motion from which on a cause is shown."""
 LOUDER: Final = 0.5
 """By so much the machine must be louder than the floor before it is said [dB]."""
 
@@ -48,22 +43,9 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
     if has_loop:
         spectra = loop_table(scenario, machines, design.law)
         tables = {"margins": margin_table(design), "loops": spectra}
-        drawings["loops"] = Drawing(
-            "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the "
-            "variations. Where the sensitivity lies below 0 dB the feedback quietens.",
-            lambda: _loops_chart(spectra),
-        )
-        drawings |= _plots(scenario, machines["as designed"], design)
-    tables["budget"] = budget_table(limits)
+        drawings = loop_drawings(spectra) | plotted(scenario, machines["as designed"], design)
     tables |= {"attenuation": attenuation_table(limits), "budget": budget_table(limits)}
-    drawings["attenuation"] = Drawing(
-        "Attenuation that a run of scenario.toml will show: the floor of each mount through the closed loop.",
-        lambda: _attenuation_chart(limits),
-    )
-    drawings["budget"] = Drawing(
-        "Vertical velocity of the machine's centre of gravity by what causes it, and the floor's.",
-        lambda: _budget_chart(limits),
-    )
+    drawings |= budget_drawings(limits)
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
     gain, phase, disk = (float(min(values)) for values in zip(*worst, strict=True))
     return Outcome(
@@ -90,14 +72,6 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             "law": {"states": design.law.states, "inputs": len(design.law.inputs)},
         },
     )
-
-
-def _plots(scenario: Scenario, model: LinearModel, design: Design) -> dict[str, Drawing]:
-    """Bode and Nyquist plots, and where the scenario asks for them Nichols plots, with the disk that is asked for."""
-    hertz = grid(design.law, model, dense=3)
-    gains = loop_gains(model, Loop.of(scenario, design.law), hertz)
-    figures = loop_figures(hertz, gains, design.requirements.disk_margin, scenario.output.nichols)
-    return {name: Drawing(caption, draw) for name, (caption, draw) in figures.items()}
 
 
 def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool) -> list[str]:
@@ -196,9 +170,8 @@ def margin_table(design: Design) -> xr.Dataset:
 
 def loop_table(scenario: Scenario, machines: Machines, law: LinearController) -> xr.Dataset:
     """Loop gain and sensitivity of heave, roll and pitch over frequency, the others closed, on each machine [dB]."""
-    f = grid(law)
+    f, patterns = grid(law), MOTIONS
     f = f[(f >= 0.5) & (f <= 2000.0)]
-    patterns = PATTERNS[:3]
     gain, sensitivity = np.zeros((2, len(machines), len(patterns), f.size))
     loop = Loop.of(scenario, law)
     for row, model in enumerate(machines.values()):
@@ -243,50 +216,3 @@ def budget_table(limits: Budget) -> xr.Dataset:
         binding=([cause or "" for cause in limits.binding()], "", "largest contribution"),
         **causes,
     )
-
-
-def _loops_chart(table: xr.Dataset) -> Figure:
-    panels = {}
-    for quantity in ("gain", "sensitivity"):
-        lines = []
-        for row, machine in enumerate(table.machine.values):
-            for column, pattern in enumerate(table.pattern.values):
-                values = table[quantity].sel(machine=machine, pattern=pattern).values
-                label = str(pattern) if row == 0 else ("on a variation" if column == 0 and row == 1 else "")
-                width = 2.0 if row == 0 else 0.7
-                lines.append(Line(label, table.frequency.values, values, column, min(row, 1), width=width))
-        panels[f"{table[quantity].attrs['long_name']} [dB]"] = lines[::-1]
-    limits = {"loop gain [dB]": (-40.0, 60.0), "sensitivity [dB]": (-60.0, 10.0)}
-    return lines_chart("Loops", "frequency [Hz]", panels, "x", limits=limits)
-
-
-def _attenuation_chart(limits: Budget) -> Figure:
-    curves = [
-        replace(Levels.of_bands(name, limits.attenuation[motion], COLORS[k]), dash=DASHES[k % len(DASHES)])
-        for k, (motion, name) in enumerate(AXIS_NAMES.items())
-        if any(value is not None for value in limits.attenuation[motion].values())
-    ]
-    return attenuation("Predicted attenuation", curves)
-
-
-def _budget_chart(limits: Budget) -> Figure:
-    z, micro = SLAB.index("z"), 1e6
-    centres, total = [band.centre for band in limits.bands], limits.total[:, z]
-    lines = [Line("floor", centres, micro * limits.floor[:, z], 7, width=2.4)]
-    lines.append(Line("machine, all together", centres, micro * total, 0, width=2.4))
-    for k, (name, values) in enumerate(telling(limits).items()):
-        lines.append(Line(name, centres, micro * values[:, z], 1 + k % 6, 1 + k // 3 % 3, width=1.3))
-    known = np.concatenate([limits.floor[:, z], total])
-    known = known[np.isfinite(known) & (known > 0)]
-    if not known.size:
-        known = np.ones(1)
-    quantity = "RMS velocity [µm/s]"
-    limit = (max(1e-6, 0.1 * micro * float(known.min())), 3.0 * micro * float(known.max()))
-    return lines_chart("Budget", "third-octave band [Hz]", {quantity: lines}, "xy", limits={quantity: limit})
-
-
-def telling(limits: Budget) -> dict[str, Array]:
-    """Contributions of which any is worth a word: a hundredth of the machine's vertical motion in some band."""
-    z, total = SLAB.index("z"), limits.total[:, SLAB.index("z")]
-    least = np.where(np.isfinite(total), WORTH * total, np.inf)
-    return {name: values for name, values in limits.contributions.items() if np.any(values[:, z] > least)}

@@ -1,6 +1,6 @@
 """The page of a design: the machine that it is for, what the law leaves and why, in numbers that a person reads."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Final
 
 import numpy as np
@@ -8,7 +8,8 @@ from markupsafe import Markup
 
 from ehamj.control.sensors import Sensors
 from ehamj.design.budget import Budget
-from ehamj.design.outcome import SHOWN, telling
+from ehamj.design.figures import telling
+from ehamj.design.outcome import SHOWN
 from ehamj.design.tuning import Design
 from ehamj.isolator.actuator import Actuator
 from ehamj.judge.levels import SLAB
@@ -66,7 +67,7 @@ def facts(scenario: Scenario, design: Design) -> Iterator[tuple[str, str]]:
     )
     yield "sensors", _sensors(scenario.sensors)
     rates = " + ".join(f"{exact(1e-3 / one.period)} kHz, delay {exact(1e3 * one.latency)} ms" for one in law.parts)
-    yield "law", f"{scenario.control.kind}: {law.states} states, {len(law.inputs)} inputs, {rates}"
+    yield "law", f"{design.settings.kind}: {law.states} states, {len(law.inputs)} inputs, {rates}"
 
 
 def _actuator(actuator: Actuator) -> str:
@@ -88,7 +89,8 @@ def _sensors(sensors: Sensors) -> str:
         factor, unit = {"velocity": (NANO, "nm/s"), "displacement": (NANO, "nm"), "acceleration": (MICRO, "µm/s²")}.get(
             one.measures, (1.0, "Pa")
         )
-        found.append(f"{name} {getattr(one, 'kind', '')} {number(factor * one.noise)} {unit}/√Hz")
+        kind = f"{one.kind} of " if name in ("ground", "inertial") else ""
+        found.append(f"{name} {kind}{number(factor * one.noise)} {unit}/√Hz")
     return ", ".join(found)
 
 
@@ -106,13 +108,14 @@ def margins(design: Design) -> Table:
     return Table("Margins, the other motions closed", head, rows)
 
 
-def attenuations(limits: Budget) -> Table:
-    """Predicted attenuation per band and motion; motions that are undecided everywhere are left out."""
+def attenuations(limits: Budget, only: Collection[str] | None = None) -> Table:
+    """Predicted attenuation per band, or ``only`` in some, and motion; what is undecided everywhere is left out."""
     shown = [m for m in AXIS_NAMES if any(value is not None for value in limits.attenuation[m].values())]
     rows = [
         [band.name, *(decibel(limits.attenuation[motion][band.name]) for motion in shown)]
         for band in limits.bands
-        if any(limits.attenuation[motion][band.name] is not None for motion in shown)
+        if (only is None or band.name in only)
+        and any(limits.attenuation[motion][band.name] is not None for motion in shown)
     ]
     note = (
         f"{DASH}: undecided, since the floor is not known there, or does not move so. Positive: quieter than the floor."

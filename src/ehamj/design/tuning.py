@@ -56,10 +56,14 @@ class Design:
         """Whether all machines are stable with the required margins."""
         return all(one.stable and holds(one.worst, self.requirements) for one in self.reports.values())
 
+    def worst_of(self, motion: str) -> tuple[float, float, float]:
+        """Least gain [dB], phase [deg] and disk margin of a motion's loop on all machines."""
+        found = [one.motions[motion] for one in self.reports.values()]
+        return min(m.gain for m in found), min(m.phase for m in found), min(m.disk for m in found)
+
     def leaves(self, motion: str) -> bool:
         """Whether the loop of a motion has the required margins on all machines."""
-        found = [one.motions[motion] for one in self.reports.values()]
-        return all(holds((one.gain, one.phase, one.disk), self.requirements) for one in found)
+        return holds(self.worst_of(motion), self.requirements)
 
 
 def holds(worst: tuple[float, float, float], requirements: Requirements) -> bool:

@@ -29,7 +29,8 @@ def brief(summary: Summary) -> dict[str, str]:
 
 def quiet_bands(levels: Mapping[str, float | None]) -> str:
     """Attenuation in a few bands, in words; empty where every one is undecided."""
-    return ", ".join(f"{round(level)} dB at {band} Hz" for band in SHOWN_BANDS if (level := levels.get(band)) is not None)
+    known = {band: level for band in SHOWN_BANDS if (level := levels.get(band)) is not None}
+    return ", ".join(f"{round(level)} dB at {band} Hz" for band, level in known.items())  # round has no minus zero
 
 
 def _largest(levels: Any, *last: str) -> float | None:
