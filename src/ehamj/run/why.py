@@ -41,6 +41,8 @@ TAKES_PART: Final = 0.01
 def worsened(prepared: Prepared, dataset: xr.Dataset, isolated: Isolation, shares: dict[str, ByMount]) -> list[Worse]:
     """Every axis that gets worse, with the reason as far as it is known; ``shares`` of the time at each limit."""
     found = worse(isolated)
+    if prepared.scenario.fault:  # there is no one linear machine to ask
+        return [one.changed(why="the run is that of a machine before and after its faults") for one in found]
     reasons = Reasons(prepared, dataset, shares) if found else None
     return [one.changed(why=reasons.of(one)) if reasons else one for one in found]
 
