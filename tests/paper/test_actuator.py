@@ -339,6 +339,9 @@ def test_an_undamped_load_is_refused() -> None:
         ("overlap", (0.1, 0.1, 0.1, 0.1)),
         ("flow_curve", ((0.0, 0.0), (0.5, 0.2), (1.0, 1.0))),
         ("rated_flow", 1e-4),
+        ("spool_stuck", True),
+        ("outside_leakage_1", 1e-12),
+        ("outside_leakage_2", 1e-12),
     ],
 )
 def test_what_the_paper_does_not_have_is_refused(name: str, value: Any) -> None:
@@ -349,7 +352,15 @@ def test_what_the_paper_does_not_have_is_refused(name: str, value: Any) -> None:
 def test_every_other_setting_is_known_to_have_no_effect() -> None:
     """A new option of the isolator is refused until someone says what eqs. 1 to 9 make of it."""
     beyond = {"foot_stiffness", "area_ratio", "volume_share", "air_fraction", "wall_modulus"}
-    beyond |= {"overlap", "flow_curve", "rated_flow", "sources"}
+    beyond |= {
+        "overlap",
+        "flow_curve",
+        "rated_flow",
+        "sources",
+        "spool_stuck",
+        "outside_leakage_1",
+        "outside_leakage_2",
+    }
     assert {*LINEAR, *WITHOUT_EFFECT} == set(Actuator.model_fields) - beyond
 
 

@@ -21,11 +21,16 @@ SMOOTH_OPTIONS: dict[str, Any] = {
     "area_ratio": 0.9,
     "volume_share": 0.45,
     "vapour_pressure": 5e3,
+    "null_drift": 0.5,
+    "null_drift_limit": 2.0,
+    "outside_leakage_1": 4e-12,
+    "outside_leakage_2": 2e-12,
+    "check_valve": True,
 }
-"""Every hydraulic option but hysteresis and end stops."""
+"""Every hydraulic option but hysteresis, end stops and a stuck spool."""
 
 ALL_OPTIONS = SMOOTH_OPTIONS | {"hysteresis": 0.1, "end_stops": True, "spool_stroke": 6.0}
-"""All of them, with a stroke so short that the stops are hit."""
+"""All that a spool that moves can have, with a stroke so short that the stops are hit."""
 
 SHARED_SUPPLY = {"dynamic": True, "tank_pressure": 2e5}
 

@@ -24,7 +24,8 @@ OF_ISOLATOR: Final = (
     "air_fraction", "polytropic_exponent", "wall_modulus", "flow_gain", "flow_pressure", "edge_leakage_share",
     "laminar_ratio", "overlap", "null_offset", "hysteresis", "threshold", "spool_stroke", "end_stops", "valve_gain",
     "voltage_limit", "valve_frequency", "valve_damping", "spool_drive_limit", "membrane_stiffness", "membrane_damping",
-    "lateral_stiffness", "lateral_damping", "plate_mass",
+    "lateral_stiffness", "lateral_damping", "plate_mass", "spool_stuck", "spool_stuck_at", "null_drift",
+    "null_drift_from", "null_drift_limit", "outside_leakage_1", "outside_leakage_2", "check_valve",
 )  # fmt: skip
 """Settings of an isolator that the model has as they stand, beside its ``flow_curve``."""
 
@@ -112,7 +113,8 @@ def _slope(k, s):  # type: ignore[no-untyped-def]
 @_compiled
 def drive(a, spool, voltage):  # type: ignore[no-untyped-def]
     """Force of the solenoid over the spool's mass [mA/s²]."""
-    error = a.valve_gain * max(-a.voltage_limit, min(a.voltage_limit, voltage)) - spool
+    wanted = a.valve_gain * max(-a.voltage_limit, min(a.voltage_limit, voltage))
+    error = (a.spool_stuck_at * a.spool_stroke if a.spool_stuck != 0.0 else wanted) - spool
     if abs(error) <= a.threshold:
         return 0.0
     error -= math.copysign(a.threshold, error)
@@ -149,9 +151,11 @@ def _stand(a, feet, y, ground, s, lift, force):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _opening(a, curve, edge):  # type: ignore[no-untyped-def]
-    """Opening behind the metering edges' position, along the flow curve [mA]."""
-    opening = max(-a.spool_stroke, min(a.spool_stroke, edge + a.null_offset))
+def _opening(a, curve, edge, t):  # type: ignore[no-untyped-def]
+    """Opening behind the metering edges' position at a time, along the flow curve [mA]."""
+    drift = a.null_drift * (t - a.null_drift_from) if t > a.null_drift_from else 0.0
+    null = a.null_offset + max(-a.null_drift_limit, min(a.null_drift_limit, drift))
+    opening = max(-a.spool_stroke, min(a.spool_stroke, edge + null))
     share = np.interp(abs(opening) / a.spool_stroke, curve[0], curve[1])
     return math.copysign(share * a.spool_stroke, opening)
 
@@ -168,12 +172,14 @@ def _edge(a, opening, drop, rated):  # type: ignore[no-untyped-def]
 @_compiled
 def _flows(a, opening, supply, tank, rated, p1, p2):  # type: ignore[no-untyped-def]
     """What flows into chamber 1 and 2, and what is taken from the supply [m³/s]."""
-    from_1 = _edge(a, opening - a.overlap[0], supply - p1, rated)
+    least = 0.0 if a.check_valve != 0.0 else -math.inf
+    from_1 = _edge(a, opening - a.overlap[0], max(supply - p1, least), rated)
     to_1 = _edge(a, -opening - a.overlap[1], p1 - tank, rated)
-    from_2 = _edge(a, -opening - a.overlap[2], supply - p2, rated)
+    from_2 = _edge(a, -opening - a.overlap[2], max(supply - p2, least), rated)
     to_2 = _edge(a, opening - a.overlap[3], p2 - tank, rated)
     across = (a.flow_pressure - a.flow_pressure * a.edge_leakage_share) * (p1 - p2)
-    return from_1 - to_1 - across, from_2 - to_2 + across, from_1 + from_2
+    out_1, out_2 = a.outside_leakage_1 * (p1 - tank), a.outside_leakage_2 * (p2 - tank)
+    return from_1 - to_1 - across - out_1, from_2 - to_2 + across - out_2, from_1 + from_2
 
 
 @_compiled
@@ -228,7 +234,7 @@ def rates(t, y, c, quintics, held, side, memory, stopped, out):  # type: ignore[
             out[12 + i] = rate
             out[12 + n + i] = pull - 2.0 * a.valve_damping * a.valve_frequency * rate
         edge = memory[i] if side[i] == 0.0 and a.hysteresis > 0.0 else spool - side[i] * 0.5 * a.hysteresis
-        into_1, into_2, taken = _flows(a, _opening(a, c.curves[i], edge), supply, tank, rated, p1, p2)
+        into_1, into_2, taken = _flows(a, _opening(a, c.curves[i], edge, t), supply, tank, rated, p1, p2)
         drawn += taken
         volume_1, volume_2 = a.chamber_volume * a.volume_share, a.chamber_volume * (1.0 - a.volume_share)
         out[k] = _compress(a, area_1, volume_1, y[k], into_1, offset, speed)
