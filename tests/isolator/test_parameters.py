@@ -268,7 +268,8 @@ def test_only_a_number_is_a_number(value: Any) -> None:
 
 
 def test_a_whole_number_is_a_number() -> None:
-    assert Machine(mass=4000, inertia=[2000, 3000, 4000]) == Machine()  # type: ignore[arg-type]
+    given = Machine(mass=4000, inertia=[2000, 3000, 4000])  # type: ignore[arg-type]
+    assert given.model_dump(exclude={"sources"}) == Machine().model_dump(exclude={"sources"})
 
 
 @pytest.mark.parametrize("kind", [Actuator, Machine, Supply])

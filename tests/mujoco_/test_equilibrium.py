@@ -159,7 +159,7 @@ def test_modes_of_the_benchmark_are_the_oracles_with_four_neutral_pressures() ->
 
 def test_a_tall_machine_on_soft_mounts_falls_as_fast_as_the_oracle_says() -> None:
     soft = {"membrane_stiffness": 5e4, "lateral_stiffness": 2e7, "flow_pressure": 1e-8, "moving_volume": False}
-    shape = {"cg": (0.0, 0.0, 3.0), "size": (2.2, 1.6, 4.0)}
+    shape = {"cg": (0.0, 0.0, 3.0), "size": (2.2, 1.6, 4.0), "inertia": (2000.0, 3000.0, 4000.0)}
     found = eigenvalues(model_of(machine=shape, **soft))
     oracle = linear.LinearMachine(cg=(0.0, 0.0, 3.0), K_L=5e4, k_lat=2e7, g0=0.05e-8, cross=0.95e-8)
     expected = linear.passive_modes(oracle)

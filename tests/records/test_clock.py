@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.records.clock import clock, on_grid, plainest
+from ehamj.records.clock import FEW, clock, on_grid, plainest
 
 settings.register_profile("untimed", deadline=None)  # machines stall
 settings.load_profile("untimed")
@@ -32,7 +32,10 @@ def test_the_rate_explains_all_rounded_times(
     duration = (size - 1) / rate
     if resolution > 0.005 * duration:
         return
-    found, index, notes = clock(put(begin + np.arange(size) / rate, resolution), "a", "error", resolution)
+    time = put(begin + np.arange(size) / rate, resolution)
+    if 0 < round((time[-1] - time[0]) / resolution) - (size - 1) <= FEW:
+        return  # as well the times of a clock of just the resolution, with a gap or two: they are taken so
+    found, index, notes = clock(time, "a", "error", resolution)
     # A rate that moves the last time by one and a bit of the resolution, to either side, explains the times no more.
     assert found == pytest.approx(rate, rel=2.1 * resolution / duration + 1e-9)
     np.testing.assert_array_equal(index, np.arange(size))

@@ -18,6 +18,7 @@ ASKED = {
     "relative": [{"name": "laser", "from": "nose", "to": "ground front-left"}],
     "criteria": {"response_spectrum": {"last": 63.0}},
     "ground": {"kind": "broadband", "level": "VC-C"},
+    "fault": [{"kind": "valve-stuck", "mount": "front-left", "time": 0.5, "settling": 0.1}],
 }
 
 
@@ -25,7 +26,7 @@ ASKED = {
 def shown() -> Shown:
     """A run that has something to say in every section: 1 s, too short for the low bands, which is a warning."""
     table = {"name": "small", "duration": 1.0, "plates": "tied", "compare": (), **ASKED}
-    active = simulate(parse_scenario({**table, "control": {"kind": "feedforward"}}))
+    active = simulate(parse_scenario({**table, "control": {"kind": "combined"}}))
     return Shown.of({"active": active, "passive": simulate(parse_scenario(table))})
 
 

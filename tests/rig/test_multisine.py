@@ -172,7 +172,7 @@ def test_it_begins_when_the_loop_with_its_instruments_as_they_are_turned_has_set
 ) -> None:
     """Feedback of geophones 20° off the vertical, in directions that the seed draws: some damp sway, some drive it."""
 
-    def begin(scenarios: Iterable[Scenario]) -> None:
+    def begin(scenarios: Iterable[Scenario], **how: Any) -> None:
         raise Begun(next(iter(scenarios)).duration)
 
     monkeypatch.setattr("ehamj.rig.multisine.simulate_many", begin)
