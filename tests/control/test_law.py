@@ -186,6 +186,18 @@ def test_a_misspelled_valve_is_refused() -> None:
         Controller.from_statespace(system(outputs=outputs))
 
 
+def test_outputs_may_be_named_by_their_mounts_alone() -> None:
+    order = [1, 0, 2, 3]
+    outputs = [VALVES[k].removeprefix("valve_command ") for k in order]
+    found = Controller.from_statespace(system(outputs=outputs))
+    np.testing.assert_array_equal(np.array([found.C[valve].sum() for valve in order]), [1.0, 2.0, 3.0, 4.0])
+
+
+def test_outputs_of_which_only_some_name_valves_are_refused() -> None:
+    with pytest.raises(InputError, match="output 'b' beside those that name valves"):
+        Controller.from_statespace(system(outputs=[VALVES[0], "b", VALVES[2], VALVES[1]]))
+
+
 def test_channels_may_be_given_instead_of_labels() -> None:
     assert Controller.from_statespace(system(inputs=4), inputs=STROKES).inputs == tuple(STROKES)
 

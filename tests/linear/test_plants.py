@@ -81,6 +81,7 @@ def test_scaling_changes_no_digit_and_is_taken_back(name: str) -> None:
     np.testing.assert_array_equal(scales[:, None] * plant.B, model.B)
     np.testing.assert_array_equal(plant.operating_point, model.equilibrium)
     assert plant.state_labels == list(model.states)
+    np.testing.assert_array_equal(plant[:, :4].scales, scales)
     units = dict(zip(model.states, plant.state_units, strict=True))
     assert (units["displacement z"], units["velocity rx"], units["spool front-left"]) == ("m", "rad/s", "mA")
     np.testing.assert_allclose(np.sort(np.abs(plant.poles())), np.sort(np.abs(np.linalg.eigvals(model.A))), rtol=1e-7)

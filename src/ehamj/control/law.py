@@ -91,7 +91,8 @@ class Controller(Sampled):
         """A controller from a python-control ``StateSpace`` (or anything that ``control.ss`` takes) with ``dt``.
 
         Its input labels must be channel names (`ehamj.control.channels.channel_names`) unless ``inputs`` are given; its
-        outputs are the valves in the order of the mounts, or labelled ``valve_command MOUNT`` in any order.
+        outputs are the valves in the order of the mounts, or labelled ``valve_command MOUNT`` or ``MOUNT`` in any
+        order.
 
         Raises:
             InputError: as the class, and if ``dt`` is not a sampling period.
@@ -104,10 +105,15 @@ class Controller(Sampled):
         labels, valves = list(system.output_labels), valve_commands(settings.get("mounts", MOUNTS))
         if len(labels) != len(valves):
             raise InputError(f"controller: has {len(labels)} outputs, it must have {len(valves)}, one per valve")
-        wrong = [label for label in labels if label.startswith("valve_command") and label not in valves]
-        if wrong:
-            raise InputError(f"controller: output {wrong[0]!r} is no valve; the valves are {', '.join(valves)}")
-        rows = [labels.index(name) for name in valves] if set(labels) == set(valves) else list(range(len(valves)))
+        at = [_valve_of(label, valves) for label in labels]
+        named = any(valve is not None for valve in at)
+        if named and sorted(map(str, at)) != sorted(valves):
+            wrong = next(label for k, label in enumerate(labels) if not at[k] or at[k] in at[:k])
+            raise InputError(
+                f"controller: output {wrong!r} beside those that name valves: all must, each once, of "
+                f"{', '.join(valves)}; or none"
+            )
+        rows = [at.index(name) for name in valves] if named else list(range(len(valves)))
         inputs = tuple(settings.pop("inputs", system.input_labels))
         period = settings.pop("period", float(system.dt))
         if abs(period - float(system.dt)) > 1e-12:
@@ -249,3 +255,11 @@ def stack(laws: Sequence[Controller]) -> Controller:
         D[:, columns] += law.D
         at += law.states
     return replace(first, A=A, B=B, C=C, D=D, inputs=inputs, anti_windup=windup)
+
+
+def _valve_of(label: str, valves: Sequence[str]) -> str | None:
+    """The valve that an output's label names, with or without ``valve_command``; '' for one that there is not."""
+    name = f"valve_command {label.removeprefix('valve_command').strip()}"
+    if name in valves:
+        return name
+    return "" if label.startswith("valve_command") else None

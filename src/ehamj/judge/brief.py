@@ -63,9 +63,13 @@ def _valves(summary: Summary) -> str:
 def _margins(summary: Summary) -> str:
     margins = summary.margins
     if margins is None:
-        return "no feedback loop"
+        return "not known" if summary.python_law else "no feedback loop"
+    before = "before the fault, " if summary.fault else ""
+    after = [one for one in summary.fault or () if one.expected is not None and not one.expected.stable]
     if not margins.stable:
         return "the loop is UNSTABLE"
+    if after:
+        return f"after the fault {after[0].in_words()}, the loop is UNSTABLE"
     gain = "unlimited" if margins.gain_db is None else f"{margins.gain_db:.1f} dB"
     phase = "unlimited" if margins.phase_deg is None else f"{margins.phase_deg:.0f}°"
-    return f"gain {gain}, phase {phase}, disk {margins.disk:.2f}"
+    return f"{before}gain {gain}, phase {phase}, disk {margins.disk:.2f}"

@@ -104,7 +104,9 @@ class Summary(Isolation, Head):
     """When each limit was reached, by the recorded rows; None: in none of them."""
     oil: Oil
     margins: LoopMargins | None
-    """None without a loop."""
+    """None without a loop, and where the law is a Python function."""
+    python_law: bool = False
+    """Whether a Python function gave the commands, of which no margins are known."""
     timing: Timing
     versions: dict[str, str]
     seed: int

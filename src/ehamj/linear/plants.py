@@ -51,7 +51,9 @@ class LinearPlant(Accurate):
     What states, inputs and outputs are called, and the units of inputs and outputs (SI, commands in V, spools in mA),
     do not change. A state in SI is ``operating_point + scales·x``, in ``state_units``; the matrices in SI are
     ``scales[:, None]·A/scales``, ``scales[:, None]·B`` and ``C/scales``, to the last digit, since scales are powers of
-    two (`ehamj.linear.scales`).
+    two (`ehamj.linear.scales`). A state feedback K of this plant is ``K/scales`` of states in SI, and a weight Q of
+    those is ``Q * scales[:, None] * scales`` here. Picked channels keep their scales; what else python-control makes of
+    the plant (`c2d`, `feedback`, `append`, …) has these states, and does not know of them.
     """
 
     scales: Array
@@ -71,3 +73,10 @@ class LinearPlant(Accurate):
         plant = cls(A * scales / scales[:, None], B / scales[:, None], C * scales, D, *timebase, **names)
         plant.scales, plant.operating_point, plant.state_units = scales, operating_point, state_units
         return plant
+
+    def __getitem__(self, key: Any) -> Any:
+        found = super().__getitem__(key)
+        names = {"states": found.state_labels, "inputs": found.input_labels, "outputs": found.output_labels}
+        picked = type(self)(found, name=found.name, **names)
+        picked.scales, picked.operating_point, picked.state_units = self.scales, self.operating_point, self.state_units
+        return picked

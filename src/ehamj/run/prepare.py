@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import mujoco
 import numpy as np
@@ -20,6 +21,10 @@ from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
 from ehamj.signals import Signal
+
+READ_FAST: Final = 4000.0
+"""Rows per second from which rows show what noisy sensors make a machine do as fast as it is [Hz]: valve and oil let
+little through above 2 kHz."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +62,20 @@ class Prepared:
         """What a reader of the result must know."""
         read = tuple(self.controller.inputs) if self.controller is not None else ()
         failing = (*unread(self.scenario.fault, read), *self.of_step)
-        notes = (*self.motion.notes, *self.scenario.machine.assumptions, *failing)
+        notes = (*self.motion.notes, *self.scenario.machine.assumptions, *failing, *self._folded())
         if not isinstance(self.controller, PythonController):
             return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"
         return (*notes, said)
+
+    def _folded(self) -> tuple[str, ...]:
+        rate = self.scenario.record_rate
+        if self.noise is None or rate >= READ_FAST:
+            return ()
+        return (
+            f"record_rate = {rate:g} Hz: what the sensors' noise makes the machine do above {rate / 2:g} Hz is read as "
+            f"if it were slow, so that a quiet machine looks louder than it is; record_rate = {READ_FAST:g} does not",
+        )
 
 
 def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:

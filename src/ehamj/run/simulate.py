@@ -99,6 +99,8 @@ def simulate_many(
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads}: must be at least 1")
     laws = None if controllers is None else list(controllers)
+    if isinstance(scenarios, str):
+        raise InputError(f"scenarios = {scenarios!r}: must be several, such as a list; `simulate` runs one")
     if laws is not None and isinstance(scenarios, Sized):
         _check_count(laws, len(scenarios))
     watch = _Watch()

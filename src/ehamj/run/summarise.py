@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray as xr
 
-from ehamj.control import LinearController
+from ehamj.control import LinearController, PythonController
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
 from ehamj.judge.levels import duration_of
@@ -76,6 +76,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
+        python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,
             wall_s=seconds,
@@ -94,4 +95,6 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> LoopMargin
     if law is None or not feeds_back(law):
         return None
     found = report(linear_model(scenario.plant), Loop.of(scenario, law))
-    return LoopMargins.model_validate(found.to_dict(places=("motions",)))
+    margins = LoopMargins.model_validate(found.to_dict(places=("motions",)))
+    # An unstable loop has nothing in hand, however far its gain passes from −1.
+    return margins if margins.stable else margins.changed(gain_db=0.0, phase_deg=0.0, disk=0.0, disk_all_valves=0.0)
