@@ -1,4 +1,9 @@
-"""Where a machine moves more than its floor: the axis, the bands, the place where it is worst, and by how much."""
+"""Where a machine moves more than its floor: the axis, the bands, the place where it is worst, and by how much.
+
+Along x, y and z it is held against the floor's loudest mount, and not against the mean of the mounts, as attenuation
+is: what passes below them as a wave cancels in the mean, and a machine that moves less than every mount is no worse.
+Roll and pitch are held against the plane fitted to the floor.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -10,7 +15,7 @@ from ehamj.findings import Finding
 from ehamj.judge.attenuation import LEAST_LEVEL, NOISE
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.isolation import Isolation
-from ehamj.judge.levels import BANDS, SLAB, ByBand
+from ehamj.judge.levels import BANDS, SLAB
 from ehamj.plant.axes import AXES
 
 LEAST: Final = 1.0
@@ -37,7 +42,8 @@ class Worse(Finding):
     band: str = Field(alias="band_hz")
     """Where it is worst."""
     amplification_db: float | None
-    """Machine over floor there; None where the floor does not move along the axis, and the machine does."""
+    """Machine over the floor's loudest mount there, in roll and pitch over the floor's plane; None where the floor does
+    not move along the axis, and the machine does."""
     beside_db: float | None = None
     """Machine over the floor's strongest motion in that band, where the floor does not move along the axis."""
     level: float | None
@@ -59,9 +65,10 @@ class Worse(Finding):
                 "floor's strongest motion there"
             )
         else:
+            mounts = " at any mount" if self.axis in AXES else ""
             said = (
-                f"{along} the machine moves more than the floor: by {self.amplification_db:.1f} dB in the {self.band} "
-                f"Hz band{at}{span}"
+                f"{along} the machine moves more than the floor{mounts}: by {self.amplification_db:.1f} dB in the "
+                f"{self.band} Hz band{at}{span}"
             )
         return f"{said}; {self.why}" if self.why else said
 
@@ -70,20 +77,17 @@ def worse(isolated: Isolation) -> list[Worse]:
     """Every axis that gets worse, at any of the machine's places; bands side by side are one."""
     found = []
     for axis in SLAB:
-        tables = {"machine": isolated.attenuation_db.get(axis, {})}
-        if axis in AXES:
-            tables |= {place: table[axis] for place, table in isolated.attenuation_at_db.items()}
-        worst = {band.name: _least(tables, band.name) for band in BANDS}
-        amplified = {name: at for name, at in worst.items() if at is not None and at[0] < -LEAST}
+        worst = {band.name: _most(isolated, axis, band.name) for band in BANDS}
+        amplified = {name: at for name, at in worst.items() if at is not None and at[0] > LEAST}
         for group in _side_by_side(amplified):
-            band = min(group, key=lambda name: amplified[name][0])
-            level, place = amplified[band]
+            band = max(group, key=lambda name: amplified[name][0])
+            above, place = amplified[band]
             found.append(
                 Worse(
                     axis=axis,
                     place=place,
                     band=band,
-                    amplification_db=-level,
+                    amplification_db=above,
                     level=isolated.third_octave_velocity[place][axis][band] if axis in AXES else None,
                     first_band=group[0],
                     last_band=group[-1],
@@ -127,10 +131,21 @@ def _set_moving(isolated: Isolation) -> Iterator[Worse]:
             )
 
 
-def _least(tables: Mapping[str, ByBand], band: str) -> tuple[float, str] | None:
-    """Least attenuation of all places in a band, and the place; None where it is decided nowhere."""
-    known = [(value, place) for place, table in tables.items() if (value := table.get(band)) is not None]
-    return min(known, default=None)
+def _most(isolated: Isolation, axis: str, band: str) -> tuple[float, str] | None:
+    """By how much the machine moves most over the floor in a band [dB], and the place; None where it is not known, or
+    the floor shows only what leaks from elsewhere."""
+    if axis not in AXES:
+        quieter = isolated.attenuation_db.get(axis, {}).get(band)
+        return None if quieter is None else (-quieter, "machine")
+    tables = {place: table[axis] for place, table in isolated.third_octave_velocity.items()}
+    floor = tables.pop("floor")
+    least = max(NOISE, LEAST_LEVEL * max((v for v in floor.values() if v is not None), default=0.0))
+    mount = floor.get(band)
+    known = [(value, place) for place, table in tables.items() if (value := table.get(band))]
+    if mount is None or mount <= least or not known:
+        return None
+    level, place = max(known)
+    return 20.0 * math.log10(level / mount), place
 
 
 def _side_by_side(chosen: Mapping[str, object]) -> Iterator[list[str]]:

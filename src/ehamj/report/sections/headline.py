@@ -7,6 +7,7 @@ from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
+from ehamj.judge.brief import MEAN
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Section, Table
@@ -55,6 +56,9 @@ def headline(shown: Shown) -> Section:
         tables += list(own.values())
     mixed = MIXED if any(result.summary.fault for result in shown.results.values()) else ""
     note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
+    cancelled = {band for result in shown.results.values() for band in result.summary.cancelled("z")}
+    if against := [band for band in HEADLINE_BANDS if band in cancelled]:
+        note += f" At {', '.join(against)} Hz: {MEAN}."
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):
