@@ -61,7 +61,7 @@ def test_the_worst_place_gives_the_class_and_the_others_stand_beside() -> None:
     vertical = found.decisive.vertical
     assert (vertical.worst.place, vertical.worst.mount, vertical.worst.verdict.met) == ("feet", MOUNTS[2], "VC-D")
     assert [(other.place, other.verdict.met) for other in vertical.others] == [("nose", "VC-E"), ("machine", "VC-F")]
-    assert found.verdict.vertical == "floor VC-B, machine VC-D (actuated)"
+    assert found.verdict.vertical == "floor VC-B, machine VC-D (passive)"
     said = found.lines()["vertical"]
     below, above = 20 * np.log10(6.25 / 5.0), 20 * np.log10(5.0 / 3.12)
     assert (
@@ -70,7 +70,7 @@ def test_the_worst_place_gives_the_class_and_the_others_stand_beside() -> None:
     )
     assert "nose VC-E (0.3 dB below, 12.5 Hz), centre of gravity VC-F (3.9 dB below, 20 Hz)" in said
     assert "floor worst at mount front-left: 1.9 dB below its limit and 4.1 dB above that of VC-C at 20 Hz" in said
-    assert found.lines()["horizontal"] == "floor at rest, machine at rest (not actuated)"
+    assert found.lines()["horizontal"] == "floor at rest, machine at rest (passive)"
 
 
 @settings(max_examples=6)
@@ -92,11 +92,11 @@ def test_a_class_is_one_at_best_and_says_how_many_bands_are_left() -> None:
     moved = Moved()
     moved.floor[:, :, Z], moved.cg[:, Z] = line(5.0, 22e-6)[:, None], line(5.0, 2.2e-6)
     said = moved.judged(usable_to=4.5).criterion.lines()["vertical"]
-    assert said.startswith("floor at best VC-M, machine at best VC-M (actuated): 13 of 14 bands undecided")
+    assert said.startswith("floor at best VC-M, machine at best VC-M (passive): 13 of 14 bands undecided")
     said = moved.judged(usable_to=60.0).criterion.lines()["vertical"]
-    assert said.startswith("floor at best VC-B, machine at best VC-F (actuated): 2 of 14 bands undecided (63, 80 Hz). ")
+    assert said.startswith("floor at best VC-B, machine at best VC-F (passive): 2 of 14 bands undecided (63, 80 Hz). ")
     nothing = moved.judged(usable_to=1.0).criterion
-    assert nothing.lines()["vertical"] == "floor not judged, machine not judged (actuated): 14 of 14 bands undecided"
+    assert nothing.lines()["vertical"] == "floor not judged, machine not judged (passive): 14 of 14 bands undecided"
 
 
 def test_a_band_that_cannot_decide_leaves_no_class_open() -> None:

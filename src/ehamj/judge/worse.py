@@ -46,6 +46,8 @@ class Worse(Finding):
     not move along the axis, and the machine does."""
     beside_db: float | None = None
     """Machine over the floor's strongest motion in that band, where the floor does not move along the axis."""
+    beside: str | None = Field(None, alias="beside_axis")
+    """The axis of that motion; None in a result that is older."""
     level: float | None
     """RMS velocity of the machine there [m/s]; None of roll and pitch."""
     first_band: str = Field(alias="from_hz")
@@ -58,11 +60,11 @@ class Worse(Finding):
         span = "" if self.first_band == self.last_band else f" ({self.first_band} to {self.last_band} Hz)"
         along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]} ({self.axis})"
         if self.amplification_db is None:
+            strongest = f"floor's {MOTIONS[self.beside]}" if self.beside else "floor's strongest motion there"
             said = (
-                f"{along} the floor does not move and the machine does, more than along the axes that the floor moves "
-                f"along: {1e6 * (self.level or 0.0):.3g} µm/s in the {self.band} Hz band{at}{span}, "
-                f"{abs(self.beside_db or 0.0):.1f} dB {'above' if (self.beside_db or 0.0) > 0.0 else 'below'} the "
-                "floor's strongest motion there"
+                f"{along} the floor does not move; the machine does: {1e6 * (self.level or 0.0):.3g} µm/s in the "
+                f"{self.band} Hz band{at}{span}, {abs(self.beside_db or 0.0):.1f} dB "
+                f"{'above' if (self.beside_db or 0.0) > 0.0 else 'below'} the {strongest}"
             )
         else:
             mounts = " at any mount" if self.axis in AXES else ""
@@ -118,13 +120,14 @@ def _set_moving(isolated: Isolation) -> Iterator[Worse]:
         for group in _side_by_side(moved):
             band_name = max(group, key=lambda name: moved[name][0])
             level, place = moved[band_name]
-            strongest = max(levels["floor"][a][band_name] or 0.0 for a in driven)
+            strongest, along = max((levels["floor"][a][band_name] or 0.0, a) for a in driven)
             yield Worse(
                 axis=axis,
                 place=place,
                 band=band_name,
                 amplification_db=None,
                 beside_db=20.0 * math.log10(level / strongest) if strongest > 0.0 else None,
+                beside=along,
                 level=level,
                 first_band=group[0],
                 last_band=group[-1],
