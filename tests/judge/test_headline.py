@@ -92,11 +92,20 @@ def test_a_class_is_one_at_best_and_says_how_many_bands_are_left() -> None:
     moved = Moved()
     moved.floor[:, :, Z], moved.cg[:, Z] = line(5.0, 22e-6)[:, None], line(5.0, 2.2e-6)
     said = moved.judged(usable_to=4.5).criterion.lines()["vertical"]
-    assert said.startswith("floor at best VC-M, machine at best VC-M (passive): 13 of 14 bands undecided")
+    assert said.startswith("floor at rest as far as known, machine at rest as far as known (passive): 13 of 14 ")
     said = moved.judged(usable_to=60.0).criterion.lines()["vertical"]
     assert said.startswith("floor at best VC-B, machine at best VC-F (passive): 2 of 14 bands undecided (63, 80 Hz). ")
     nothing = moved.judged(usable_to=1.0).criterion
     assert nothing.lines()["vertical"] == "floor not judged, machine not judged (passive): 14 of 14 bands undecided"
+
+
+def test_what_does_not_move_is_at_rest_and_has_no_margin() -> None:
+    """At 63 Hz 1e-12 m/s are 82 dB below VC-M, 12 nm/s: the rounding of a simulation, and no vibration."""
+    moved = Moved()
+    for level, said in ((0.9e-12, "floor at rest, machine at rest (passive)"), (1.2e-9, "floor VC-M, machine at rest")):
+        moved.floor[:, :, Z] = line(63.0, level)[:, None]
+        assert moved.judged().criterion.lines()["vertical"].startswith(said)
+    assert "Floor worst at mount front-left: 20.0 dB below" in moved.judged().criterion.lines()["vertical"]
 
 
 def test_a_band_that_cannot_decide_leaves_no_class_open() -> None:

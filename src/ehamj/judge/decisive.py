@@ -8,8 +8,8 @@ from ehamj.findings import Finding
 
 AT_BEST: Final = "at best"
 """Before a class that is met as far as bands are known."""
-AT_REST: Final = 100.0
-"""Margin above which nothing moves that anybody would call a vibration [dB]."""
+RESTING: Final = "at rest"
+"""What stands for the class of what does not move."""
 FEW: Final = 4
 """Undecided bands that a headline still names one by one."""
 
@@ -41,8 +41,7 @@ class Decisive(Finding):
     @property
     def at_rest(self) -> bool:
         """Whether nothing moves there along its axes."""
-        verdict = self.verdict
-        return verdict.met is not None and (verdict.margin_db is None or verdict.margin_db > AT_REST)
+        return self.verdict.at_rest
 
     def class_in_words(self, undecided: Sequence[str] = ()) -> str:
         """The class met, at best where bands are ``undecided``, or that not even the coarsest is."""
@@ -51,9 +50,7 @@ class Decisive(Finding):
             return "not judged"
         if verdict.met is None:
             return f"worse than {verdict.next_class}"
-        if undecided:
-            return f"{AT_BEST} {verdict.met}"
-        return "at rest" if self.at_rest else verdict.met
+        return met_in_words(verdict, not undecided)
 
     def reason(self) -> str:
         """Distance to the limit of the class, and to that of the next stricter, each with its band and scatter."""
@@ -61,7 +58,7 @@ class Decisive(Finding):
         if verdict.deciding_band is None:
             return ""
         if self.at_rest:
-            return "at rest"
+            return RESTING
         below, above = verdict.margin_db, verdict.excess_db
         here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
         found = []
@@ -79,12 +76,20 @@ class Decisive(Finding):
         verdict, along = self.verdict, "" if self.axis == "z" else f", {self.axis}"
         if verdict.deciding_band is None:
             return f"{self.at} not judged"
-        said = "at rest" if self.at_rest else ""
-        if not said and verdict.margin_db is not None:
-            said = f"{decibel(verdict.margin_db)} dB below{along}, {band_in_words(verdict.deciding_band)}"
-        elif not said:
-            said = f"{decibel(verdict.excess_db or 0.0)} dB above{along}, {band_in_words(verdict.deciding_band)}"
+        if self.at_rest:
+            return f"{self.at} {RESTING}"
+        distance, side = verdict.margin_db, "below"
+        if distance is None:
+            distance, side = verdict.excess_db or 0.0, "above"
+        said = f"{decibel(distance)} dB {side}{along}, {band_in_words(verdict.deciding_band)}"
         return f"{self.at} {self.class_in_words()} ({said})"
+
+
+def met_in_words(verdict: Verdict, decided: bool) -> str:
+    """A class that is met, if undecided at best; of what does not move in the bands that are known, that it is so."""
+    if verdict.at_rest:
+        return RESTING if decided else f"{RESTING} as far as known"
+    return f"{verdict.met}" if decided else f"{AT_BEST} {verdict.met}"
 
 
 def place_in_words(place: str, mount: str | None = None) -> str:

@@ -3,7 +3,7 @@
 from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.decisive import AT_BEST
+from ehamj.judge.decisive import met_in_words
 from ehamj.pages.words import decibel, number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
@@ -40,9 +40,9 @@ def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: s
     decided_by = f"{decided_by}, {place}" if place else decided_by
     if verdict.met is None:
         return f"{worse} {norm.classes[0]} ({decided_by})"
-    met = verdict.met if verdict.decided else f"{AT_BEST} {verdict.met}"
-    if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{met} (at rest)"
+    met = met_in_words(verdict, verdict.decided)
+    if verdict.at_rest:
+        return met
     return f"{met} ({decibel(verdict.margin_db)} dB, {decided_by})"
 
 
