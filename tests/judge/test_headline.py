@@ -164,6 +164,17 @@ def test_a_hundredth_of_a_decibel_of_scatter_is_called_that() -> None:
     assert "scatter" not in moved.judged().criterion.lines()["vertical"]
 
 
+def test_a_class_that_rests_on_little_of_what_varies_says_that_its_scatter_is_not_known() -> None:
+    """A burst is neither noise nor a line: 0.03 dB below a limit may be chance, 3 dB are not asked about."""
+    moved, burst = Moved(), line(16.0, 1.0) * (TIMES > 15.0)
+    level = moved_level(burst)
+    for below, told in ((0.03, True), (3.0, False)):
+        moved.floor[:, :, Z] = (burst * 25e-6 * 10 ** (-below / 20) / level)[:, None]
+        said = moved.judged().criterion.lines()["vertical"]
+        assert f"{below:.{2 if told else 1}f} dB below its limit" in said
+        assert ("scatter of the estimate not known: the motion varies" in said) == told
+
+
 def moved_level(noise: Any) -> float:
     """What the judge reads in the band at 16 Hz."""
     moved = Moved()

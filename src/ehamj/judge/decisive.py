@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from typing import Final
 
 from ehamj.criteria.curves import WHOLE, Verdict, where
+from ehamj.estimate.statistics import Statistic
 from ehamj.findings import Finding
 
 AT_BEST: Final = "at best"
 """Before a class that is met as far as bands are known."""
 RESTING: Final = "at rest"
 """What stands for the class of what does not move."""
+CLOSE: Final = 0.5
+"""Distance to a limit below which it is told that the level's scatter is not known [dB]."""
 FEW: Final = 4
 """Undecided bands that a headline still names one by one."""
 
@@ -63,12 +66,13 @@ class Decisive(Finding):
         here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
         found = []
         if below is not None:
-            chance = scatter_in_words(below, self.scatter_db)
+            chance = scatter_in_words(below, self.scatter_db, verdict.statistic)
             own = f" {here}{chance}" if chance or here != there or above is None else ""
             found.append(f"{decibel(below)} dB below its limit{own}")
         if above is not None:
             of = f"that of {verdict.next_class}" if found else "its limit"
-            found.append(f"{decibel(above)} dB above {of} {there}{scatter_in_words(above, self.next_scatter_db)}")
+            chance = scatter_in_words(above, self.next_scatter_db, verdict.statistic)
+            found.append(f"{decibel(above)} dB above {of} {there}{chance}")
         return " and ".join(found)
 
     def briefly(self) -> str:
@@ -122,8 +126,15 @@ def decibel(value: float) -> str:
     return f"{value:.{1 if abs(value) >= 0.095 else 2}f}"
 
 
-def scatter_in_words(distance: float, scatter: float | None) -> str:
-    """What to know of a distance to a limit [dB] that chance alone may have made."""
-    if scatter is None or abs(distance) > scatter:
-        return ""
-    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)"
+def scatter_in_words(distance: float, scatter: float | None, statistic: Statistic | None) -> str:
+    """What to know of a distance to a limit [dB] that chance alone may have made.
+
+    Args:
+        distance: to the limit [dB].
+        scatter: of the level [dB]; None where it is not known.
+        statistic: of the level; of an RMS over the whole run it is told that its scatter is not known.
+    """
+    if scatter is None:
+        unknown = statistic == "rms" and abs(distance) < CLOSE
+        return " (scatter of the estimate not known: the motion varies, or the run is short)" if unknown else ""
+    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)" if abs(distance) <= scatter else ""

@@ -3,8 +3,8 @@
 from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.decisive import met_in_words
-from ehamj.pages.words import decibel, number, scaled
+from ehamj.judge.decisive import decibel, met_in_words
+from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
 

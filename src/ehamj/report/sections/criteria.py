@@ -9,10 +9,10 @@ import numpy as np
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
 from ehamj.estimate.statistics import SHORT, BandStatistic
-from ehamj.judge.decisive import place_in_words
+from ehamj.judge.decisive import decibel, place_in_words
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, scaled
 from ehamj.plots import Levels, Line
 from ehamj.report.shown import Shown, known
 from ehamj.report.verdict import class_met, unit_of
@@ -158,7 +158,7 @@ def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:
     if not judged:
         return "not judged"
     axis = min(judged, key=lambda axis: norm.rank(judged[axis]))
-    worse = f"{decibel(judged[axis].excess_db)} dB over"
+    worse = f"{decibel(judged[axis].excess_db or 0.0)} dB over"
     return class_met(judged[axis], norm, worse, axis if len(axes) > 1 else "")
 
 
