@@ -64,12 +64,11 @@ def test_the_worst_place_gives_the_class_and_the_others_stand_beside() -> None:
     assert found.verdict.vertical == "floor VC-B, machine VC-D (passive)"
     said = found.lines()["vertical"]
     below, above = 20 * np.log10(6.25 / 5.0), 20 * np.log10(5.0 / 3.12)
-    assert (
-        f"worst at foot rear-left: {below:.1f} dB below its limit and {above:.1f} dB above that of VC-E at 16 Hz"
-        in said
-    )
+    worst = f"worst at foot rear-left: 5 µm/s, {below:.1f} dB below its limit of 6.25 µm/s"
+    assert f"{worst} and {above:.1f} dB above that of VC-E at 16 Hz" in said
     assert "nose VC-E (0.3 dB below, 12.5 Hz), centre of gravity VC-F (3.9 dB below, 20 Hz)" in said
-    assert "floor worst at mount front-left: 1.9 dB below its limit and 4.1 dB above that of VC-C at 20 Hz" in said
+    worst = "floor worst at mount front-left: 20 µm/s, 1.9 dB below its limit of 25 µm/s"
+    assert f"{worst} and 4.1 dB above that of VC-C at 20 Hz" in said
     assert found.lines()["horizontal"] == "floor at rest, machine at rest (passive)"
 
 
@@ -105,7 +104,10 @@ def test_what_does_not_move_is_at_rest_and_has_no_margin() -> None:
     for level, said in ((0.9e-12, "floor at rest, machine at rest (passive)"), (1.2e-9, "floor VC-M, machine at rest")):
         moved.floor[:, :, Z] = line(63.0, level)[:, None]
         assert moved.judged().criterion.lines()["vertical"].startswith(said)
-    assert "Floor worst at mount front-left: 20.0 dB below" in moved.judged().criterion.lines()["vertical"]
+    assert (
+        "Floor worst at mount front-left: 0.0012 µm/s, 20.0 dB below its limit of 0.012 µm/s"
+        in moved.judged().criterion.lines()["vertical"]
+    )
 
 
 def test_a_band_that_cannot_decide_leaves_no_class_open() -> None:
@@ -154,7 +156,11 @@ def test_a_hundredth_of_a_decibel_of_scatter_is_called_that() -> None:
     level = moved_level(noise)
     for factor, met, words in (
         (10 ** (0.02 / 20), "VC-B", "0.02 dB above that of VC-C at 16 Hz (within the scatter of the estimate, ±"),
-        (10 ** (-0.02 / 20), "VC-C", "0.02 dB below its limit at 16 Hz (within the scatter of the estimate, ±"),
+        (
+            10 ** (-0.02 / 20),
+            "VC-C",
+            "0.02 dB below its limit of 12.5 µm/s at 16 Hz (within the scatter of the estimate, ±",
+        ),
         (10 ** (3.0 / 20), "VC-B", "3.0 dB above that of VC-C at 16 Hz"),
     ):
         moved.floor[:, :, Z] = (noise * factor * 12.5e-6 / level)[:, None]

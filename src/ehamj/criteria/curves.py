@@ -246,10 +246,8 @@ class Norm:
         if decider is not None:
             deciding, limit = _name(decider[1]), self._limits[decider[0], axis][decider[1]]
             statistic = limit.statistic
-            if decider[1] is not None:
-                found = {"level": decisive * limit.value, "limit": limit.value, "quantity": limit.quantity}
-            else:
-                found = _nearest(limit, known[None, limit.kind], (swings or {}).get(limit.quantity))
+            own = (swings or {}).get(limit.quantity)
+            found = _level(limit, decisive) if decider[1] else _nearest(limit, known[None, limit.kind], own)
         base = {} if self.base is None else self._shares(self.base, axis, known, {})
         could = self._could_decide(axis, met, deciding is None)
         unknown = {band for band, kind in could if (band, kind) not in known}
@@ -323,6 +321,11 @@ def _known(levels: ByKind, measured: tuple[Band, ...]) -> dict[tuple[Band | None
         for band, value in zip((None,) if kind[1] == "peak" else measured, values, strict=True)
         if np.isfinite(value)
     }
+
+
+def _level(limit: Limit, share: float) -> dict[str, Any]:
+    """The level in a band that is so much of its limit."""
+    return {"level": share * limit.value, "limit": limit.value, "quantity": limit.quantity}
 
 
 def _nearest(limit: Limit, level: float, swings: Swings | None) -> dict[str, float | None]:

@@ -13,6 +13,12 @@ RESTING: Final = "at rest"
 """What stands for the class of what does not move."""
 CLOSE: Final = 0.5
 """Distance to a limit below which it is told that the level's scatter is not known [dB]."""
+UNITS: Final = {
+    "displacement": ((1e6, "µm"), (1e3, "mm")),
+    "velocity": ((1e6, "µm/s"), (1e3, "mm/s")),
+    "acceleration": ((1e3, "mm/s²"), (1.0, "m/s²")),
+}
+"""Factor and unit of each quantity that a norm limits, for small and for large values."""
 FEW: Final = 4
 """Undecided bands that a headline still names one by one."""
 
@@ -56,7 +62,7 @@ class Decisive(Finding):
         return met_in_words(verdict, not undecided)
 
     def reason(self) -> str:
-        """Distance to the limit of the class, and to that of the next stricter, each with its band and scatter."""
+        """Level and distance to the limit of the class, and to that of the next stricter, with band and scatter."""
         verdict = self.verdict
         if verdict.deciding_band is None:
             return ""
@@ -64,15 +70,17 @@ class Decisive(Finding):
             return RESTING
         below, above = verdict.margin_db, verdict.excess_db
         here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
+        level, limit = level_and_limit(verdict)
         found = []
         if below is not None:
             chance = scatter_in_words(below, self.scatter_db, verdict.statistic)
             own = f" {here}{chance}" if chance or here != there or above is None else ""
-            found.append(f"{decibel(below)} dB below its limit{own}")
+            found.append(f"{level}{decibel(below)} dB below its limit{limit}{own}")
         if above is not None:
-            of = f"that of {verdict.next_class}" if found else "its limit"
+            of = f"that of {verdict.next_class}" if found else f"its limit{limit}"
+            level = "" if found else level
             chance = scatter_in_words(above, self.next_scatter_db, verdict.statistic)
-            found.append(f"{decibel(above)} dB above {of} {there}{chance}")
+            found.append(f"{level}{decibel(above)} dB above {of} {there}{chance}")
         return " and ".join(found)
 
     def briefly(self) -> str:
@@ -87,6 +95,20 @@ class Decisive(Finding):
             distance, side = verdict.excess_db or 0.0, "above"
         said = f"{decibel(distance)} dB {side}{along}, {band_in_words(verdict.deciding_band)}"
         return f"{self.at} {self.class_in_words()} ({said})"
+
+
+def unit_of(quantity: str, value: float) -> tuple[float, str]:
+    """Factor and unit in which a value [SI] of a quantity has few digits."""
+    small, large = UNITS[quantity]
+    return small if abs(value) * small[0] < 1e3 else large
+
+
+def level_and_limit(verdict: Verdict) -> tuple[str, str]:
+    """The level that decided, and its limit, as they stand in a sentence; empty where a peak decided."""
+    if verdict.level is None or verdict.limit is None or verdict.quantity is None:
+        return "", ""
+    factor, unit = unit_of(verdict.quantity, verdict.limit)
+    return f"{factor * verdict.level:.3g} {unit}, ", f" of {factor * verdict.limit:.4g} {unit}"
 
 
 def met_in_words(verdict: Verdict, decided: bool) -> str:

@@ -1,25 +1,10 @@
 """What the page says in words: verdict, class met, and what failed."""
 
-from typing import Final
-
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.decisive import decibel, met_in_words
+from ehamj.judge.decisive import decibel, met_in_words, unit_of
 from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
-
-UNITS: Final = {
-    "displacement": ((1e6, "µm"), (1e3, "mm")),
-    "velocity": ((1e6, "µm/s"), (1e3, "mm/s")),
-    "acceleration": ((1e3, "mm/s²"), (1.0, "m/s²")),
-}
-"""Factor and unit of each quantity that a norm limits, for small and for large values."""
-
-
-def unit_of(quantity: str, value: float) -> tuple[float, str]:
-    """Factor and unit in which a value [SI] of a quantity has few digits."""
-    small, large = UNITS[quantity]
-    return small if abs(value) * small[0] < 1e3 else large
 
 
 def verdict(shown: Shown) -> list[tuple[str, str]]:

@@ -8,14 +8,15 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
+from ehamj.criteria.vc import EXTENDED
 from ehamj.estimate.statistics import SHORT, BandStatistic
-from ehamj.judge.decisive import decibel, place_in_words
+from ehamj.judge.decisive import decibel, place_in_words, unit_of
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, scaled
 from ehamj.plots import Levels, Line
 from ehamj.report.shown import Shown, known
-from ehamj.report.verdict import class_met, unit_of
+from ehamj.report.verdict import class_met
 from ehamj.result import Result
 
 VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
@@ -95,6 +96,7 @@ def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
 def _notes(shown: Shown) -> list[str]:
     """How to read the figures, and why some are missing."""
     found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
+    found += [EXTENDED] if "vc" in shown.norms else []
     velocities = [result.summary.third_octave_velocity for result in shown.results.values()]
     loudest = {
         axis: max(known(table[who][axis] for table in velocities for who in ("floor", "machine")), default=0.0)
