@@ -662,7 +662,7 @@ def test_the_notes_of_a_floor_are_told_apart() -> None:
     start = Start(MOUNTS, np.array([[0.9, 0.6], [0.9, -0.6], [-0.9, 0.6], [-0.9, -0.6]]), 20.0, 0)
     notes = load_scenario("seismic-site").ground.motion(start).notes
     (limit,) = (note for note in notes if not PROCESSING.match(note))
-    assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands above 10 Hz are undecided"
+    assert limit == "floor shaped to a peterson target from 0.1 to 10 Hz: bands from 10 Hz on are undecided"
 
 
 def test_defects_of_a_record_are_warnings(tmp_path: Path) -> None:

@@ -4,11 +4,15 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from ehamj.judge.summary import Summary
+from ehamj.judge.worse import LEAST, cancelled
 
 SHOWN_BANDS: Final = ("2", "5", "10", "20", "50", "100")
 """Third-octave bands whose attenuation is named [Hz]."""
 MICRO: Final = 1e6
-MEAN: Final = "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount"
+MEAN: Final = (
+    "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
+    f"by over {LEAST:g} dB"
+)
 
 
 def brief(summary: Summary) -> dict[str, str]:
@@ -36,9 +40,9 @@ def quiet_bands(levels: Mapping[str, float | None]) -> str:
 
 
 def reference(summary: Summary) -> str:
-    """What vertical attenuation is held against, where it is negative in one of these bands though no place moves more
-    than the floor's loudest mount; else empty."""
-    return f" ({MEAN})" if set(SHOWN_BANDS).intersection(summary.cancelled("z")) else ""
+    """What vertical attenuation is held against, where it is negative in one of these bands though no place moves so
+    much more than the floor's loudest mount; else empty."""
+    return f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
 
 
 def _largest(levels: Any, *last: str) -> float | None:

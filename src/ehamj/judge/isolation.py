@@ -91,18 +91,6 @@ class Isolation(Finding):
             for band, own in tables[0].items()
         }
 
-    def cancelled(self, axis: str) -> tuple[str, ...]:
-        """Bands with a negative attenuation along x, y or z in which no place of the machine moves more than the floor
-        does at its loudest mount: the mounts do not move as one there, and their mean is small."""
-        levels = {place: table[axis] for place, table in self.third_octave_velocity.items()}
-        floor = levels.pop("floor")
-        return tuple(
-            band
-            for band, least in self.attenuation_at_worst(axis).items()
-            if least is not None and least < -0.05
-            if max(table.get(band) or 0.0 for table in levels.values()) <= (floor.get(band) or 0.0)
-        )
-
     def in_bands(self, quantity: Quantity, statistic: BandStatistic = "rms") -> Places:
         """Levels in bands of a quantity by a statistic; empty where these were not taken."""
         if statistic == "rms":

@@ -98,6 +98,19 @@ def worse(isolated: Isolation) -> list[Worse]:
     return [*found, *_set_moving(isolated)]
 
 
+def cancelled(isolated: Isolation, axis: str) -> tuple[str, ...]:
+    """Bands in which attenuation along x, y or z is negative by more than `LEAST` though no place of the machine moves
+    so much more than the floor's loudest mount: the mounts do not move as one there, and their mean is small."""
+    levels = {place: table[axis] for place, table in isolated.third_octave_velocity.items()}
+    floor, most = levels.pop("floor"), 10.0 ** (LEAST / 20.0)
+    return tuple(
+        band
+        for band, least in isolated.attenuation_at_worst(axis).items()
+        if least is not None and least < -LEAST
+        if max(table.get(band) or 0.0 for table in levels.values()) <= most * (floor.get(band) or 0.0)
+    )
+
+
 def _set_moving(isolated: Isolation) -> Iterator[Worse]:
     """Axes along which only the machine moves, where it moves more than along those that the floor moves along."""
     levels = isolated.third_octave_velocity

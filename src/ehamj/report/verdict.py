@@ -28,7 +28,7 @@ def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: s
     met = met_in_words(verdict, verdict.decided)
     if verdict.at_rest:
         return met
-    return f"{met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+    return f"{met} ({decibel(verdict.margin_db or 0.0)} dB, {decided_by})"
 
 
 def peak_in_words(verdict: Verdict, norm: Norm) -> str:
