@@ -4,10 +4,15 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from ehamj.judge.summary import Summary
+from ehamj.judge.worse import LEAST, cancelled
 
 SHOWN_BANDS: Final = ("2", "5", "10", "20", "50", "100")
 """Third-octave bands whose attenuation is named [Hz]."""
 MICRO: Final = 1e6
+MEAN: Final = (
+    "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
+    f"by over {LEAST:g} dB"
+)
 
 
 def brief(summary: Summary) -> dict[str, str]:
@@ -18,7 +23,8 @@ def brief(summary: Summary) -> dict[str, str]:
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
     for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
-        found[place] = f"vertically {said}" if (said := quiet_bands(levels)) else "vertically undecided in every band"
+        said = quiet_bands(levels)
+        found[place] = f"vertically {said}{reference(summary)}" if said else "vertically undecided in every band"
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
@@ -31,6 +37,12 @@ def quiet_bands(levels: Mapping[str, float | None]) -> str:
     """Attenuation in a few bands, in words; empty where every one is undecided."""
     known = {band: level for band in SHOWN_BANDS if (level := levels.get(band)) is not None}
     return ", ".join(f"{round(level)} dB at {band} Hz" for band, level in known.items())  # round has no minus zero
+
+
+def reference(summary: Summary) -> str:
+    """What vertical attenuation is held against, where it is negative in one of these bands though no place moves so
+    much more than the floor's loudest mount; else empty."""
+    return f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
 
 
 def _largest(levels: Any, *last: str) -> float | None:
