@@ -66,5 +66,7 @@ class FaultFound(Finding):
 
     def in_words(self) -> str:
         """When, where and what."""
-        stuck = "" if self.opening is None else f" (at {100 * self.opening:.2g} % of its stroke)".replace("-", "−")
+        stuck = (
+            "" if self.opening is None else f" (at {100 * self.opening:.2g} % of the spool's stroke)".replace("-", "−")
+        )
         return f"at {self.time_s:g} s at {self.where}: {self.what}{stuck}"

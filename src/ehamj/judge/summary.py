@@ -115,7 +115,7 @@ class Summary(Isolation, Head):
         """The headline, see `ehamj.judge.verdicts.Criterion.lines`; where something failed, of the parts before and
         after, since levels of the whole run are those of no machine that there was."""
         parts = {"before the fault": self.fault[0].before} if self.fault else {}
-        parts |= {f"after {one.where}'s {one.kind}": one.after for one in self.fault}
+        parts |= {f"after the fault at {one.where}": one.after for one in self.fault}
         found: dict[str, str] = {}
         rest: dict[str, str] = {}
         for when, phase in parts.items():
