@@ -8,6 +8,7 @@ from typing import Final
 from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
 from ehamj.judge.decisive import place_in_words
+from ehamj.judge.faults import WHOLE
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
@@ -36,7 +37,12 @@ PROCESSING: Final = re.compile(
 """Warnings that only say how a record was processed."""
 
 
-MIXED: Final = " Where something failed, before and after together; see Faults for each."
+MIXED: Final = f" Where something failed, {WHOLE}, together; see Faults for each."
+
+
+def mixed_in(shown: Shown) -> str:
+    """What to know of levels of the whole run, where something failed in one."""
+    return MIXED if any(result.summary.mixed for result in shown.results.values()) else ""
 
 
 def headline(shown: Shown) -> Section:
@@ -53,7 +59,7 @@ def headline(shown: Shown) -> Section:
             for place, table in own.items()
         ]
         tables += list(own.values())
-    mixed = MIXED if any(result.summary.fault for result in shown.results.values()) else ""
+    mixed = mixed_in(shown)
     note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
@@ -78,6 +84,7 @@ def classes(shown: Shown) -> Section:
     note = "At the worst of the machine's places. Margin: below the limit of the class met, in the band that decides."
     if any(verdict.peak is not None for verdict in verdicts):
         note = "At the worst of the machine's places. Margin: below the limit of the class met, of the nearest peak."
+    note += mixed_in(shown)
     rows = [row for row in rows if row != [""]]
     return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
 

@@ -7,10 +7,12 @@ from typing import Any, Final, NamedTuple
 from pydantic import BaseModel
 
 from ehamj.control.settings import DigitalSettings
+from ehamj.judge.headline import DIRECTIONS
 from ehamj.pages import Section, Table
 from ehamj.pages.words import DASH, exact, plain
 from ehamj.report.sections.inputs import named
 from ehamj.report.shown import Shown, ground_parts
+from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import named as named_differences
 from ehamj.scenario.variation import unlike
@@ -42,13 +44,24 @@ def _each(shown: Shown) -> Table:
                 "simulated": f"{exact(round(simulated, 6))} s{cut}",
                 "floor": floor_in_words(scenario),
                 "control": control_in_words(scenario),
-                **{f"verdict, {name}": said for name, said in result.summary.criterion.briefly().items()},
-                "judged by": result.summary.criterion.lines().get("judged by", DASH),
+                **{f"verdict, {name}": verdict_in_words(result, name) for name in DIRECTIONS},
+                "judged by": result.summary.judged_by() or DASH,
             }
         )
     rows = [[name, *(column[name] for column in columns)] for name in columns[0]]
     note = "Verdict: the vibration class of the machine at its worst place."
     return Table("Runs", ["", *shown.results], rows, note, kind="words")
+
+
+def verdict_in_words(result: Result, direction: str) -> str:
+    """The machine's class along a direction; where something failed, of each part of the run by itself."""
+    summary = result.summary
+    found = {when: phase.criterion.briefly()[direction] for when, phase in summary.parts().items()}
+    if not found:
+        said = summary.criterion.briefly()[direction]
+        return f"{summary.mixed}: {said}" if summary.mixed else said
+    found |= dict.fromkeys(summary.unsettled(), "not settled")
+    return ". ".join(f"{when}: {said}" for when, said in found.items())
 
 
 def differences(shown: Shown) -> Table:
