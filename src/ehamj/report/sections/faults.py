@@ -56,7 +56,7 @@ def _picture(file: str, title: str, one: FaultFound, color: str) -> Iterator[Pic
         if phase is not None
     ]
     if one.expected is not None and one.expected.attenuation_db:
-        name = LINEAR if one.after else f"{LINEAR} (the run had not settled)"
+        name = LINEAR if one.after else f"{LINEAR} (run not settled)"
         linear = Levels.of_bands(name, one.expected.attenuation_db, EXPECTED_COLOR)
         curves.append(replace(linear, dash="--"))
     if curves:

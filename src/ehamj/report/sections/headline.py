@@ -37,7 +37,7 @@ PROCESSING: Final = re.compile(
 """Warnings that only say how a record was processed."""
 
 
-MIXED: Final = f" Where something failed, {WHOLE}, together; see Faults for each."
+MIXED: Final = f" Where something failed: {WHOLE}; see Faults for each part."
 
 
 def mixed_in(shown: Shown) -> str:
