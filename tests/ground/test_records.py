@@ -237,7 +237,7 @@ def test_example_is_the_real_record_and_says_its_limits(example: Motion) -> None
     # Read off ObsPy's own removal of the response: 6.4, 9.0 and 6.0e-7 m/s; 10 % for the high-pass and the fade.
     np.testing.assert_allclose(np.abs(velocity).max(axis=0), [6.4e-7, 9.0e-7, 6.0e-7], rtol=0.1)
     text = "\n".join(example.notes)
-    assert "record BW.RJOB ends at 40 Hz (sampled at 100 Hz): bands above 40 Hz are undecided" in text
+    assert "record BW.RJOB ends at 40 Hz (sampled at 100 Hz): bands from 40 Hz on are undecided" in text
     for step in ("trend", "response removed", "high-pass at 0.1 Hz", "integrated", "resampled", "fades in"):
         assert step in text
     assert not example.at_rest

@@ -157,7 +157,7 @@ def test_scale_and_first_and_last_cut_and_stretch() -> None:
 def test_a_shaped_floor_says_where_it_ends() -> None:
     motion = floor({"kind": "peterson"}, duration=20.0)
     assert motion.usable_to == 10.0
-    assert any("to 10 Hz: bands above 10 Hz are undecided" in note for note in motion.notes)
+    assert any("to 10 Hz: bands from 10 Hz on are undecided" in note for note in motion.notes)
 
 
 # --- files --------------------------------------------------------------------------------------------------------

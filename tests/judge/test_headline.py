@@ -61,16 +61,15 @@ def test_the_worst_place_gives_the_class_and_the_others_stand_beside() -> None:
     vertical = found.decisive.vertical
     assert (vertical.worst.place, vertical.worst.mount, vertical.worst.verdict.met) == ("feet", MOUNTS[2], "VC-D")
     assert [(other.place, other.verdict.met) for other in vertical.others] == [("nose", "VC-E"), ("machine", "VC-F")]
-    assert found.verdict.vertical == "floor VC-B, machine VC-D (actuated)"
+    assert found.verdict.vertical == "floor VC-B, machine VC-D (passive)"
     said = found.lines()["vertical"]
     below, above = 20 * np.log10(6.25 / 5.0), 20 * np.log10(5.0 / 3.12)
-    assert (
-        f"worst at foot rear-left: {below:.1f} dB below its limit and {above:.1f} dB above that of VC-E at 16 Hz"
-        in said
-    )
+    worst = f"worst at foot rear-left: 5 µm/s, {below:.1f} dB below its limit of 6.25 µm/s"
+    assert f"{worst} and {above:.1f} dB above that of VC-E at 16 Hz" in said
     assert "nose VC-E (0.3 dB below, 12.5 Hz), centre of gravity VC-F (3.9 dB below, 20 Hz)" in said
-    assert "floor worst at mount front-left: 1.9 dB below its limit and 4.1 dB above that of VC-C at 20 Hz" in said
-    assert found.lines()["horizontal"] == "floor at rest, machine at rest (not actuated)"
+    worst = "floor worst at mount front-left: 20 µm/s, 1.9 dB below its limit of 25 µm/s"
+    assert f"{worst} and 4.1 dB above that of VC-C at 20 Hz" in said
+    assert found.lines()["horizontal"] == "floor at rest, machine at rest (passive)"
 
 
 @settings(max_examples=6)
@@ -92,11 +91,23 @@ def test_a_class_is_one_at_best_and_says_how_many_bands_are_left() -> None:
     moved = Moved()
     moved.floor[:, :, Z], moved.cg[:, Z] = line(5.0, 22e-6)[:, None], line(5.0, 2.2e-6)
     said = moved.judged(usable_to=4.5).criterion.lines()["vertical"]
-    assert said.startswith("floor at best VC-M, machine at best VC-M (actuated): 13 of 14 bands undecided")
+    assert said.startswith("floor at rest as far as known, machine at rest as far as known (passive): 13 of 14 ")
     said = moved.judged(usable_to=60.0).criterion.lines()["vertical"]
-    assert said.startswith("floor at best VC-B, machine at best VC-F (actuated): 2 of 14 bands undecided (63, 80 Hz). ")
+    assert said.startswith("floor at best VC-B, machine at best VC-F (passive): 2 of 14 bands undecided (63, 80 Hz). ")
     nothing = moved.judged(usable_to=1.0).criterion
-    assert nothing.lines()["vertical"] == "floor not judged, machine not judged (actuated): 14 of 14 bands undecided"
+    assert nothing.lines()["vertical"] == "floor not judged, machine not judged (passive): 14 of 14 bands undecided"
+
+
+def test_what_does_not_move_is_at_rest_and_has_no_margin() -> None:
+    """At 63 Hz 1e-12 m/s are 82 dB below VC-M, 12 nm/s: the rounding of a simulation, and no vibration."""
+    moved = Moved()
+    for level, said in ((0.9e-12, "floor at rest, machine at rest (passive)"), (1.2e-9, "floor VC-M, machine at rest")):
+        moved.floor[:, :, Z] = line(63.0, level)[:, None]
+        assert moved.judged().criterion.lines()["vertical"].startswith(said)
+    assert (
+        "Floor worst at mount front-left: 0.0012 µm/s, 20.0 dB below its limit of 0.012 µm/s"
+        in moved.judged().criterion.lines()["vertical"]
+    )
 
 
 def test_a_band_that_cannot_decide_leaves_no_class_open() -> None:
@@ -145,7 +156,11 @@ def test_a_hundredth_of_a_decibel_of_scatter_is_called_that() -> None:
     level = moved_level(noise)
     for factor, met, words in (
         (10 ** (0.02 / 20), "VC-B", "0.02 dB above that of VC-C at 16 Hz (within the scatter of the estimate, ±"),
-        (10 ** (-0.02 / 20), "VC-C", "0.02 dB below its limit at 16 Hz (within the scatter of the estimate, ±"),
+        (
+            10 ** (-0.02 / 20),
+            "VC-C",
+            "0.02 dB below its limit of 12.5 µm/s at 16 Hz (within the scatter of the estimate, ±",
+        ),
         (10 ** (3.0 / 20), "VC-B", "3.0 dB above that of VC-C at 16 Hz"),
     ):
         moved.floor[:, :, Z] = (noise * factor * 12.5e-6 / level)[:, None]
@@ -153,6 +168,17 @@ def test_a_hundredth_of_a_decibel_of_scatter_is_called_that() -> None:
         assert found.floor.z.met == met
         assert words in found.lines()["vertical"]
     assert "scatter" not in moved.judged().criterion.lines()["vertical"]
+
+
+def test_a_class_that_rests_on_little_of_what_varies_says_that_its_scatter_is_not_known() -> None:
+    """A burst is neither noise nor a line: 0.03 dB below a limit may be chance, 3 dB are not asked about."""
+    moved, burst = Moved(), line(16.0, 1.0) * (TIMES > 15.0)
+    level = moved_level(burst)
+    for below, told in ((0.03, True), (3.0, False)):
+        moved.floor[:, :, Z] = (burst * 25e-6 * 10 ** (-below / 20) / level)[:, None]
+        said = moved.judged().criterion.lines()["vertical"]
+        assert f"{below:.{2 if told else 1}f} dB below its limit" in said
+        assert ("scatter of the estimate not known: the motion varies" in said) == told
 
 
 def moved_level(noise: Any) -> float:

@@ -286,8 +286,8 @@ def test_the_verdict_names_vertical_apart_from_horizontal() -> None:
         motion.ground[:, :, axis] = lines(15.85, floor)[:, None]
         motion.cg[:, axis] = lines(15.85, machine)
     verdict = motion.judged()["criterion"]["verdict"]
-    assert verdict["vertical"] == "floor VC-A, machine VC-E (actuated)"
-    assert verdict["horizontal"] == "floor worse than workshop, machine operating theatre (not actuated)"
+    assert verdict["vertical"] == "floor VC-A, machine VC-E (passive)"
+    assert verdict["horizontal"] == "floor worse than workshop, machine operating theatre (passive)"
 
 
 @pytest.mark.parametrize(
@@ -352,7 +352,7 @@ def test_the_first_norm_gives_the_verdict_and_all_are_reported() -> None:
     report = motion.judged(criteria=CriteriaSettings(norms=("nist-a", "vc")))
     assert list(report["criteria"]) == ["nist-a", "vc"]
     # 5 Hz: 1 µm/s are 32 nm, half of it 16 nm of the 25 nm allowed; 40 Hz: 20 and 3 of 3.12 µm/s.
-    assert report["criterion"]["verdict"]["vertical"] == "floor worse than NIST-A, machine NIST-A (actuated)"
+    assert report["criterion"]["verdict"]["vertical"] == "floor worse than NIST-A, machine NIST-A (passive)"
     floor, machine = (report["criteria"]["nist-a"]["places"][who]["z"] for who in ("floor", "machine"))
     assert (floor["class"], floor["next_class"], floor["next_band_hz"]) == (None, "NIST-A", "40")
     assert floor["excess_db"] == pytest.approx(20 * np.log10(20 / 3.12), abs=0.01)
@@ -414,7 +414,7 @@ def test_a_norm_of_peaks_is_held_against_the_histories_peaks() -> None:
     floor, machine = found.places["floor"].z, found.places["machine"].z
     assert (floor.met, floor.next_class, machine.met) == ("line 1", "line 3", "line 3")
     assert floor.margin_db == pytest.approx(20 * np.log10(20 / 12.2), abs=0.01)
-    assert found.verdict.vertical == "floor line 1, machine line 3 (actuated)"
+    assert found.verdict.vertical == "floor line 1, machine line 3 (passive)"
 
 
 LINES = {"line 1": 20e-3, "line 3": 10e-3}

@@ -68,6 +68,6 @@ def test_a_class_that_is_missed_anyway_needs_no_further_band(tmp_path: Path) -> 
     result = recorded(tmp_path, 50.0, scale=300.0)
     words = result.summary.criterion.verdict
     assert words.vertical.startswith("floor worse than workshop, machine worse than workshop")
-    assert words.horizontal.startswith("floor at best ")
+    assert words.horizontal.startswith("floor at rest as far as known, ")
     (told,) = unheld(result)
     assert told.startswith("no verdict along x, y: ")

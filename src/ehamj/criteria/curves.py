@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, Literal, Self
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -29,6 +29,10 @@ CANDIDATES = bands(0.5, 315.0)
 
 WHOLE: Final = "all"
 """What stands for a band where the whole history decides."""
+REST_DB: Final = 100.0
+"""Margin above which nothing moves that anybody would call a vibration [dB]."""
+REST: Final = 1e-12
+"""RMS velocity in a band below which that is so by any limit [m/s]: ten times the rounding of a simulation."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +119,20 @@ class Verdict(Finding):
     """Where a limit of the peak decided: that of the swing that came nearest to it [SI]."""
     peak_hz: float | None = None
     """Frequency of that swing [Hz], where the limit depends on it; None: not clear, and the strictest value counted."""
+    level: float | None = None
+    """In the deciding band [SI, of ``quantity``]; None where a peak decided or nothing, and in older results."""
+    limit: float | None = None
+    """Of the class met, or of the coarsest where none is, in that band [SI]."""
+    quantity: Quantity | None = None
+    """Of level and limit."""
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing moves that anybody would call a vibration."""
+        if self.met is None:
+            return False
+        still = self.quantity == "velocity" and self.level is not None and self.level <= REST
+        return still or self.margin_db is None or self.margin_db > REST_DB
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +229,8 @@ class Norm:
         statistic = several.pop() if len(several) == 1 else None
         met = deciding = margin = following = following_band = excess = None
         decider: tuple[str, Band | None] | None = None
-        peaks: dict[str, float | None] = {}
+        decisive = 0.0
+        found: dict[str, Any] = {}
         for name in self.classes:
             shares = self._shares(name, axis, known, swings or {})
             if not shares:
@@ -220,14 +239,15 @@ class Norm:
             if share > 1.0:
                 following, following_band, excess = name, _name(worst), _decibel(share)
                 decider = decider or (name, worst)
+                decisive = share if met is None else decisive
                 break
-            met, decider = name, (name, worst)
+            met, decider, decisive = name, (name, worst), share
             margin = -_decibel(share) if share > 0 else None
         if decider is not None:
             deciding, limit = _name(decider[1]), self._limits[decider[0], axis][decider[1]]
             statistic = limit.statistic
-            if decider[1] is None:
-                peaks = _nearest(limit, known[None, limit.kind], (swings or {}).get(limit.quantity))
+            own = (swings or {}).get(limit.quantity)
+            found = _level(limit, decisive) if decider[1] else _nearest(limit, known[None, limit.kind], own)
         base = {} if self.base is None else self._shares(self.base, axis, known, {})
         could = self._could_decide(axis, met, deciding is None)
         unknown = {band for band, kind in could if (band, kind) not in known}
@@ -243,7 +263,7 @@ class Norm:
             undecided=undecided,
             bands=len({band for band, _ in could}),
             statistic=statistic,
-            **peaks,
+            **found,
             **({} if self.base is None else {"factor": max(base.values(), default=None)}),
         )
 
@@ -301,6 +321,11 @@ def _known(levels: ByKind, measured: tuple[Band, ...]) -> dict[tuple[Band | None
         for band, value in zip((None,) if kind[1] == "peak" else measured, values, strict=True)
         if np.isfinite(value)
     }
+
+
+def _level(limit: Limit, share: float) -> dict[str, Any]:
+    """The level in a band that is so much of its limit."""
+    return {"level": share * limit.value, "limit": limit.value, "quantity": limit.quantity}
 
 
 def _nearest(limit: Limit, level: float, swings: Swings | None) -> dict[str, float | None]:

@@ -37,6 +37,12 @@ CLASSES: dict[str, float] = {
 }
 """Flat level of each class [m/s RMS], coarsest first."""
 
+EXTENDED = (
+    "VC-H to VC-M are no published curves but halvings of VC-G, 0.78 µm/s, and of each other, by which very quiet "
+    "places are described, not specified."
+)
+"""What to know of the strictest classes."""
+
 FLAT_FROM_1_HZ = tuple(CLASSES)[tuple(CLASSES).index("VC-C") :]
 
 

@@ -96,3 +96,9 @@ def band_attenuation(frequency: Array, response: ComplexArray, chosen: Sequence[
         if inside.size and inside.mean() > 0:
             found[k] = -10.0 * np.log10(inside.mean())
     return found
+
+
+def undecided_above(end: float) -> str:
+    """In words: the bands that are undecided where motion is known up to a frequency [Hz] only."""
+    first = next((band.name for band in bands(1.0, 315.0) if band.edges[1] > end), None)
+    return f"bands above {end:g} Hz are undecided" if first is None else f"bands from {first} Hz on are undecided"

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.criteria.vc import CLASSES
-from ehamj.estimate.bands import BAND_LOG_WIDTH, G
+from ehamj.estimate.bands import BAND_LOG_WIDTH, G, undecided_above
 from ehamj.ground.lines import RandomGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum
@@ -138,5 +138,5 @@ class ShapedGround(RandomGround):
         low, high = max(s.low for s in spectra.values()), min(s.high for s in spectra.values())
         scaled = {axis: spectrum.scaled(self.scale) for axis, spectrum in spectra.items()}
         note = f"floor shaped to a {self.target.kind} target from {low:.4g} to {high:.4g} Hz"
-        note += f": bands above {high:.4g} Hz are undecided"
+        note += f": {undecided_above(high)}"
         return self.random_floor(start, scaled, notes=(note,), usable_to=high)

@@ -7,6 +7,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.estimate.bands import undecided_above
 from ehamj.ground.doubts import doubts, too_slow
 from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.treatment import Treatment, displacement, held_frequencies
@@ -159,7 +160,7 @@ class RecordGround(Choices, GroundSettings, Treatment):
                 end = min(end, self.band(channels[0])[2])
             whose = "" if len(channels) == len(record.channels) else f" in {', '.join(c.axis for c in channels)}"
             limit = f"record {record.name} ends at {end:g} Hz{whose} (sampled at {rate:g} Hz)"
-            notes.append(f"{limit}: bands above {end:g} Hz are undecided")
+            notes.append(f"{limit}: {undecided_above(end)}")
             slow = too_slow(record.name, rate)
             notes += [] if slow is None else [slow]
         for channel in record.channels:

@@ -3,10 +3,15 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from ehamj.judge.attenuation import quiet_bands
+from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
 from ehamj.judge.summary import Summary
+from ehamj.judge.worse import LEAST, cancelled
 
 MICRO: Final = 1e6
+MEAN: Final = (
+    "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
+    f"by over {LEAST:g} dB"
+)
 
 
 def brief(summary: Summary) -> dict[str, str]:
@@ -18,7 +23,7 @@ def brief(summary: Summary) -> dict[str, str]:
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
     for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
-        said = quiet_bands(levels) or "undecided in every band"
+        said = f"{said}{reference(summary)}" if (said := quiet_bands(levels)) else "undecided in every band"
         found[place] = f"vertically {said}" + (f", {mixed}" if mixed else "")
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
@@ -26,6 +31,12 @@ def brief(summary: Summary) -> dict[str, str]:
     found["warnings"] = f"{len(summary.warnings)}: {summary.warnings[0]}" if summary.warnings else "none"
     found["more"] = "result.summary, result.dataset (xarray), result.save(folder) with report and replay"
     return found
+
+
+def reference(summary: Summary) -> str:
+    """What vertical attenuation is held against, where it is negative in one of these bands though no place moves so
+    much more than the floor's loudest mount; else empty."""
+    return f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
 
 
 def _largest(levels: Any, *last: str) -> float | None:

@@ -4,12 +4,21 @@ from collections.abc import Sequence
 from typing import Final
 
 from ehamj.criteria.curves import WHOLE, Verdict, where
+from ehamj.estimate.statistics import Statistic
 from ehamj.findings import Finding
 
 AT_BEST: Final = "at best"
 """Before a class that is met as far as bands are known."""
-AT_REST: Final = 100.0
-"""Margin above which nothing moves that anybody would call a vibration [dB]."""
+RESTING: Final = "at rest"
+"""What stands for the class of what does not move."""
+CLOSE: Final = 0.5
+"""Distance to a limit below which it is told that the level's scatter is not known [dB]."""
+UNITS: Final = {
+    "displacement": ((1e6, "µm"), (1e3, "mm")),
+    "velocity": ((1e6, "µm/s"), (1e3, "mm/s")),
+    "acceleration": ((1e3, "mm/s²"), (1.0, "m/s²")),
+}
+"""Factor and unit of each quantity that a norm limits, for small and for large values."""
 FEW: Final = 4
 """Undecided bands that a headline still names one by one."""
 
@@ -41,8 +50,7 @@ class Decisive(Finding):
     @property
     def at_rest(self) -> bool:
         """Whether nothing moves there along its axes."""
-        verdict = self.verdict
-        return verdict.met is not None and (verdict.margin_db is None or verdict.margin_db > AT_REST)
+        return self.verdict.at_rest
 
     def class_in_words(self, undecided: Sequence[str] = ()) -> str:
         """The class met, at best where bands are ``undecided``, or that not even the coarsest is."""
@@ -51,27 +59,28 @@ class Decisive(Finding):
             return "not judged"
         if verdict.met is None:
             return f"worse than {verdict.next_class}"
-        if undecided:
-            return f"{AT_BEST} {verdict.met}"
-        return "at rest" if self.at_rest else verdict.met
+        return met_in_words(verdict, not undecided)
 
     def reason(self) -> str:
-        """Distance to the limit of the class, and to that of the next stricter, each with its band and scatter."""
+        """Level and distance to the limit of the class, and to that of the next stricter, with band and scatter."""
         verdict = self.verdict
         if verdict.deciding_band is None:
             return ""
         if self.at_rest:
-            return "at rest"
+            return RESTING
         below, above = verdict.margin_db, verdict.excess_db
         here, there = where([verdict.deciding_band]), where([verdict.next_band or verdict.deciding_band])
+        level, limit = level_and_limit(verdict)
         found = []
         if below is not None:
-            chance = scatter_in_words(below, self.scatter_db)
+            chance = scatter_in_words(below, self.scatter_db, verdict.statistic)
             own = f" {here}{chance}" if chance or here != there or above is None else ""
-            found.append(f"{decibel(below)} dB below its limit{own}")
+            found.append(f"{level}{decibel(below)} dB below its limit{limit}{own}")
         if above is not None:
-            of = f"that of {verdict.next_class}" if found else "its limit"
-            found.append(f"{decibel(above)} dB above {of} {there}{scatter_in_words(above, self.next_scatter_db)}")
+            of = f"that of {verdict.next_class}" if found else f"its limit{limit}"
+            level = "" if found else level
+            chance = scatter_in_words(above, self.next_scatter_db, verdict.statistic)
+            found.append(f"{level}{decibel(above)} dB above {of} {there}{chance}")
         return " and ".join(found)
 
     def briefly(self) -> str:
@@ -79,12 +88,34 @@ class Decisive(Finding):
         verdict, along = self.verdict, "" if self.axis == "z" else f", {self.axis}"
         if verdict.deciding_band is None:
             return f"{self.at} not judged"
-        said = "at rest" if self.at_rest else ""
-        if not said and verdict.margin_db is not None:
-            said = f"{decibel(verdict.margin_db)} dB below{along}, {band_in_words(verdict.deciding_band)}"
-        elif not said:
-            said = f"{decibel(verdict.excess_db or 0.0)} dB above{along}, {band_in_words(verdict.deciding_band)}"
+        if self.at_rest:
+            return f"{self.at} {RESTING}"
+        distance, side = verdict.margin_db, "below"
+        if distance is None:
+            distance, side = verdict.excess_db or 0.0, "above"
+        said = f"{decibel(distance)} dB {side}{along}, {band_in_words(verdict.deciding_band)}"
         return f"{self.at} {self.class_in_words()} ({said})"
+
+
+def unit_of(quantity: str, value: float) -> tuple[float, str]:
+    """Factor and unit in which a value [SI] of a quantity has few digits."""
+    small, large = UNITS[quantity]
+    return small if abs(value) * small[0] < 1e3 else large
+
+
+def level_and_limit(verdict: Verdict) -> tuple[str, str]:
+    """The level that decided, and its limit, as they stand in a sentence; empty where a peak decided."""
+    if verdict.level is None or verdict.limit is None or verdict.quantity is None:
+        return "", ""
+    factor, unit = unit_of(verdict.quantity, verdict.limit)
+    return f"{factor * verdict.level:.3g} {unit}, ", f" of {factor * verdict.limit:.4g} {unit}"
+
+
+def met_in_words(verdict: Verdict, decided: bool) -> str:
+    """A class that is met, if undecided at best; of what does not move in the bands that are known, that it is so."""
+    if verdict.at_rest:
+        return RESTING if decided else f"{RESTING} as far as known"
+    return f"{verdict.met}" if decided else f"{AT_BEST} {verdict.met}"
 
 
 def place_in_words(place: str, mount: str | None = None) -> str:
@@ -117,8 +148,15 @@ def decibel(value: float) -> str:
     return f"{value:.{1 if abs(value) >= 0.095 else 2}f}"
 
 
-def scatter_in_words(distance: float, scatter: float | None) -> str:
-    """What to know of a distance to a limit [dB] that chance alone may have made."""
-    if scatter is None or abs(distance) > scatter:
-        return ""
-    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)"
+def scatter_in_words(distance: float, scatter: float | None, statistic: Statistic | None) -> str:
+    """What to know of a distance to a limit [dB] that chance alone may have made.
+
+    Args:
+        distance: to the limit [dB].
+        scatter: of the level [dB]; None where it is not known.
+        statistic: of the level; of an RMS over the whole run it is told that its scatter is not known.
+    """
+    if scatter is None:
+        unknown = statistic == "rms" and abs(distance) < CLOSE
+        return " (scatter of the estimate not known: the motion varies, or the run is short)" if unknown else ""
+    return f" (within the scatter of the estimate, ±{decibel(scatter)} dB)" if abs(distance) <= scatter else ""

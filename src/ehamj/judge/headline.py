@@ -19,7 +19,10 @@ from ehamj.judge.scatter import scatter
 
 DIRECTIONS: Final = {"vertical": ("z",), "horizontal": ("x", "y")}
 """Axes of each direction that is judged apart from the other."""
-ACTUATED: Final = {"vertical": "actuated", "horizontal": "not actuated"}
+ACTUATED: Final = {"vertical": "actuated", "horizontal": "actuated by tilting only"}
+"""How valves that are commanded reach each direction: they act vertically."""
+PASSIVE: Final = "passive"
+"""What a machine is whose valves nothing commands."""
 
 
 class Direction(Finding):
@@ -36,8 +39,13 @@ class Direction(Finding):
     floor_bands: int
     floor_undecided: tuple[str, ...] = Field(alias="floor_undecided_bands_hz")
 
-    def classes(self, name: str) -> str:
-        """The classes of floor and machine in words, and how many bands they leave open; ``name`` of the direction."""
+    def classes(self, name: str, commanded: bool) -> str:
+        """The classes of floor and machine in words, and how many bands they leave open.
+
+        Args:
+            name: of the direction.
+            commanded: whether anything commands the valves.
+        """
         sides = ((self.floor, self.floor_bands, self.floor_undecided), (self.worst, self.bands, self.undecided))
         floor, machine = (one.class_in_words(missing) for one, _, missing in sides)
         left = dict.fromkeys(open_in_words(bands, missing) for _, bands, missing in sides)
@@ -47,7 +55,7 @@ class Direction(Finding):
                 for one, bands, missing in sides
             )
             left = {"": None}
-        said = f"floor {floor}, machine {machine} ({ACTUATED[name]})"
+        said = f"floor {floor}, machine {machine} ({ACTUATED[name] if commanded else PASSIVE})"
         return ": ".join(text for text in (said, *left) if text)
 
     def details(self) -> str:

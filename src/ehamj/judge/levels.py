@@ -50,6 +50,8 @@ class Levels:
     mounts: tuple[str, ...]
     seconds: float
     """How long is counted [s]."""
+    commanded: bool = False
+    """Whether any valve was commanded at any time."""
 
     def row(self, band: str | None) -> int | None:
         """Where a band lies, by its name; None where it is not known."""
@@ -90,7 +92,8 @@ def levels_of(
         places[place]["velocity", "peak"] = peak[None]
     slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
     seconds = Counted(len(dataset["time"]), rate).length
-    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds)
+    commanded = "valve_command" in dataset and bool(np.any(dataset["valve_command"].values))
+    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds, commanded)
 
 
 def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:

@@ -40,9 +40,9 @@ class Directions(Finding):
         """Of all places; arguments as of `ehamj.judge.headline.direction`."""
         return cls(**{name: direction(places, axes, norm, levels) for name, axes in DIRECTIONS.items()})
 
-    def in_words(self) -> InWords:
-        """The classes of floor and machine."""
-        return InWords(**{name: getattr(self, name).classes(name) for name in DIRECTIONS})
+    def in_words(self, commanded: bool) -> InWords:
+        """The classes of floor and machine, whose valves something does or does not command."""
+        return InWords(**{name: getattr(self, name).classes(name, commanded) for name in DIRECTIONS})
 
 
 class ByNorm(Finding):
@@ -121,7 +121,7 @@ def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = 
     found: dict[str, Any] = {}
     if beside := strongest_second(norm):
         loudest = {place: at_place(beside, levels, place, peaks) for place in judged.places}
-        words = Directions.of(loudest, beside, levels).in_words()
+        words = Directions.of(loudest, beside, levels).in_words(levels.commanded)
         found["max_1s"] = Beside(floor=loudest["floor"], machine=loudest["machine"], places=loudest, verdict=words)
     return Criterion(
         title=norm.title,
@@ -142,7 +142,7 @@ def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None, usable_to: f
     """Title of the norm, what it says of each place, and the verdict in words; see `at_place`."""
     places = {place: at_place(norm, levels, place, peaks, usable_to) for place in levels.places}
     own = {"own_limits": norm.stated} if isinstance(norm, OwnNorm) else {}
-    verdict = Directions.of(places, norm, levels).in_words()
+    verdict = Directions.of(places, norm, levels).in_words(levels.commanded)
     return ByNorm(title=norm.title, places=places, verdict=verdict, **own)
 
 

@@ -1,4 +1,9 @@
-"""Where a machine moves more than its floor: the axis, the bands, the place where it is worst, and by how much."""
+"""Where a machine moves more than its floor: the axis, the bands, the place where it is worst, and by how much.
+
+Along x, y and z it is held against the floor's loudest mount, and not against the mean of the mounts, as attenuation
+is: what passes below them as a wave cancels in the mean, and a machine that moves less than every mount is no worse.
+Roll and pitch are held against the plane fitted to the floor.
+"""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -10,7 +15,7 @@ from ehamj.findings import Finding
 from ehamj.judge.attenuation import LEAST_LEVEL, NOISE
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.isolation import Isolation
-from ehamj.judge.levels import BANDS, SLAB, ByBand
+from ehamj.judge.levels import BANDS, SLAB
 from ehamj.plant.axes import AXES
 
 LEAST: Final = 1.0
@@ -37,9 +42,12 @@ class Worse(Finding):
     band: str = Field(alias="band_hz")
     """Where it is worst."""
     amplification_db: float | None
-    """Machine over floor there; None where the floor does not move along the axis, and the machine does."""
+    """Machine over the floor's loudest mount there, in roll and pitch over the floor's plane; None where the floor does
+    not move along the axis, and the machine does."""
     beside_db: float | None = None
     """Machine over the floor's strongest motion in that band, where the floor does not move along the axis."""
+    beside: str | None = Field(None, alias="beside_axis")
+    """The axis of that motion; None in a result that is older."""
     level: float | None
     """RMS velocity of the machine there [m/s]; None of roll and pitch."""
     first_band: str = Field(alias="from_hz")
@@ -52,16 +60,17 @@ class Worse(Finding):
         span = "" if self.first_band == self.last_band else f" ({self.first_band} to {self.last_band} Hz)"
         along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]} ({self.axis})"
         if self.amplification_db is None:
+            strongest = f"floor's {MOTIONS[self.beside]}" if self.beside else "floor's strongest motion there"
             said = (
-                f"{along} the floor does not move and the machine does, more than along the axes that the floor moves "
-                f"along: {1e6 * (self.level or 0.0):.3g} µm/s in the {self.band} Hz band{at}{span}, "
-                f"{abs(self.beside_db or 0.0):.1f} dB {'above' if (self.beside_db or 0.0) > 0.0 else 'below'} the "
-                "floor's strongest motion there"
+                f"{along} the floor does not move; the machine does: {1e6 * (self.level or 0.0):.3g} µm/s in the "
+                f"{self.band} Hz band{at}{span}, {abs(self.beside_db or 0.0):.1f} dB "
+                f"{'above' if (self.beside_db or 0.0) > 0.0 else 'below'} the {strongest}"
             )
         else:
+            mounts = " at any mount" if self.axis in AXES else ""
             said = (
-                f"{along} the machine moves more than the floor: by {self.amplification_db:.1f} dB in the {self.band} "
-                f"Hz band{at}{span}"
+                f"{along} the machine moves more than the floor{mounts}: by {self.amplification_db:.1f} dB in the "
+                f"{self.band} Hz band{at}{span}"
             )
         return f"{said}; {self.why}" if self.why else said
 
@@ -70,26 +79,36 @@ def worse(isolated: Isolation) -> list[Worse]:
     """Every axis that gets worse, at any of the machine's places; bands side by side are one."""
     found = []
     for axis in SLAB:
-        tables = {"machine": isolated.attenuation_db.get(axis, {})}
-        if axis in AXES:
-            tables |= {place: table[axis] for place, table in isolated.attenuation_at_db.items()}
-        worst = {band.name: _least(tables, band.name) for band in BANDS}
-        amplified = {name: at for name, at in worst.items() if at is not None and at[0] < -LEAST}
+        worst = {band.name: _most(isolated, axis, band.name) for band in BANDS}
+        amplified = {name: at for name, at in worst.items() if at is not None and at[0] > LEAST}
         for group in _side_by_side(amplified):
-            band = min(group, key=lambda name: amplified[name][0])
-            level, place = amplified[band]
+            band = max(group, key=lambda name: amplified[name][0])
+            above, place = amplified[band]
             found.append(
                 Worse(
                     axis=axis,
                     place=place,
                     band=band,
-                    amplification_db=-level,
+                    amplification_db=above,
                     level=isolated.third_octave_velocity[place][axis][band] if axis in AXES else None,
                     first_band=group[0],
                     last_band=group[-1],
                 )
             )
     return [*found, *_set_moving(isolated)]
+
+
+def cancelled(isolated: Isolation, axis: str) -> tuple[str, ...]:
+    """Bands in which attenuation along x, y or z is negative by more than `LEAST` though no place of the machine moves
+    so much more than the floor's loudest mount: the mounts do not move as one there, and their mean is small."""
+    levels = {place: table[axis] for place, table in isolated.third_octave_velocity.items()}
+    floor, most = levels.pop("floor"), 10.0 ** (LEAST / 20.0)
+    return tuple(
+        band
+        for band, least in isolated.attenuation_at_worst(axis).items()
+        if least is not None and least < -LEAST
+        if max(table.get(band) or 0.0 for table in levels.values()) <= most * (floor.get(band) or 0.0)
+    )
 
 
 def _set_moving(isolated: Isolation) -> Iterator[Worse]:
@@ -114,23 +133,35 @@ def _set_moving(isolated: Isolation) -> Iterator[Worse]:
         for group in _side_by_side(moved):
             band_name = max(group, key=lambda name: moved[name][0])
             level, place = moved[band_name]
-            strongest = max(levels["floor"][a][band_name] or 0.0 for a in driven)
+            strongest, along = max((levels["floor"][a][band_name] or 0.0, a) for a in driven)
             yield Worse(
                 axis=axis,
                 place=place,
                 band=band_name,
                 amplification_db=None,
                 beside_db=20.0 * math.log10(level / strongest) if strongest > 0.0 else None,
+                beside=along,
                 level=level,
                 first_band=group[0],
                 last_band=group[-1],
             )
 
 
-def _least(tables: Mapping[str, ByBand], band: str) -> tuple[float, str] | None:
-    """Least attenuation of all places in a band, and the place; None where it is decided nowhere."""
-    known = [(value, place) for place, table in tables.items() if (value := table.get(band)) is not None]
-    return min(known, default=None)
+def _most(isolated: Isolation, axis: str, band: str) -> tuple[float, str] | None:
+    """By how much the machine moves most over the floor in a band [dB], and the place; None where it is not known, or
+    the floor shows only what leaks from elsewhere."""
+    if axis not in AXES:
+        quieter = isolated.attenuation_db.get(axis, {}).get(band)
+        return None if quieter is None else (-quieter, "machine")
+    tables = {place: table[axis] for place, table in isolated.third_octave_velocity.items()}
+    floor = tables.pop("floor")
+    least = max(NOISE, LEAST_LEVEL * max((v for v in floor.values() if v is not None), default=0.0))
+    mount = floor.get(band)
+    known = [(value, place) for place, table in tables.items() if (value := table.get(band))]
+    if mount is None or mount <= least or not known:
+        return None
+    level, place = max(known)
+    return 20.0 * math.log10(level / mount), place
 
 
 def _side_by_side(chosen: Mapping[str, object]) -> Iterator[list[str]]:

@@ -1,25 +1,10 @@
 """What the page says in words: verdict, class met, and what failed."""
 
-from typing import Final
-
 from ehamj.criteria.curves import Norm, Verdict, where
-from ehamj.judge.decisive import AT_BEST
-from ehamj.pages.words import decibel, number, scaled
+from ehamj.judge.decisive import decibel, met_in_words, unit_of
+from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
-
-UNITS: Final = {
-    "displacement": ((1e6, "µm"), (1e3, "mm")),
-    "velocity": ((1e6, "µm/s"), (1e3, "mm/s")),
-    "acceleration": ((1e3, "mm/s²"), (1.0, "m/s²")),
-}
-"""Factor and unit of each quantity that a norm limits, for small and for large values."""
-
-
-def unit_of(quantity: str, value: float) -> tuple[float, str]:
-    """Factor and unit in which a value [SI] of a quantity has few digits."""
-    small, large = UNITS[quantity]
-    return small if abs(value) * small[0] < 1e3 else large
 
 
 def verdict(shown: Shown) -> list[tuple[str, str]]:
@@ -40,10 +25,10 @@ def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: s
     decided_by = f"{decided_by}, {place}" if place else decided_by
     if verdict.met is None:
         return f"{worse} {norm.classes[0]} ({decided_by})"
-    met = verdict.met if verdict.decided else f"{AT_BEST} {verdict.met}"
-    if verdict.margin_db is None or verdict.margin_db > 100.0:
-        return f"{met} (at rest)"
-    return f"{met} ({decibel(verdict.margin_db)} dB, {decided_by})"
+    met = met_in_words(verdict, verdict.decided)
+    if verdict.at_rest:
+        return met
+    return f"{met} ({decibel(verdict.margin_db or 0.0)} dB, {decided_by})"
 
 
 def peak_in_words(verdict: Verdict, norm: Norm) -> str:

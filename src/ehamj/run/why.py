@@ -29,7 +29,7 @@ EXPLAINED: Final = 4.0
 """By how much the linear machine may stay below what was measured and still explain it [dB]: the floor's motions are
 taken as independent of each other, and the band as white."""
 AS_PASSIVE: Final = 3.0
-"""By how much less the machine with held valves may amplify and still be said to do the same [dB]."""
+"""By how much less, or more, the machine with held valves may amplify and still be said to do the same [dB]."""
 NEAR: Final = 1.5
 """Octaves within which a mode may be what is excited."""
 FLANK: Final = 0.5
@@ -74,11 +74,12 @@ class Reasons:
         if self.law is None:
             return f"{excited}{by}"
         if held_db >= ruled_db - AS_PASSIVE:
-            reach = (
-                "; the valves act vertically, and reach it only by tilting the machine"
-                if one.axis in ("x", "y")
-                else ""
-            )
+            if held_db > max(ruled_db, 0.0) + AS_PASSIVE:
+                return (
+                    f"{excited}{by}; with the valves held it would be {_over(one, level, held)}, {held_db:.0f} dB more"
+                )
+            tilts = one.axis in ("x", "y")
+            reach = "; the valves act vertically, and reach it only by tilting the machine" if tilts else ""
             return f"{excited}{by}, with the valves held as well ({_over(one, level, held)}){reach}"
         return f"{excited}{by} by the law: with the valves held it is {_over(one, level, held)}{self._late(one)}"
 

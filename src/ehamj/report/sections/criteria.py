@@ -8,14 +8,15 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
+from ehamj.criteria.vc import EXTENDED
 from ehamj.estimate.statistics import SHORT, BandStatistic
-from ehamj.judge.decisive import place_in_words
+from ehamj.judge.decisive import decibel, place_in_words, unit_of
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, decibel, scaled
+from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, scaled
 from ehamj.plots import Levels, Line
 from ehamj.report.shown import Shown, known
-from ehamj.report.verdict import class_met, unit_of
+from ehamj.report.verdict import class_met
 from ehamj.result import Result
 
 VIEWS: Final = {"z": "vertical, z", "xy": "horizontal"}
@@ -95,6 +96,7 @@ def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
 def _notes(shown: Shown) -> list[str]:
     """How to read the figures, and why some are missing."""
     found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
+    found += [EXTENDED] if "vc" in shown.norms else []
     velocities = [result.summary.third_octave_velocity for result in shown.results.values()]
     loudest = {
         axis: max(known(table[who][axis] for table in velocities for who in ("floor", "machine")), default=0.0)
@@ -158,7 +160,7 @@ def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:
     if not judged:
         return "not judged"
     axis = min(judged, key=lambda axis: norm.rank(judged[axis]))
-    worse = f"{decibel(judged[axis].excess_db)} dB over"
+    worse = f"{decibel(judged[axis].excess_db or 0.0)} dB over"
     return class_met(judged[axis], norm, worse, axis if len(axes) > 1 else "")
 
 

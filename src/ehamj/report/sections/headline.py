@@ -7,9 +7,11 @@ from typing import Final
 
 from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
+from ehamj.judge.brief import MEAN
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.faults import WHOLE
 from ehamj.judge.places import AtPlace
+from ehamj.judge.worse import cancelled
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
 from ehamj.report.shown import Shown, floor_moves, known
@@ -61,6 +63,9 @@ def headline(shown: Shown) -> Section:
         tables += list(own.values())
     mixed = mixed_in(shown)
     note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
+    small = {band for result in shown.results.values() for band in cancelled(result.summary, "z")}
+    if against := [band for band in HEADLINE_BANDS if band in small]:
+        note += f" At {', '.join(against)} Hz: {MEAN}."
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):
