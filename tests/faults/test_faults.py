@@ -1,11 +1,15 @@
 """What a fault makes of a plant, and what is refused."""
 
+import re
+from typing import Any
+
 import numpy as np
 import pytest
 
 from ehamj.errors import InputError
 from ehamj.faults import FAULTS
-from ehamj.scenario.load import parse_scenario
+from ehamj.judge.faults import FaultFound
+from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 
 SPOOLS = np.array([1.5, -3.0, 30.0, 0.0])  # mA; the third has run beyond its full stroke of 20
@@ -100,3 +104,18 @@ def test_what_is_wrong_is_named(table: dict[str, object], said: str) -> None:
 def test_a_class_of_sensors_needs_a_mount() -> None:
     with pytest.raises(InputError, match="mount is missing"):
         parse_scenario({"fault": [{"kind": "sensor-dead", "time": 1.0}]})
+
+
+def test_the_shipped_scenario_says_what_is_true_whenever_its_fault_strikes() -> None:
+    early = load_scenario("stuck-valve", ["fault.0.time=3.0"])
+    assert not re.search(r"\d+ s\b", early.description)
+
+
+def test_a_fault_in_words_names_the_spool_and_no_code() -> None:
+    none: dict[str, Any] = {"before": None, "during": None, "after": None, "expected": None}
+    found = FaultFound(
+        kind="valve-stuck", where="front-left", time_s=3.0, what="the valve sticks where it is", opening=-0.013,
+        channels=[], **none,
+    )  # fmt: skip
+    words = "at 3 s at front-left: the valve sticks where it is (at −1.3 % of the spool's stroke)"
+    assert found.in_words() == words

@@ -62,3 +62,23 @@ def test_the_file_is_small_and_the_same_every_time() -> None:
     assert texts[0] == texts[1]
     assert len(texts[0]) < 60_000
     assert re.search(r'<image [^>]*xlink:href="data:image/png;base64,', texts[0])
+
+
+def test_a_moment_is_marked_in_every_panel() -> None:
+    struck = plots.Moment("fault: front-left", 5.0)
+    figure = plots.spectrogram("levels", TIME, BANDS, panels(), "velocity [µm/s]", moments=[struck])
+    for axes in figure.axes[:2]:
+        assert {float(line.get_xdata()[0]) for line in axes.lines} == {5.0}
+        assert axes.get_xlim() == (0.75, 20.75)
+    assert "fault: front-left" in [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_a_title_that_is_too_long_goes_on_in_the_next_line() -> None:
+    title = "Vertical attenuation, a very long name of a scenario, passive, fault at front-left"
+    figure = plots.attenuation(title, [])
+    shown = figure.get_suptitle()
+    assert " ".join(shown.split()) == title
+    figure.canvas.draw()
+    box = figure._suptitle.get_window_extent()
+    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
+    assert plots.attenuation("short", []).get_figheight() < figure.get_figheight()

@@ -1,5 +1,7 @@
 """Several runs on one page: each is described, and every setting that differs stands side by side, no other."""
 
+import tomllib
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -7,7 +9,7 @@ from lxml import html
 
 from ehamj.pages import render
 from ehamj.report import report_page
-from ehamj.report.sections.runs import runs
+from ehamj.report.sections.runs import differences, runs
 from ehamj.report.shown import Shown
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
@@ -66,6 +68,56 @@ def test_settings_that_differ_stand_side_by_side(results: dict[str, Result]) -> 
     assert found["control.designed_for"][0] == "the run's own"
     assert found["control.designed_for"][1].startswith("machine.mass = 4000")
     assert not {"name", "description", "duration", "seed", "machine.mass.sources"} & found.keys()
+    assert [found[f"ground.{name}"] for name in ("level", "first", "fall")] == [
+        ["VC-A", "VC-A", "–", "–"], ["1", "1", "–", "–"], ["12", "12", "–", "–"],
+    ]  # fmt: skip
+
+
+def flat(table: Any, key: str = "") -> dict[str, Any]:
+    """Every value of a scenario as it is written, by its key."""
+    if not isinstance(table, dict):
+        return {key: table}
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        found |= flat(value, f"{key}.{name}".lstrip("."))
+    return found
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"kind": "record", "file": "example:BW.RJOB", "remove_response": True, "highpass": 0.5},
+        {"kind": "sine", "amplitude": 1e-6, "frequency": 20.0, "wave": {"speed": 300.0, "direction": 90.0}},
+        {"kind": "broadband", "level": "VC-B", "wave": {"speed": 200.0}},
+        {"kind": "broadband", "level": "VC-A", "axes": ["x", "z"], "fade_in": 0.2},
+    ],
+)
+def test_every_setting_that_differs_is_told_with_its_unit(other: dict[str, Any]) -> None:
+    """By the tables that are written of the scenarios: none of their differences is missing."""
+    one, two = parse_scenario(BASE), parse_scenario({**BASE, "ground": other})
+    written = [flat(tomllib.loads(scenario.to_toml())["ground"], "ground") for scenario in (one, two)]
+    differ = {key for key in written[0].keys() | written[1].keys() if written[0].get(key) != written[1].get(key)}
+    stands: Any = SimpleNamespace(results={str(k): SimpleNamespace(scenario=own) for k, own in enumerate((one, two))})
+    told = {html.fromstring(str(row[0])).xpath("string(//code)"): str(row[0]) for row in differences(stands).rows}
+    assert differ <= told.keys()
+    units = {
+        "ground.wave.speed": "[m/s]",
+        "ground.wave.direction": "[deg]",
+        "ground.fade_in": "[s]",
+        "ground.fall": "[dB/octave]",
+    }
+    for key in differ & units.keys():
+        assert units[key] in told[key]
+
+
+def test_a_law_beside_none_is_told_by_what_is_not_as_by_default() -> None:
+    one = parse_scenario({**BASE, "control": {"kind": "combined", "delay": 1e-4}})
+    stands: Any = SimpleNamespace(results={"a": SimpleNamespace(scenario=one)})
+    stands.results["b"] = SimpleNamespace(scenario=one.variant("passive"))
+    table = differences(stands)
+    told = [html.fromstring(str(row[0])).xpath("string(//code)") for row in table.rows]
+    assert told == ["control.kind", "control.delay", "control.designed_for"]
+    assert "as by default" in table.note
 
 
 def test_a_run_alone_and_runs_that_are_the_same_have_no_differences(results: dict[str, Result]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from ehamj.judge.faults import NOTHING
 from ehamj.mujoco import hydraulics
 from ehamj.run.aftermath import linear
 from ehamj.run.drive import Driven, drive
@@ -171,3 +172,44 @@ def test_the_step_follows_the_machine_that_a_fault_makes() -> None:
     assert any("the step is" in text for text in quick.notes)
     with pytest.raises(Incomplete, match=r"ran empty.*; step 0\.0001 s"):
         simulate(scenario({"kind": "chamber-leak"}, timestep=1e-4))
+
+
+def test_a_run_that_ends_before_it_settles_says_so_and_what_it_would_come_to() -> None:
+    """The linear machine is that of a run long enough; what is needed is what the part after takes to be judged."""
+    summary = simulate(scenario({"kind": "valve-stuck", "settling": 2.0}, duration=1.6)).summary
+    (found,) = summary.fault
+    assert found.after is None
+    assert found.expected is not None
+    whole = failed("stuck where it is")
+    known, _ = linear(whole.prepared, whole.driven.struck, whole.dataset, AFTER)
+    assert known is not None
+    near = set(found.expected.attenuation_db) & set(known.attenuation_db)
+    assert near
+    for band in near:  # windows of other lengths: they leak otherwise
+        assert found.expected.attenuation_db[band] == pytest.approx(known.attenuation_db[band], abs=0.3)
+    assert found.settled_s == pytest.approx(TIME + 2.0, abs=1e-3)
+    assert found.needed_s is not None
+    said = summary.lines()[f"after the fault at front-left at {found.time_s:g} s"]
+    assert said.startswith("not settled, it would be judged from 2.6 s on; at least ")
+    assert f"(duration = {found.needed_s:g} s)" in said
+    assert "the linear machine with the fault settles to" in said
+    assert "by itself" in summary.lines()["judged by"]
+
+
+@pytest.mark.parametrize("fault", [{"kind": "valve-stuck"}, {"kind": "sensor-dead"}])
+def test_a_fault_that_changes_nothing_is_said_to(fault: dict[str, Any]) -> None:
+    """It is said of runs only that are bit for bit the one without it."""
+    passive: dict[str, Any] = {"control": {"kind": "passive"}, "duration": 1.2}
+    run, plain = simulate(scenario(fault, **passive)), simulate(scenario(**passive))
+    for channel in plain.dataset.data_vars:
+        np.testing.assert_array_equal(run.dataset[channel], plain.dataset[channel], err_msg=str(channel))
+    assert run.summary.fault[0].idle
+    assert run.summary.lines() == plain.summary.lines()
+    assert any(f"{NOTHING}" in text for text in run.summary.warnings)
+
+
+def test_a_fault_that_changes_something_is_not_said_to_change_nothing() -> None:
+    for moving in ({"kind": "valve-stuck", "opening": 0.05}, {"kind": "spool-drift", "rate": 0.4}):
+        run = simulate(scenario(moving, control={"kind": "passive"}, duration=1.2))
+        assert not run.summary.fault[0].idle
+        assert run.summary.mixed

@@ -83,7 +83,8 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    from ehamj.judge.brief import quiet_bands, reference
+    from ehamj.judge.attenuation import quiet_bands
+    from ehamj.judge.brief import reference
 
     timing = summary.timing
     state = "complete" if summary.complete else "INCOMPLETE"
@@ -94,9 +95,10 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     for direction, said in summary.lines().items():
         say(f"vibration class, {direction}: {said}")
     places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
+    mixed = f" ({summary.mixed})" if summary.mixed else ""
     for place, levels in places.items():
         if words := quiet_bands(levels):
-            say(f"vertical attenuation, floor to machine's {place}: {words}{reference(summary)}")
+            say(f"vertical attenuation, floor to machine's {place}{mixed}: {words}{reference(summary)}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

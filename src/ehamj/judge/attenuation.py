@@ -1,5 +1,8 @@
 """Attenuation per third-octave band: the floor's level over that of the machine, of its feet and of its points."""
 
+from collections.abc import Mapping
+from typing import Final
+
 import numpy as np
 
 from ehamj.arrays import Array
@@ -16,6 +19,14 @@ NOISE = 1e-13
 LEAST_LEVEL = 1e-3
 """Level of a band, over the floor's strongest band, that counts as motion: below, the floor shows only the leakage and
 the distortion of what moves elsewhere."""
+SHOWN_BANDS: Final = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands whose attenuation is named [Hz]."""
+
+
+def quiet_bands(levels: Mapping[str, float | None]) -> str:
+    """Attenuation in a few bands, in words; empty where every one is undecided."""
+    known = {band: level for band in SHOWN_BANDS if (level := levels.get(band)) is not None}
+    return ", ".join(f"{round(level)} dB at {band} Hz" for band, level in known.items())  # round has no minus zero
 
 
 def attenuation_at_cg(levels: Levels, plant: Plant) -> dict[str, ByBand]:

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
+from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
 from ehamj.judge.summary import Summary
 from ehamj.judge.worse import LEAST, cancelled
 
-SHOWN_BANDS: Final = ("2", "5", "10", "20", "50", "100")
-"""Third-octave bands whose attenuation is named [Hz]."""
 MICRO: Final = 1e6
 MEAN: Final = (
     "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
@@ -21,22 +20,17 @@ def brief(summary: Summary) -> dict[str, str]:
     state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
     found = {"run": f"{summary.name}: {timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s, {state}"}
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
+    by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
     for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
-        said = quiet_bands(levels)
-        found[place] = f"vertically {said}{reference(summary)}" if said else "vertically undecided in every band"
+        said = f"{said}{reference(summary)}" if (said := quiet_bands(levels)) else "undecided in every band"
+        found[place] = f"vertically {said}" + (f", {mixed}" if mixed else "")
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
     found["warnings"] = f"{len(summary.warnings)}: {summary.warnings[0]}" if summary.warnings else "none"
     found["more"] = "result.summary, result.dataset (xarray), result.save(folder) with report and replay"
     return found
-
-
-def quiet_bands(levels: Mapping[str, float | None]) -> str:
-    """Attenuation in a few bands, in words; empty where every one is undecided."""
-    known = {band: level for band in SHOWN_BANDS if (level := levels.get(band)) is not None}
-    return ", ".join(f"{round(level)} dB at {band} Hz" for band, level in known.items())  # round has no minus zero
 
 
 def reference(summary: Summary) -> str:

@@ -1,8 +1,16 @@
 """What a fault made of a run: class, peaks, pressures and limits before it, while it settles, and after."""
 
+from typing import Final
+
 from ehamj.findings import Finding
+from ehamj.judge.attenuation import quiet_bands
 from ehamj.judge.levels import ByBand
 from ehamj.judge.verdicts import Criterion
+
+WHOLE: Final = "whole run, before and after the fault"
+"""What levels of a run are of in which something failed, where its parts are not taken."""
+NOTHING: Final = "nothing changes by it in this run"
+"""What is said of a fault that is idle."""
 
 
 class Pressures(Finding):
@@ -40,7 +48,18 @@ class Expectation(Finding):
     attenuation_db: ByBand
     """Vertical, linear, band → dB; empty where the loop is unstable."""
     run_db: ByBand
-    """Of the run, by the same estimate."""
+    """Of the run, by the same estimate; empty where nothing of it has settled."""
+
+    def in_words(self) -> str:
+        """What the linear machine comes to, as the end of a sentence."""
+        if not self.stable:
+            return f"the linear loop with the fault is unstable: {self.pole}"
+        said = quiet_bands(self.attenuation_db)
+        return (
+            f"the linear machine with the fault settles to a vertical attenuation of {said} (centre of gravity)"
+            if said
+            else ""
+        )
 
 
 class FaultFound(Finding):
@@ -60,11 +79,32 @@ class FaultFound(Finding):
     """While it settled; None of a run that ended at once."""
     after: Phase | None
     """None where it had no time to settle."""
+    settled_s: float | None = None
+    """From when on it counts as settled; None in a result that is older."""
+    needed_s: float | None = None
+    """Duration of a run that judges all bands of the part after; None where that part is, or another fault ends it."""
+    idle: bool = False
+    """Whether it changed nothing: its spool never moved, or nothing reads its sensor."""
     expected: Expectation | None
-    """None where there is nothing to compare with; `note` says why."""
+    """On the floor of the part after, or, without one, of the run so far; None where there is none: `note` says why."""
     note: str = ""
 
     def in_words(self) -> str:
         """When, where and what."""
-        stuck = "" if self.opening is None else f" (at {100 * self.opening:.2g} % of its stroke)".replace("-", "−")
+        stuck = (
+            "" if self.opening is None else f" (at {100 * self.opening:.2g} % of the spool's stroke)".replace("-", "−")
+        )
         return f"at {self.time_s:g} s at {self.where}: {self.what}{stuck}"
+
+    def unsettled(self, ended_s: float) -> str:
+        """What is known of the time after it where that is not judged; of a run that ended at a time [s]."""
+        said = ["not settled"]
+        if self.settled_s is not None:
+            said[0] += f", it would be judged from {self.settled_s:.4g} s on"
+        if self.needed_s is not None:
+            more = f"at least {self.needed_s - ended_s:.3g} s more needed (duration = {self.needed_s:g} s)"
+            said.append(more)
+        elif self.settled_s is not None:
+            said.append(f"another fault struck before, or the run failed at {ended_s:.4g} s")
+        said.append("" if self.expected is None else self.expected.in_words())
+        return "; ".join(filter(None, said))

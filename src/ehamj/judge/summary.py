@@ -4,8 +4,9 @@ from typing import Any
 
 from pydantic import Field
 
+from ehamj.estimate.statistics import WORDS
 from ehamj.findings import Finding
-from ehamj.judge.faults import FaultFound
+from ehamj.judge.faults import WHOLE, FaultFound, Phase
 from ehamj.judge.headline import DIRECTIONS
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
@@ -113,20 +114,46 @@ class Summary(Isolation, Head):
     failure: str | None = None
     """What went wrong, of a run that is not complete."""
 
+    @property
+    def broken(self) -> list[FaultFound]:
+        """The faults that changed something."""
+        return [one for one in self.fault if not one.idle]
+
+    @property
+    def mixed(self) -> str:
+        """What levels of the whole run are of, where something failed in it."""
+        return WHOLE if self.broken else ""
+
+    def parts(self) -> dict[str, Phase]:
+        """The parts of the run that are judged by themselves, before and after what failed, by when they were."""
+        broken = self.broken
+        parts = [("before the fault", broken[0].before)] if broken else []
+        parts += [(_after(one), one.after) for one in broken]
+        return {
+            f"{when}, {phase.from_s:.4g} to {phase.to_s:.4g} s": phase for when, phase in parts if phase is not None
+        }
+
+    def unsettled(self) -> dict[str, str]:
+        """What is known of the time after each fault that is not judged, by the fault."""
+        end = self.timing.simulated_s
+        return {f"{_after(one)} at {one.time_s:g} s": one.unsettled(end) for one in self.broken if one.after is None}
+
     def lines(self) -> dict[str, str]:
         """The headline, see `ehamj.judge.verdicts.Criterion.lines`; where something failed, of the parts before and
         after, since levels of the whole run are those of no machine that there was."""
-        parts = {"before the fault": self.fault[0].before} if self.fault else {}
-        parts |= {f"after {one.where}'s {one.kind}": one.after for one in self.fault}
-        found: dict[str, str] = {}
-        rest: dict[str, str] = {}
-        for when, phase in parts.items():
-            if phase is not None:
-                own = phase.criterion.lines()
-                span = f"{when}, {phase.from_s:.4g} to {phase.to_s:.4g} s"
-                found |= {f"{name} {span}": own.pop(name) for name in DIRECTIONS}
-                rest = own
-        if found:
-            return found | {name: said for name, said in rest.items() if name == "judged by"}
-        mixed = " before and after the fault together" if self.fault else ""
-        return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()}
+        parts = self.parts()
+        found = {f"{name} {when}": part.criterion.lines()[name] for when, part in parts.items() for name in DIRECTIONS}
+        if not found:
+            mixed = f", {self.mixed}" if self.broken else ""
+            return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()} | self.unsettled()
+        return found | self.unsettled() | {"judged by": self.judged_by()}
+
+    def judged_by(self) -> str:
+        """By which rule and levels, empty where nothing is; where something failed, of its parts."""
+        parts = list(self.parts().values())
+        found = (parts[0].criterion if parts else self.criterion).lines().get("judged by", "")
+        return found.replace(WORDS["rms"], "RMS over each part by itself") if parts else found
+
+
+def _after(one: FaultFound) -> str:
+    return f"after the fault at {one.where}"

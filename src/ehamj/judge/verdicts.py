@@ -167,12 +167,31 @@ def undecided(
     fast = [band for band in known if band.edges[1] > 0.5 * rate]
     found = []
     if short:
-        wanted = max(least[band] for band in short)
-        enough = next(whole for whole in range(1, 10**6) if whole - settled(whole) > wanted)
+        enough = _enough(max(least[band] for band in short))
         found.append(f"the run is too short to decide {_which(short, needed)}; duration = {enough} s would")
     if fast:
         found.append(f"record_rate = {rate:g} Hz is too low to decide {_which(fast, needed)}")
     return found
+
+
+def _enough(wanted: float) -> int:
+    """Shortest run in whole seconds whose levels are of a longer time than is wanted [s]."""
+    return next(whole for whole in range(1, 10**6) if whole - settled(whole) > wanted)
+
+
+def decided_after(norm: Norm, rate: float, usable_to: float, usable_from: float) -> int:
+    """Length from which on a part of a run decides every band that a norm needs and that can be decided [s].
+
+    Args:
+        norm: that judges.
+        rate: recording rate [Hz].
+        usable_to: frequency above which the ground is not known [Hz].
+        usable_from: frequency below which it is not known [Hz].
+    """
+    needed = {band for axis in AXES for band in norm.needed(axis)}
+    taken = [statistic for _, statistic in norm.kinds if statistic != "peak"]
+    bands = [band for band in needed if _held(band, usable_to, usable_from) and band.edges[1] <= 0.5 * rate]
+    return _enough(max((least_length(band, statistic) for band in bands for statistic in taken), default=0.0))
 
 
 def unheld(norms: Mapping[str, Norm], found: Mapping[str, ByNorm], usable_to: float, usable_from: float) -> list[str]:

@@ -8,7 +8,7 @@ from ehamj.plots.style import FONTS, Figure, styled
 
 def svg(figure: Figure, name: str) -> str:
     """The figure as an SVG file: text as text, the same bytes every time, its ids beginning with ``name``."""
-    title = figure.get_suptitle()
+    title = figure.get_suptitle().replace("\n", " ")
     with styled(), io.StringIO() as file:
         figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None, "Title": title})
         text = file.getvalue()

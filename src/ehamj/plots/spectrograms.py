@@ -9,7 +9,8 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.plots import style
 from ehamj.plots.axes import linear_axis, log_axis
-from ehamj.plots.style import Figure
+from ehamj.plots.histories import Moment
+from ehamj.plots.style import Artist, Figure
 
 COLORS: Final = "viridis"
 DEEPEST: Final = 1e-4
@@ -18,6 +19,8 @@ ROW: Final = 4.6
 """Height of a band [pt]."""
 NAMED: Final = ("1", "2", "5", "10", "20", "50", "100", "200")
 """Bands that have their number on the axis."""
+LONGEST: Final = 60
+"""Letters of a name."""
 UNKNOWN: Final = "#E3E6EA"
 
 
@@ -51,6 +54,7 @@ def spectrogram(
     panels: Mapping[str, Array],
     quantity: str,
     quietest: float = 1e-3,
+    moments: Sequence[Moment] = (),
 ) -> Figure:
     """Levels over time in third-octave bands.
 
@@ -61,6 +65,7 @@ def spectrogram(
         panels: name → levels (bands, t), NaN where nothing is known; one scale of colours for all.
         quantity: what the colours are, with unit.
         quietest: lowest level that has a colour of its own.
+        moments: marked by upright lines.
     """
     from matplotlib import colormaps
     from matplotlib.colors import LogNorm
@@ -80,13 +85,21 @@ def spectrogram(
             interpolation="nearest",
             extent=(float(time[0]) - step, float(time[-1]), -0.5, len(bands) - 0.5),
         )
-        one.set_title(style.shown(name, 60), loc="left", fontsize=9.5, pad=3.0)
+        one.set_title(style.shown(name, LONGEST), loc="left", fontsize=9.5, pad=3.0)
         one.set_yticks(places, [bands[k] for k in places])
         one.set(xlabel="time [s]", ylabel="band [Hz]")
         one.grid(False)
         linear_axis(one.xaxis, 6)
     style.share(axes)
-    entries = {"not known: windows are not full, or the run is too short": style.patch_key(color=UNKNOWN)}
+    entries: dict[str, Artist] = {
+        "not known: windows are not full, or the run is too short": style.patch_key(color=UNKNOWN)
+    }
+    for moment in moments:
+        for one in axes:
+            one.axvline(moment.time, color="white", linewidth=2.6, zorder=4)
+            entries[style.shown(moment.label, LONGEST)] = one.axvline(
+                moment.time, color=style.MOMENT_COLOR, linewidth=1.3, linestyle=(0, (2, 1)), zorder=5
+            )
     style.arrange(figure, [(one, ROW * len(bands)) for one in axes], entries, right=66.0, gap=20.0, head=10.0)
     top, bottom = axes[0].get_position(), axes[-1].get_position()
     beside = figure.add_axes((top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0), label="<colorbar>")

@@ -1,6 +1,7 @@
 """What all figures share: colours, type, margins and the place of title, legend and axes."""
 
 import itertools
+import textwrap
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,8 @@ INCH: Final = 72.0
 WIDTH: Final = 374.0
 """Width of every figure [pt]."""
 
+TITLE_LETTERS: Final = 52
+"""Letters of a title that fit into a line: bold ones are 7 pt wide on average."""
 LEFT, BELOW = 58.0, 40.0
 """Room left of and below every axes, for numbers and names [pt]."""
 
@@ -90,6 +93,11 @@ def new_figure(title: str, panels: int = 1, **look: Any) -> tuple[Figure, list[A
     return figure, list(figure.subplots(panels, 1, squeeze=False, **look)[:, 0]) if panels else []
 
 
+def wrapped(title: str) -> str:
+    """A title in as many lines as it needs at the figures' width."""
+    return "\n".join(textwrap.wrap(" ".join(title.split()), TITLE_LETTERS, break_on_hyphens=False))
+
+
 def line_key(**look: Any) -> Artist:
     """A line that stands in a legend alone."""
     from matplotlib.lines import Line2D
@@ -143,10 +151,11 @@ def arrange(
     left = max(_room(axes) for axes, _ in panels)
     columns = legend_columns(list(entries), WIDTH - left)
     rows = -(-len(entries) // columns)
-    name, keys = 24.0, 12.0 * rows + 8.0 + head
+    title = wrapped(figure.get_suptitle())
+    name, keys = 24.0 + 13.0 * title.count("\n"), 12.0 * rows + 8.0 + head
     height = name + keys + sum(panel for _, panel in panels) + sum(below)
     figure.set_size_inches(WIDTH / INCH, height / INCH)
-    figure.suptitle(figure.get_suptitle(), x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
+    figure.suptitle(title, x=6.0 / WIDTH, y=1.0 - 6.0 / height, ha="left", va="top")
     if entries:
         legend(figure, entries, (left / WIDTH, 1.0 - name / height), columns)
     top, width = height - name - keys, WIDTH - left - right

@@ -62,7 +62,8 @@ def _numbers(results: Mapping[str, Result]) -> str:
     columns = [_figures(result) for result in results.values()]
     names = dict.fromkeys(name for column in columns for name in column)
     rows = [[name, *(column.get(name, "–") for column in columns)] for name in names]
-    return table(["about the equilibrium", *results], rows)
+    mixed = next((f", {said}" for result in results.values() if (said := result.summary.mixed)), "")
+    return table([f"about the equilibrium{mixed}", *results], rows)
 
 
 def _figures(result: Result) -> dict[str, str]:

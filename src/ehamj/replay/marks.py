@@ -70,14 +70,14 @@ def log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale:
 
 
 def log_faults(recording: rr.RecordingStream, label: str, result: Result) -> None:
-    """From the time of each fault on: a mark with its words at the mount, or above the machine; and a line of text."""
+    """From the time of each fault on: a mark at the mount, or above the machine; and a line of text that names it."""
     for number, one in enumerate(result.summary.fault):
         mounts, size = result.scenario.plant.mounts, result.scenario.machine.size
         place = [0.0, 0.0, 1.15 * size[2]]
         if one.where in mounts:
             x, y = result.scenario.plant.positions[mounts.index(one.where)]
             place = [x + 0.25 * np.sign(x), y + 0.25 * np.sign(y), 0.05]  # outside, where the bed does not hide it
-        words = f"{one.where}: {one.kind}"
+        words = f"fault {number + 1}" if len(result.summary.fault) > 1 else "fault"  # longer ones leave the view
         at = np.array([one.time_s])
         path = entity(label, "world", f"fault {number + 1}")
         columns = rr.Points3D.columns(positions=[place], radii=[0.07], colors=[FAULT_COLOR], labels=[words])

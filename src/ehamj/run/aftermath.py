@@ -1,13 +1,15 @@
 """What faults made of a run: its parts before, while they settle and after, and what was to be expected."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
 from ehamj.control import PythonController
-from ehamj.judge.faults import Expectation, FaultFound, Phase
-from ehamj.judge.levels import duration_of
+from ehamj.judge.faults import NOTHING, Expectation, FaultFound, Phase
+from ehamj.judge.levels import LEAST_ROWS, duration_of
+from ehamj.judge.verdicts import decided_after
 from ehamj.plant.plant import Plant
 from ehamj.run.expected import expected
 from ehamj.run.faults import Struck
@@ -33,9 +35,14 @@ def aftermath(prepared: Prepared, struck: Sequence[Struck], dataset: xr.Dataset)
     before_s = 0.0
     for k, one in enumerate(struck):
         until = struck[k + 1].time if k + 1 < len(struck) else end + 0.5 / prepared.scenario.record_rate
-        settled_s = min(one.time + one.fault.lasts, until)
+        due = one.time + one.fault.lasts
+        settled_s = min(due, until)
         after = _phase(prepared, dataset, (settled_s, until))
-        expectation, note = linear(prepared, struck[: k + 1], dataset, (settled_s, until)) if after else (None, "")
+        span = (settled_s, until) if after else (before_s, until)
+        expectation, note = linear(prepared, struck[: k + 1], dataset, span)
+        if expectation is not None and after is None:  # the run did something else there
+            expectation = expectation.model_copy(update={"run_db": {}})
+        lacks_time = after is None and k + 1 == len(struck) and end > prepared.scenario.duration - 1e-3
         stuck = one.plant.actuators[_place(one)].spool_stuck_at if one.fault.kind == "valve-stuck" else None
         found.append(
             FaultFound(
@@ -48,12 +55,32 @@ def aftermath(prepared: Prepared, struck: Sequence[Struck], dataset: xr.Dataset)
                 before=_phase(prepared, dataset, (before_s, one.time)),
                 during=_phase(prepared, dataset, (one.time, settled_s), transient=True),
                 after=after,
+                settled_s=due,
+                needed_s=_needed(prepared, due) if lacks_time else None,
+                idle=_idle(one, dataset),
                 expected=expectation,
                 note=note,
             )
         )
         before_s = settled_s
     return found
+
+
+def _needed(prepared: Prepared, settled_s: float) -> float:
+    """Duration of a run that judges what comes after a time [s]."""
+    motion, norm = prepared.motion, next(iter(prepared.norms.values()))
+    length = decided_after(norm, prepared.scenario.record_rate, motion.usable_to, motion.usable_from)
+    return float(math.ceil(settled_s - 1e-9) + length)
+
+
+def _idle(one: Struck, dataset: xr.Dataset) -> bool:
+    """Whether a fault changed nothing: a valve stuck that never moved nor was told to, a sensor that nothing reads."""
+    if hasattr(one.fault, "sensor"):
+        return not one.channels
+    if one.fault.kind != "valve-stuck":
+        return False
+    own = (dataset[name].sel(mount=one.fault.mount).values for name in ("spool", "valve_command"))
+    return all(bool(np.all(values == values[:1])) for values in own)
 
 
 def _place(one: Struck) -> int:
@@ -73,18 +100,26 @@ def linear(
     if isinstance(prepared.controller, PythonController):
         return None, "no linear expectation: the law is a Python function"
     plant: Plant = prepared.scenario.plant
+    until = max(span[1], struck[-1].time + struck[-1].fault.lasts)
     for one in struck:
-        plant = one.fault.settled(plant, one.spools, span[1] - one.time)
+        plant = one.fault.settled(plant, one.spools, until - one.time)
     usable = prepared.motion.usable_from, prepared.motion.usable_to
-    faults = [one.fault for one in struck]
-    return expected(prepared.scenario, plant, prepared.law, faults, part_of(dataset, *span), usable)
+    faults, part = [one.fault for one in struck], part_of(dataset, *span)
+    if part.time.size < LEAST_ROWS:
+        return None, "no linear expectation: the run is too short for one"
+    if not all(np.isfinite(part[name].values).all() for name in ("ground_velocity", "cg_velocity", "valve_command")):
+        return None, "no linear expectation: the run is not finite"
+    return expected(prepared.scenario, plant, prepared.law, faults, part, usable)
 
 
 def warnings(found: Sequence[FaultFound]) -> list[str]:
     """In words: what struck, that levels of the whole run mix what was before and after, and what ran away."""
     if not found:
         return []
-    said = [f"fault {one.in_words()}" for one in found]
+    said = [f"fault {one.in_words()}" + (f": {NOTHING}" if one.idle else "") for one in found]
+    found = [one for one in found if not one.idle]
+    if not found:
+        return said
     said.append(
         "levels, classes and attenuation of the whole run mix the machine before and after its faults: the parts of "
         "the run are judged by themselves in the section on faults (summary.json: fault)"

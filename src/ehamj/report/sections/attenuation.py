@@ -7,7 +7,7 @@ from ehamj.judge.decisive import place_in_words
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, DASH, decibel
 from ehamj.plots import Levels
-from ehamj.report.sections.headline import HEADLINE_BANDS, OF_LEVELS
+from ehamj.report.sections.headline import HEADLINE_BANDS, OF_LEVELS, mixed_in
 from ehamj.report.shown import Shown, floor_moves, known
 
 
@@ -37,7 +37,8 @@ def at_places(shown: Shown) -> Table:
         ]
         if any(cell != DASH for row in own for cell in row[1:]):
             rows += [*([] if shown.alone else [[label]]), *own]
-    note = f"{OF_LEVELS} Centre of gravity and points: of the mean of the floor; worst foot: of the ground below it."
+    note = f"{OF_LEVELS}{mixed_in(shown)} Centre of gravity and points: of the mean of the floor; worst foot: of the "
+    note += "ground below it."
     head = ["", *(f"{band} Hz" for band in HEADLINE_BANDS)]
     return Table("Vertical attenuation at every place [dB]", head, rows, note)
 
@@ -49,7 +50,7 @@ def _notes(shown: Shown) -> list[str]:
     found = [
         "Up is quieter. Along x, y and z: the mean of the floor at the mounts over the machine's centre of gravity; "
         "roll and pitch: of the plane fitted to the floor, over those of the machine; all of the RMS over the whole "
-        "run. Gaps are undecided bands."
+        f"run.{mixed_in(shown)} Gaps are undecided bands."
     ]
     tables = [result.summary.attenuation_db for result in shown.results.values()]
     silent = [name for axis, name in AXIS_NAMES.items() if not known(table[axis] for table in tables)]

@@ -6,21 +6,24 @@ from typing import Final
 
 from ehamj import plots
 from ehamj.judge.decisive import place_in_words
-from ehamj.judge.faults import FaultFound, Phase
+from ehamj.judge.faults import NOTHING, FaultFound, Phase
 from ehamj.judge.headline import DIRECTIONS
+from ehamj.judge.levels import ByBand
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import BAR, DASH, MICRO, decibel, measured, number, scaled
+from ehamj.pages.words import BAR, MICRO, decibel, measured, number, scaled
 from ehamj.plots import Levels
 from ehamj.report.sections.headline import HEADLINE_BANDS
 from ehamj.report.shown import Shown
 
 PHASES: Final = {"before": "before", "during": "while it settles", "after": "after"}
+LINEAR: Final = "after, linear"
 EXPECTED_COLOR: Final = "#111827"
 
 NOTE: Final = (
     "The law is that of the intact machine. Before and after are judged as runs by themselves, by the RMS over each "
     "part; while a fault settles, the largest sliding second counts, from one second before it on. Linear: the "
-    "linear machine with the fault, settled, on the floor of the part after it; it has neither noise nor limits."
+    "linear machine with the fault, settled, on the floor of the part after it, or of the run so far where nothing has "
+    "settled; it has neither noise nor limits."
 )
 
 
@@ -31,15 +34,21 @@ def faults(shown: Shown) -> Section | None:
         return None
     figures: list[Picture] = []
     tables: list[Table] = []
+    notes: list[str] = []
     for label, found in struck.items():
         whose = "" if shown.alone else f"{label}, "
+        end = shown.results[label].summary.timing.simulated_s
         for number_of, one in enumerate(found, 1):
-            figures += _picture(f"{label}-{number_of}", f"{whose}{one.where}: {one.what}", one, shown.colors[label])
-            tables += _tables(f"{whose}{one.in_words()}", one)
-    return Section("faults", "Faults", figures, tables, [NOTE], tables_first=True)
+            words = f"{whose}{one.in_words()}"
+            if one.idle:
+                notes.append(f"{words[0].upper()}{words[1:]}: {NOTHING}.")
+                continue
+            figures += _picture(f"{label}-{number_of}", f"{whose}fault at {one.where}", one, shown.colors[label])
+            tables += _tables(words, one, end)
+    return Section("faults", "Faults", figures, tables, [NOTE, *notes] if tables else notes, tables_first=True)
 
 
-def _picture(name: str, title: str, one: FaultFound, color: str) -> Iterator[Picture]:
+def _picture(file: str, title: str, one: FaultFound, color: str) -> Iterator[Picture]:
     """Vertical attenuation before and after, and what was to be expected after."""
     curves = [
         Levels.of_bands(f"{words}, run", phase.attenuation_db, own)
@@ -47,44 +56,47 @@ def _picture(name: str, title: str, one: FaultFound, color: str) -> Iterator[Pic
         if phase is not None
     ]
     if one.expected is not None and one.expected.attenuation_db:
-        linear = Levels.of_bands("after, linear", one.expected.attenuation_db, EXPECTED_COLOR)
+        name = LINEAR if one.after else f"{LINEAR} (run not settled)"
+        linear = Levels.of_bands(name, one.expected.attenuation_db, EXPECTED_COLOR)
         curves.append(replace(linear, dash="--"))
     if curves:
         figure = plots.attenuation(f"Vertical attenuation, {title}", curves)
-        yield Picture(f"fault-{name}", figure, f"At {one.time_s:.4g} s {one.what}.")
+        settled = "" if one.after else " The run had not settled after it."
+        yield Picture(f"fault-{file}", figure, f"At {one.time_s:.4g} s {one.what}.{settled}")
 
 
-def _tables(title: str, one: FaultFound) -> Iterator[Table]:
-    """What each part of the run came to: in words, and in numbers."""
-    phases: dict[str, Phase | None] = {name: getattr(one, name) for name in PHASES}
-    head = ["", *(_when(words, phases[name]) for name, words in PHASES.items())]
+def _tables(title: str, one: FaultFound, end: float) -> Iterator[Table]:
+    """What each part of the run that there is came to: in words, and in numbers; the run ended at a time [s]."""
+    phases: dict[str, Phase] = {name: own for name in PHASES if (own := getattr(one, name)) is not None}
+    head = ["", *(f"{PHASES[name]}, {own.from_s:.4g} to {own.to_s:.4g} s" for name, own in phases.items())]
     classes = [
-        [direction, *(DASH if phase is None else phase.criterion.briefly()[direction] for phase in phases.values())]
-        for direction in DIRECTIONS
+        [direction, *(phase.criterion.briefly()[direction] for phase in phases.values())] for direction in DIRECTIONS
     ]
-    yield Table(f"{title[0].upper()}{title[1:]}: class of the machine", head, classes, kind="words")
+    missing = "" if one.after else f"After: {one.unsettled(end)}."
+    if not phases:
+        classes = []
+    yield Table(f"{title[0].upper()}{title[1:]}: class of the machine", head, classes, missing, kind="words")
+    if not phases:
+        return
     loop = one.expected
     said = [] if loop is None or loop.stable else [f"The linear loop is unstable: {loop.pole}."]
     said += [f"Readings struck: {', '.join(one.channels)}."] if one.channels else []
     said += [f"{one.note[0].upper()}{one.note[1:]}."] if one.note else []
     title = f"{title[0].upper()}{title[1:]}: in numbers"
-    yield Table(title, [*head, "after, linear"], list(_rows(one, phases)), " ".join(said), kind="numbers wide")
+    expected = {} if loop is None else loop.attenuation_db
+    rows = list(_rows(one, phases, expected))
+    yield Table(title, [*head, *([LINEAR] if expected else [])], rows, " ".join(said), kind="numbers wide")
 
 
-def _when(words: str, phase: Phase | None) -> str:
-    return words if phase is None else f"{words}, {phase.from_s:.4g} to {phase.to_s:.4g} s"
-
-
-def _rows(one: FaultFound, phases: dict[str, Phase | None]) -> Iterator[list[str]]:
+def _rows(one: FaultFound, phases: dict[str, Phase], expected: ByBand) -> Iterator[list[str]]:
     def row(name: str, cell: Callable[[Phase], str], linear: float | None = None) -> list[str]:
-        found = [DASH if phase is None else cell(phase) for phase in phases.values()]
-        return [name, *found, "" if linear is None else decibel(linear)]
+        found = [cell(phase) for phase in phases.values()]
+        return [name, *found, *(["" if linear is None else decibel(linear)] if expected else [])]
 
-    expected = {} if one.expected is None else one.expected.attenuation_db
     for band in HEADLINE_BANDS:
         name = f"vertical attenuation of the CG at {band} Hz [dB]"
         yield row(name, lambda phase, b=band: decibel(phase.attenuation_db.get(b)), expected.get(band))  # type: ignore[misc]
-    known = next(phase for phase in phases.values() if phase is not None)
+    known = next(iter(phases.values()))
     for place in known.peak_velocity:
         words = "floor, worst mount" if place == "floor" else place_in_words(place)
         yield row(

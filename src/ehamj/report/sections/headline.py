@@ -9,6 +9,7 @@ from ehamj.criteria.curves import Norm, Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
 from ehamj.judge.brief import MEAN
 from ehamj.judge.decisive import place_in_words
+from ehamj.judge.faults import WHOLE
 from ehamj.judge.places import AtPlace
 from ehamj.judge.worse import cancelled
 from ehamj.pages import Section, Table
@@ -38,7 +39,12 @@ PROCESSING: Final = re.compile(
 """Warnings that only say how a record was processed."""
 
 
-MIXED: Final = " Where something failed, before and after together; see Faults for each."
+MIXED: Final = f" Where something failed: {WHOLE}; see Faults for each part."
+
+
+def mixed_in(shown: Shown) -> str:
+    """What to know of levels of the whole run, where something failed in one."""
+    return MIXED if any(result.summary.mixed for result in shown.results.values()) else ""
 
 
 def headline(shown: Shown) -> Section:
@@ -55,7 +61,7 @@ def headline(shown: Shown) -> Section:
             for place, table in own.items()
         ]
         tables += list(own.values())
-    mixed = MIXED if any(result.summary.fault for result in shown.results.values()) else ""
+    mixed = mixed_in(shown)
     note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
     small = {band for result in shown.results.values() for band in cancelled(result.summary, "z")}
     if against := [band for band in HEADLINE_BANDS if band in small]:
@@ -83,6 +89,7 @@ def classes(shown: Shown) -> Section:
     note = "At the worst of the machine's places. Margin: below the limit of the class met, in the band that decides."
     if any(verdict.peak is not None for verdict in verdicts):
         note = "At the worst of the machine's places. Margin: below the limit of the class met, of the nearest peak."
+    note += mixed_in(shown)
     rows = [row for row in rows if row != [""]]
     return Section("classes", tables=[Table(f"Class met: {norm.title}", ["", *columns], rows, note, kind="words")])
 

@@ -5,12 +5,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from ehamj.control.settings import DigitalSettings
+from ehamj.judge.headline import DIRECTIONS
 from ehamj.pages import Section, Table
 from ehamj.pages.words import DASH, exact, plain
 from ehamj.report.sections.inputs import named
 from ehamj.report.shown import Shown, ground_parts
+from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import named as named_differences
 from ehamj.scenario.variation import unlike
@@ -21,6 +24,7 @@ the machine that a law is for, which has a line of its own."""
 MOST: Final = 4
 """Settings of a table that only some runs have which are still told one by one."""
 MISSING: Final = object()
+UNIT: Final = re.compile(r"\[([^\]]*)\]")
 
 
 def runs(shown: Shown) -> Section | None:
@@ -42,13 +46,24 @@ def _each(shown: Shown) -> Table:
                 "simulated": f"{exact(round(simulated, 6))} s{cut}",
                 "floor": floor_in_words(scenario),
                 "control": control_in_words(scenario),
-                **{f"verdict, {name}": said for name, said in result.summary.criterion.briefly().items()},
-                "judged by": result.summary.criterion.lines().get("judged by", DASH),
+                **{f"verdict, {name}": verdict_in_words(result, name) for name in DIRECTIONS},
+                "judged by": result.summary.judged_by() or DASH,
             }
         )
     rows = [[name, *(column[name] for column in columns)] for name in columns[0]]
     note = "Verdict: the vibration class of the machine at its worst place."
     return Table("Runs", ["", *shown.results], rows, note, kind="words")
+
+
+def verdict_in_words(result: Result, direction: str) -> str:
+    """The machine's class along a direction; where something failed, of each part of the run by itself."""
+    summary = result.summary
+    found = {when: phase.criterion.briefly()[direction] for when, phase in summary.parts().items()}
+    if not found:
+        said = summary.criterion.briefly()[direction]
+        return f"{summary.mixed}: {said}" if summary.mixed else said
+    found |= dict.fromkeys(summary.unsettled(), "not settled")
+    return ". ".join(f"{when}: {said}" for when, said in found.items())
 
 
 def differences(shown: Shown) -> Table:
@@ -58,7 +73,10 @@ def differences(shown: Shown) -> Table:
     made = [derived_for(scenario) for scenario in scenarios]
     if len(set(made)) > 1:
         rows.append([named("control.designed_for", "machine that the law is derived for"), *made])
-    note = f"All other settings are the same. {DASH}: the run has no such setting."
+    bare = any(set(type(one.control).model_fields) - set(ASIDE) == {"kind"} for one in scenarios)
+    mixed = bare and len({one.control.kind for one in scenarios}) > 1
+    law = " but those of the law that are as by default, beside a run without one," if mixed else ""
+    note = f"All other settings{law} are the same. {DASH}: the run has no such setting."
     return Table("Differences in settings", ["setting", *shown.results], rows, note, kind="words")
 
 
@@ -92,24 +110,25 @@ def _kind_in_words(settings: Any) -> str:
 
 
 def _differing(values: Sequence[Any], key: str, about: str) -> Iterator[list[str]]:
-    """Rows of what differs in some values: name and key, and each as text; tables that all have are gone through.
+    """Rows of what differs in some values: name and key, and each as text; tables are gone through, one that a run does
+    not have as one without settings.
 
-    Of tables of several kinds that is told which is not as it is by default.
+    Of a law beside a control that has no settings those are told that are not as by default.
     """
     if all(value == values[0] for value in values[1:]):
         return
-    tables = [_table(value) for value in values]
+    tables = [{} if value is MISSING or value is None or value == () else _table(value) for value in values]
     whole = [table for table in tables if table is not None]
-    if len(whole) < len(tables):
-        yield [named(key, _short(about)), *map(_in_words, values)]
+    if len(whole) < len(tables) or not any(whole):
+        yield [named(key, _short(about)), *(_in_words(value, about) for value in values)]
         return
-    kinds = len({table["kind"].value for table in whole if "kind" in table}) > 1
     names = dict.fromkeys(name for table in whole for name in table)
+    bare = key == "control" and any(set(table) - set(ASIDE) == {"kind"} for table in whole)
     for name in sorted(names, key=lambda one: one != "kind"):
         found = [table.get(name, ABSENT) for table in whole]
-        told = not kinds or name == "kind" or any(one is not ABSENT and one.value != one.default for one in found)
+        told = not bare or name == "kind" or any(one is not ABSENT and one.value != one.default for one in found)
         if name not in ASIDE and told:
-            text = next(one.about for one in found if one is not ABSENT)
+            text = next((one.about for one in found if one.about), about)
             yield from _differing([one.value for one in found], f"{key}.{name}".lstrip("."), text)
 
 
@@ -128,23 +147,34 @@ def _table(value: Any) -> dict[str, Part] | None:
     """The settings of a table by name; None of a value that has none."""
     if isinstance(value, BaseModel):
         fields = type(value).model_fields.items()
-        return {name: Part(getattr(value, name), f.description or "", f.get_default()) for name, f in fields}
+        return {name: Part(getattr(value, name), _about(f), f.get_default()) for name, f in fields}
     if isinstance(value, Mapping):
         return {str(name): Part(part) for name, part in value.items()}
     if isinstance(value, tuple) and value and all(isinstance(part, BaseModel) for part in value):
-        return {str(getattr(part, "name", k)): Part(part) for k, part in enumerate(value)}
+        names = [getattr(part, "name", None) for part in value]
+        return {
+            n if isinstance(n, str) and n else str(k): Part(p)
+            for k, (n, p) in enumerate(zip(names, value, strict=True))
+        }
     return None
 
 
 def _short(about: str) -> str:
     """A description without its explanations, with its unit."""
-    unit = re.search(r"\[[^\]]*\]", about)
+    unit = UNIT.search(about)
     said = re.split(r"[:;(\[]", about)[0].strip()
     return f"{said} {unit.group()}" if unit else said
 
 
-def _in_words(value: Any) -> str:
-    """A setting as text: of a table its kind, or what was set of it."""
+def _about(field: FieldInfo) -> str:
+    """What a setting is, with its unit."""
+    said, extra = field.description or "", field.json_schema_extra
+    unit = extra.get("unit") if isinstance(extra, dict) else None
+    return f"{said} [{unit}]" if unit and UNIT.search(said) is None else said
+
+
+def _in_words(value: Any, about: str = "") -> str:
+    """A setting as text: of a table its kind, or what was set of it, each with its unit."""
     if value is MISSING:
         return DASH
     table = _table(value)
@@ -155,7 +185,14 @@ def _in_words(value: Any) -> str:
     if isinstance(value, BaseModel) and hasattr(value, "kind"):
         return _kind_in_words(value)
     given = value.model_fields_set if isinstance(value, BaseModel) else set(table)
-    told = {name: part.value for name, part in table.items() if name in given and name not in ASIDE}
+    told = {name: part for name, part in table.items() if name in given and name not in ASIDE}
     if len(told) > MOST:
         return f"{len(told)} settings"
-    return ", ".join(f"{name} {_in_words(part)}" for name, part in told.items()) or "as it is by default"
+    said = (f"{name} {_in_words(part.value)}{_unit(part.about or about)}" for name, part in told.items())
+    return ", ".join(said) or "as it is by default"
+
+
+def _unit(about: str) -> str:
+    """The unit in a description, to follow a number."""
+    unit = UNIT.search(about)
+    return "" if unit is None or unit.group(1) == "-" else f" {unit.group(1)}"

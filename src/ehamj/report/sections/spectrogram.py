@@ -8,6 +8,7 @@ from ehamj.judge.spectrogram import STEP, Run, Spectrogram
 from ehamj.judge.spectrogram import spectrogram as levels_of
 from ehamj.pages import Picture, Section
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO
+from ehamj.report.sections.histories import moments_of
 from ehamj.report.shown import Shown
 
 QUANTITY: Final = "velocity, 1 s RMS [µm/s]"
@@ -25,11 +26,12 @@ def spectrogram(shown: Shown) -> Section | None:
         for label, result in shown.results.items()
     }
     found = levels_of(runs)
-    figures = [] if found is None else list(_figures(found))
+    moments = dict.fromkeys(moment for result in shown.results.values() for moment in moments_of(result))
+    figures = [] if found is None else list(_figures(found, list(moments)))
     return Section("spectrogram", "Levels over time", figures, notes=[NOTE]) if figures else None
 
 
-def _figures(found: Spectrogram) -> Iterator[Picture]:
+def _figures(found: Spectrogram, moments: list[plots.Moment]) -> Iterator[Picture]:
     several = round(found.step / STEP)
     caption = f"A level every {STEP:g} s" + (f", drawn the largest of {several}." if several > 1 else ".")
     bands = [band.name for band in found.bands]
@@ -37,5 +39,5 @@ def _figures(found: Spectrogram) -> Iterator[Picture]:
         panels = {place: MICRO * levels for place, levels in found.along(axis).items()}
         if panels:
             title = f"Levels over time, {AXIS_NAMES[axis]}"
-            figure = plots.spectrogram(title, found.time, bands, panels, QUANTITY, plots.QUIETEST)
+            figure = plots.spectrogram(title, found.time, bands, panels, QUANTITY, plots.QUIETEST, moments)
             yield Picture(f"spectrogram-{axis}", figure, caption)
