@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ehamj.judge.headline import DIRECTIONS
 from ehamj.replay.marks import length_text
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
@@ -50,12 +51,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _verdicts(results: Mapping[str, Result]) -> str:
-    """The vibration classes that floor and machine meet, where a summary has them."""
-    return "\n".join(
-        f"- {label}, {direction}: {verdict}"
-        for label, result in results.items()
-        for direction, verdict in result.summary.lines().items()
-    )
+    """The headline of the first result, and of those beside it the classes alone, unless something failed in them."""
+    said: list[str] = []
+    for label, result in results.items():
+        lines, verdict = result.summary.lines(), result.summary.criterion.verdict
+        if said and not result.summary.broken:
+            lines = {name: f"{getattr(verdict, name)}" for name in DIRECTIONS}
+        said += [f"- {label}, {what}: {text}" for what, text in lines.items()]
+    return "\n".join(said)
 
 
 def _numbers(results: Mapping[str, Result]) -> str:
