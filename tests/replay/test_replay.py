@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 import subprocess
 import sys
 import time as clock
@@ -308,10 +309,17 @@ def test_page_tells_the_verdicts(sliding: Result) -> None:
     criterion = {**sliding.summary.criterion, "verdict": words, "max_1s": loudest}
     written = page({"run": changed(sliding, criterion=criterion)}, factor=1.0, arrows=0.0, speed=1.0)
     assert "- run, vertical: quiet. Machine worst at " in written
-    assert "- run, horizontal: loud, undecided at 4, 5 Hz. Machine worst at " in written
+    assert "- run, horizontal: loud, undecided at 4, 5 Hz\n" in written  # nothing moves along x and y: no more is said
     rule = "VC curves, constant acceleration from 4 to 8 Hz"
     assert f"- run, judged by: {rule}, RMS over the whole run\n" in written
     assert "- run, by the largest 1 s RMS: vertical less quiet; horizontal louder\n" in written
+
+
+def test_page_keeps_to_the_classes_of_what_stands_beside(sliding: Result) -> None:
+    written = page({"run": sliding, "other": sliding}, factor=1.0, arrows=0.0, speed=1.0)
+    (own,) = re.findall(r"^- run, vertical: (.*)\. Machine worst at .*$", written, re.MULTILINE)
+    assert f"\n- other, vertical: {own}\n" in written
+    assert "- other, judged by" not in written
 
 
 def test_page_tells_of_thinned_plots(sliding: Result, monkeypatch: pytest.MonkeyPatch) -> None:
