@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from ehamj.criteria import iso2631, nist, vc
-from ehamj.criteria.curves import CANDIDATES, WHOLE, Limit, Norm, rounded
+from ehamj.criteria.curves import CANDIDATES, Limit, Norm, rounded
 from ehamj.criteria.norms import NORMS as REGISTERED
 from ehamj.criteria.settings import CriteriaSettings
+from ehamj.criteria.verdict import WHOLE
 from ehamj.errors import InputError
 from ehamj.estimate.bands import bands
 from ehamj.estimate.reading import band_rms

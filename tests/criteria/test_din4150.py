@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ehamj.criteria.curves import CANDIDATES, Norm, Verdict
+from ehamj.criteria.curves import CANDIDATES, Norm
 from ehamj.criteria.din4150 import DIN_4150_3, DIN_4150_3_FLOORS
+from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.swings import Swings
 
 RATE = 1000.0

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.criteria.curves import Verdict
 from ehamj.criteria.vc import CLASSES, CLASSIC, FLAT, limit
+from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.bands import bands
 
 settings.register_profile("untimed", deadline=None)  # machines stall

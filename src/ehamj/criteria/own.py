@@ -22,7 +22,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.criteria.curves import Limit, Norm, Quantity
+from ehamj.criteria.curves import Limit, Norm
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_numbers, bands
 from ehamj.estimate.statistics import WORDS, BandStatistic, Statistic
@@ -30,7 +30,7 @@ from ehamj.findings import Finding
 from ehamj.records.lines import lines_of
 from ehamj.records.table_choices import TableChoices
 from ehamj.records.tables import Column, read_table
-from ehamj.records.units import motion_unit
+from ehamj.records.units import Quantity, motion_unit
 
 KEY: Final = "criteria.norms"
 ENDING: Final = r"\.[A-Za-z][A-Za-z0-9]{0,4}$"

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from ehamj.criteria.curves import WHOLE, Verdict, where
+from ehamj.criteria.verdict import WHOLE, Verdict, where
 from ehamj.estimate.statistics import Statistic
 from ehamj.findings import Finding
 

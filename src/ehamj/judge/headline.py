@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 from pydantic import Field
 
-from ehamj.criteria.curves import Norm, Verdict
+from ehamj.criteria.curves import Norm
+from ehamj.criteria.verdict import Verdict
 from ehamj.findings import Finding
 from ehamj.judge.decisive import Decisive, open_in_words
 from ehamj.judge.levels import Levels

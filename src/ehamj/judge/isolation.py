@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from ehamj.criteria.curves import ORDERS, Kind, Norm, Quantity
+from ehamj.criteria.curves import ORDERS, Kind, Norm
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.estimate.counted import LONGEST_TAPER, settled
 from ehamj.estimate.sliding import TIMES, averaging_time
@@ -20,6 +20,7 @@ from ehamj.judge.transience import Transience, transience
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
+from ehamj.records.units import Quantity
 
 OUTSIDE = 1.5
 """Largest motion over that within what counts fully, above which it is worth a word."""

@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
-from ehamj.criteria.curves import Kind, Norm, Quantity
+from ehamj.criteria.curves import Kind, Norm
 from ehamj.estimate.swings import Swings
 from ehamj.judge.levels import LEAST_ROWS, motions_of
 from ehamj.plant.axes import AXES
+from ehamj.records.units import Quantity
 
 
 @dataclass(frozen=True)

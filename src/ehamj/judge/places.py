@@ -5,7 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from ehamj.criteria.curves import WHOLE, Norm, Verdict
+from ehamj.criteria.curves import Norm
+from ehamj.criteria.verdict import WHOLE, Verdict
 from ehamj.findings import Finding
 from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks

@@ -5,8 +5,9 @@ from typing import Any, Final, Self
 
 import numpy as np
 
-from ehamj.criteria.curves import Norm, Verdict
+from ehamj.criteria.curves import Norm
 from ehamj.criteria.own import OwnLimits, OwnNorm
+from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length

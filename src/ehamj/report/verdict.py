@@ -1,6 +1,7 @@
 """What the page says in words: verdict, class met, and what failed."""
 
-from ehamj.criteria.curves import Norm, Verdict, where
+from ehamj.criteria.curves import Norm
+from ehamj.criteria.verdict import Verdict, where
 from ehamj.judge.decisive import decibel, met_in_words, unit_of
 from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES

@@ -7,7 +7,7 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.control import LinearController
-from ehamj.criteria.curves import WHOLE
+from ehamj.criteria.verdict import WHOLE
 from ehamj.estimate.sliding import averaging_time, levels_over_time
 from ehamj.judge.levels import BANDS, motions_of
 from ehamj.judge.verdicts import Criterion

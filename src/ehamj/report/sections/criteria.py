@@ -7,14 +7,16 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj import plots
-from ehamj.criteria.curves import CANDIDATES, Norm, Quantity, where
+from ehamj.criteria.curves import CANDIDATES, Norm
 from ehamj.criteria.vc import EXTENDED
+from ehamj.criteria.verdict import where
 from ehamj.estimate.statistics import SHORT, BandStatistic
 from ehamj.judge.decisive import decibel, place_in_words, unit_of
 from ehamj.judge.places import AtPlace
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, MICRO, scaled
 from ehamj.plots import Levels, Line
+from ehamj.records.units import Quantity
 from ehamj.report.shown import Shown, known
 from ehamj.report.verdict import class_met
 from ehamj.result import Result

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
 
-from ehamj.criteria.curves import Norm, Verdict
+from ehamj.criteria.curves import Norm
+from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
 from ehamj.judge.brief import MEAN
 from ehamj.judge.decisive import place_in_words

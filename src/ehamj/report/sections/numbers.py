@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import xarray as xr
 
-from ehamj.criteria.curves import WHOLE
+from ehamj.criteria.verdict import WHOLE
 from ehamj.estimate.sliding import TIMES as AVERAGING
 from ehamj.estimate.statistics import WORDS
 from ehamj.judge.verdicts import Criterion
