@@ -210,8 +210,10 @@ class Norm:
             **({} if self.base is None else {"factor": max(base.values(), default=None)}),
         )
 
-    def rank(self, verdict: Verdict) -> tuple[int, float]:
-        """The less, the worse: by the class met, and of one class by the margin."""
+    def rank(self, verdict: Verdict) -> tuple[float, float]:
+        """The less, the worse: by the class met, and of one class by the margin; what is not judged comes last."""
+        if verdict.deciding_band is None:
+            return np.inf, 0.0
         if verdict.met is None:
             return -1, -(verdict.excess_db or 0.0)
         return self.classes.index(verdict.met), np.inf if verdict.margin_db is None else verdict.margin_db
@@ -229,12 +231,6 @@ class Norm:
         names = self.classes[: 0 if met is None else self.classes.index(met) + 1]
         limits = (self._limits[name, axis] for name in (self.classes if nothing_known else names))
         return {(band, limit.kind) for table in limits for band, limit in table.items()}
-
-    def kind_at(self, verdict: Verdict, axis: str) -> Kind:
-        """The kind of level that decided along an axis."""
-        name = verdict.met or self.classes[0]
-        limits = self._limits[name, axis].items()
-        return next(limit.kind for band, limit in limits if _name(band) == verdict.deciding_band)
 
     def _shares(
         self,

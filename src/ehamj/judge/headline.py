@@ -7,7 +7,6 @@ that is better says nothing of what stands elsewhere on the machine.
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-import numpy as np
 from pydantic import Field
 
 from ehamj.criteria.curves import Norm
@@ -49,15 +48,11 @@ class Direction(Finding):
         """
         sides = ((self.floor, self.floor_bands, self.floor_undecided), (self.worst, self.bands, self.undecided))
         floor, machine = (one.class_in_words(missing) for one, _, missing in sides)
-        left = dict.fromkeys(open_in_words(bands, missing) for _, bands, missing in sides)
-        if len(left) > 1:  # each by itself
-            floor, machine = (
-                f"{one.class_in_words(missing)}" + (f" ({open_in_words(bands, missing)})" if missing else "")
-                for one, bands, missing in sides
-            )
-            left = {"": None}
+        of_floor, left = (open_in_words(bands, missing) for _, bands, missing in sides)
+        if of_floor != left:  # each by itself
+            floor, machine, left = _beside(floor, of_floor), _beside(machine, left), ""
         said = f"floor {floor}, machine {machine} ({ACTUATED[name] if commanded else PASSIVE})"
-        return ": ".join(text for text in (said, *left) if text)
+        return f"{said}: {left}" if left else said
 
     def details(self) -> str:
         """Where floor and machine are worst, by how much, and how the machine's other places stand."""
@@ -80,6 +75,10 @@ class Direction(Finding):
         return f"{met}; worst at {self.worst.where}, {self.worst.reason()}"
 
 
+def _beside(met: str, left: str) -> str:
+    return f"{met} ({left})" if left else met
+
+
 def direction(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm, levels: Levels) -> Direction:
     """What decides along some axes.
 
@@ -91,7 +90,7 @@ def direction(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm, le
     """
     found = {place: _decisive(place, judged, axes, norm, levels) for place, judged in places.items()}
     floor = found.pop("floor")
-    ranked = sorted(found.values(), key=lambda one: _rank(one, norm))
+    ranked = sorted(found.values(), key=lambda one: norm.rank(one.verdict))
     bands, missing = _left_open([places[place] for place in found], axes, ranked[0], norm)
     floor_bands, floor_missing = _left_open([places["floor"]], axes, floor, norm)
     return Direction(
@@ -105,19 +104,13 @@ def direction(places: Mapping[str, AtPlace], axes: Sequence[str], norm: Norm, le
     )
 
 
-def _rank(one: Decisive, norm: Norm) -> tuple[float, float]:
-    """The less, the worse; what is not known comes last."""
-    return (np.inf, 0.0) if one.verdict.deciding_band is None else norm.rank(one.verdict)
-
-
 def _decisive(place: str, judged: AtPlace, axes: Sequence[str], norm: Norm, levels: Levels) -> Decisive:
-    known = [axis for axis in axes if judged[axis].deciding_band is not None] or list(axes)
-    axis = min(known, key=lambda axis: norm.rank(judged[axis]))
+    axis = min(axes, key=lambda axis: norm.rank(judged[axis]))
     verdict: Verdict = judged[axis]
     mount: int | None = None
     scatters: list[float | None] = [None, None]
-    if verdict.statistic != "peak" and verdict.deciding_band is not None:
-        mount = levels.loudest(place, norm.kind_at(verdict, axis), axis, verdict.deciding_band)
+    if verdict.quantity is not None and verdict.statistic is not None:  # a level in a band decided, and no peak
+        mount = levels.loudest(place, (verdict.quantity, verdict.statistic), axis, verdict.deciding_band)
     if verdict.statistic == "rms":
         scatters = [scatter(levels, place, mount, axis, band) for band in (verdict.deciding_band, verdict.next_band)]
     return Decisive(

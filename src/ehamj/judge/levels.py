@@ -57,7 +57,7 @@ class Levels:
         """Where a band lies, by its name; None where it is not known."""
         return next((k for k, one in enumerate(self.bands) if one.name == band), None)
 
-    def loudest(self, place: str, kind: Kind, axis: str, band: str) -> int | None:
+    def loudest(self, place: str, kind: Kind, axis: str, band: str | None) -> int | None:
         """The mount of floor or feet with the largest level of a kind in a band; None of other places and bands."""
         found, row = self.places[place][kind], self.row(band)
         return None if found.ndim < 3 or row is None else int(np.argmax(found[row, :, AXES.index(axis)]))

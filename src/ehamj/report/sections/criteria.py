@@ -158,12 +158,9 @@ def _at_places(shown: Shown, norms: Mapping[str, Norm]) -> Table:
 
 def _met(place: AtPlace, axes: tuple[str, ...], norm: Norm) -> str:
     """The class that the worst of some axes meets, with margin or excess, axis and band."""
-    judged = {axis: verdict for axis in axes if (verdict := place[axis]).deciding_band is not None}
-    if not judged:
-        return "not judged"
-    axis = min(judged, key=lambda axis: norm.rank(judged[axis]))
-    worse = f"{decibel(judged[axis].excess_db or 0.0)} dB over"
-    return class_met(judged[axis], norm, worse, axis if len(axes) > 1 else "")
+    axis = min(axes, key=lambda axis: norm.rank(place[axis]))
+    worse = f"{decibel(place[axis].excess_db or 0.0)} dB over"
+    return class_met(place[axis], norm, worse, axis if len(axes) > 1 else "")
 
 
 def _note(shown: Shown, norms: Mapping[str, Norm]) -> str:

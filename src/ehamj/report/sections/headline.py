@@ -97,8 +97,7 @@ def classes(shown: Shown) -> Section:
 
 def _places(norm: str, result: Result) -> dict[str, dict[str, AtPlace]]:
     """What a norm says of the floor, and of every place of the machine."""
-    places = dict(result.summary.criteria[norm].places)
-    return {"floor": {"floor": places.pop("floor")}, "machine": places}
+    return _floor_and_machine(result.summary.criteria[norm].places)
 
 
 def _by_largest_second(result: Result) -> dict[str, dict[str, AtPlace]]:
@@ -106,15 +105,18 @@ def _by_largest_second(result: Result) -> dict[str, dict[str, AtPlace]]:
     beside = result.summary.criterion.max_1s
     if beside is None or not beside.places:
         return {}
-    places = dict(beside.places)
-    return {"floor": {"floor": places.pop("floor")}, "machine": places}
+    return _floor_and_machine(beside.places)
+
+
+def _floor_and_machine(places: Mapping[str, AtPlace]) -> dict[str, dict[str, AtPlace]]:
+    machine = dict(places)
+    return {"floor": {"floor": machine.pop("floor")}, "machine": machine}
 
 
 def _worst(places: Mapping[str, AtPlace], axis: str, norm: Norm) -> tuple[str, Verdict]:
     """The place where an axis is worst, and its verdict."""
     judged: dict[str, Verdict] = {place: found[axis] for place, found in places.items()}
-    known = {place: verdict for place, verdict in judged.items() if verdict.deciding_band is not None} or judged
-    return min(known.items(), key=lambda item: norm.rank(item[1]))
+    return min(judged.items(), key=lambda item: norm.rank(item[1]))
 
 
 def _met(columns: Mapping[str, Mapping[str, AtPlace]], norm: Norm) -> list[list[str]]:
