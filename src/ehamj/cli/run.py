@@ -83,22 +83,18 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    from ehamj.judge.attenuation import quiet_bands
-    from ehamj.judge.brief import reference
+    from ehamj.judge.brief import simulated, vertical_attenuation
 
-    timing = summary.timing
     state = "complete" if summary.complete else "INCOMPLETE"
-    times = f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s"
-    out.print(f"[bold]{escape(summary.name)}[/]: {times}, {state}", highlight=False)
+    out.print(f"[bold]{escape(summary.name)}[/]: {simulated(summary)}, {state}", highlight=False)
     if summary.peak:
         _print_levels(summary, mount)
     for direction, said in summary.lines().items():
         say(f"vibration class, {direction}: {said}")
-    places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
     mixed = f" ({summary.mixed})" if summary.mixed else ""
-    for place, levels in places.items():
-        if words := quiet_bands(levels):
-            say(f"vertical attenuation, floor to machine's {place}{mixed}: {words}{reference(summary)}")
+    for place, words in vertical_attenuation(summary).items():
+        if words:
+            say(f"vertical attenuation, floor to machine's {place}{mixed}: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

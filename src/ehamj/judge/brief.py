@@ -8,6 +8,8 @@ from ehamj.judge.summary import Summary
 from ehamj.judge.worse import LEAST, cancelled
 
 MICRO: Final = 1e6
+SHORT_PLACES: Final = {"centre of gravity": "CG"}
+"""Places by the names of the ten lines."""
 MEAN: Final = (
     "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
     f"by over {LEAST:g} dB"
@@ -16,15 +18,15 @@ MEAN: Final = (
 
 def brief(summary: Summary) -> dict[str, str]:
     """Ten lines by what each is about."""
-    timing = summary.timing
     state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
-    found = {"run": f"{summary.name}: {timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s, {state}"}
+    found = {"run": f"{summary.name}: {simulated(summary)}, {state}"}
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
-    for place, levels in (("worst place", summary.attenuation_at_worst("z")), ("CG", summary.attenuation_db["z"])):
-        said = f"{said}{reference(summary)}" if (said := quiet_bands(levels)) else "undecided in every band"
-        found[place] = f"vertically {said}" + (f", {mixed}" if mixed else "")
+    for place, said in vertical_attenuation(summary).items():
+        found[SHORT_PLACES.get(place, place)] = f"vertically {said or 'undecided in every band'}" + (
+            f", {mixed}" if mixed else ""
+        )
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
@@ -33,10 +35,18 @@ def brief(summary: Summary) -> dict[str, str]:
     return found
 
 
-def reference(summary: Summary) -> str:
-    """What vertical attenuation is held against, where it is negative in one of these bands though no place moves so
-    much more than the floor's loudest mount; else empty."""
-    return f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
+def simulated(summary: Summary) -> str:
+    """How much was simulated, and how long it took."""
+    return f"{summary.timing.simulated_s:g} s simulated in {summary.timing.wall_s:.2g} s"
+
+
+def vertical_attenuation(summary: Summary) -> dict[str, str]:
+    """Attenuation in a few bands in words, at the worst place and at the centre of gravity; empty where every one is
+    undecided. What it is held against is told where it is negative though no place moves so much more than the floor's
+    loudest mount."""
+    against = f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
+    places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
+    return {place: f"{said}{against}" if (said := quiet_bands(levels)) else "" for place, levels in places.items()}
 
 
 def _largest(levels: Any, *last: str) -> float | None:

@@ -1,6 +1,6 @@
 """The numbers a person asks for first: what summary.json holds, written and read by this model."""
 
-from typing import Any
+from typing import Any, Final
 
 from pydantic import Field
 
@@ -12,6 +12,9 @@ from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
 from ehamj.judge.worse import Worse
+
+OF_PARTS: Final = WORDS | {"rms": "RMS over each part by itself"}
+"""Statistics in words, where parts of a run are judged."""
 
 ByMount = dict[str, float]
 ByChannel = dict[str, Any]
@@ -144,15 +147,14 @@ class Summary(Isolation, Head):
         parts = self.parts()
         found = {f"{name} {when}": part.criterion.lines()[name] for when, part in parts.items() for name in DIRECTIONS}
         if not found:
-            mixed = f", {self.mixed}" if self.broken else ""
+            mixed = f", {self.mixed}" if self.mixed else ""
             return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()} | self.unsettled()
         return found | self.unsettled() | {"judged by": self.judged_by()}
 
     def judged_by(self) -> str:
         """By which rule and levels, empty where nothing is; where something failed, of its parts."""
         parts = list(self.parts().values())
-        found = (parts[0].criterion if parts else self.criterion).lines().get("judged by", "")
-        return found.replace(WORDS["rms"], "RMS over each part by itself") if parts else found
+        return parts[0].criterion.judged_by(OF_PARTS) if parts else self.criterion.judged_by()
 
 
 def _after(one: FaultFound) -> str:

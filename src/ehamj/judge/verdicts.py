@@ -11,7 +11,7 @@ from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
-from ehamj.estimate.statistics import SHORT, WORDS
+from ehamj.estimate.statistics import SHORT, WORDS, Statistic
 from ehamj.findings import Finding
 from ehamj.judge.headline import DIRECTIONS, Direction, direction
 from ehamj.judge.levels import Levels
@@ -87,17 +87,20 @@ class Criterion(Finding):
         The keys are ``vertical``, ``horizontal``, ``judged by``, and ``by the largest 1 s RMS`` where a norm has it.
         """
         found = {name: self._line(name) for name in DIRECTIONS}
-        by = dict.fromkeys(v.statistic for v in self._verdicts() if v.statistic is not None)
-        rule = [self.title, " and ".join(WORDS[name] for name in by)]
-        if any(rule):
-            found["judged by"] = ", ".join(text for text in rule if text)
-        if self.max_1s is not None and "max_1s" not in by:
-            said = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in DIRECTIONS)
-            found[f"by the {SHORT['max_1s']}"] = "; ".join(said)
+        if said := self.judged_by():
+            found["judged by"] = said
+        if self.max_1s is not None and "max_1s" not in self._statistics():
+            beside = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in DIRECTIONS)
+            found[f"by the {SHORT['max_1s']}"] = "; ".join(beside)
         return found
 
+    def judged_by(self, words: Mapping[Statistic, str] = WORDS) -> str:
+        """By which rule and levels, each statistic in some words; empty where nothing is."""
+        by = " and ".join(words[name] for name in self._statistics())
+        return ", ".join(text for text in (self.title, by) if text)
+
     def briefly(self) -> dict[str, str]:
-        """Of each direction the machine's class at its worst place with margin and band, and the floor's."""
+        """Of each direction the machine's class at its worst place, with margin and band."""
         if self.decisive is None:
             return {name: self._line(name) for name in DIRECTIONS}
         return {name: getattr(self.decisive, name).machine() for name in DIRECTIONS}
@@ -110,11 +113,13 @@ class Criterion(Finding):
         details = getattr(self.decisive, name).details()
         return f"{said}. {details}" if details else said
 
-    def _verdicts(self) -> list[Verdict]:
-        if self.decisive is None:
-            return [*self.floor.along(AXES), *self.machine.along(AXES)]
-        directions = (self.decisive.vertical, self.decisive.horizontal)
-        return [one.verdict for found in directions for one in (found.floor, found.worst)]
+    def _statistics(self) -> list[Statistic]:
+        """Of the levels that decide, each once."""
+        verdicts = [*self.floor.along(AXES), *self.machine.along(AXES)]
+        if self.decisive is not None:
+            directions = (self.decisive.vertical, self.decisive.horizontal)
+            verdicts = [one.verdict for found in directions for one in (found.floor, found.worst)]
+        return list(dict.fromkeys(one.statistic for one in verdicts if one.statistic is not None))
 
 
 def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = None) -> Criterion:
