@@ -99,7 +99,7 @@ def _build_replay(path: Path, folders: Sequence[Path]) -> None:
     from ehamj.replay import write_replay
 
     shown = _side_by_side(folders, "replay")
-    with log.status("building the recording"):
+    with doing("building the recording"):
         write_replay(path, shown, next(iter(shown.values())).scenario.output.exaggeration)
 
 
