@@ -12,7 +12,6 @@ from ehamj.plots import style
 from ehamj.plots.axes import plain
 from ehamj.plots.style import Artist, Axes, Figure
 
-UNSTABLE: Final = "#F3D9D5"
 RAYS: Final = (0.05, 0.1, 0.2, 0.5)
 """Damping ratios that a locus shows as rays."""
 SYMBOLS: Final = ("x", "s", "D")
@@ -53,7 +52,7 @@ def locus_chart(title: str, branches: Sequence[Branch], marks: Mapping[str, int]
         right = 0.12 * abs(view.left)
         one.set(xlim=(view.left, right), ylim=(0.0, view.top), ylabel="imaginary part/2π [Hz]")
         one.set_xlabel("real part/2π [Hz]")
-        one.axvspan(0.0, right, color=UNSTABLE, zorder=0)
+        one.axvspan(0.0, right, color=style.UNSTABLE_COLOR, zorder=0)
         one.axvline(0.0, color=style.LIMIT_COLOR, linewidth=1.4, zorder=1)
         _rays(one, view)
         for branch in branches:

@@ -20,19 +20,21 @@ from ehamj.plots.style import Artist, Figure
 DEEPEST: Final = -60.0
 """Loop gain below which nothing is drawn [dB]."""
 REACH: Final = 3.0
-"""Magnitude at which a Nyquist curve is bent round, so that what is near −1 can be seen."""
+"""Largest magnitude of a Nyquist plot, to which larger ones are bent, so that what is near −1 can be seen."""
+BENT: Final = 0.25
+"""Share of it over which they are."""
 TURN: Final = 180.0
 NICHOLS: Final = (-40.0, 40.0)
 """Least range of a Nichols plot [dB]."""
 POINTS: Final = 400
 """Of a disk's edge."""
 
-
 COLORS: Final = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE)
 BODE: Final = "Bode plot of each motion's loop gain, the others closed; lines at 0 dB and −180°."
 NYQUIST: Final = (
     "Nyquist plot of the same, with the unit circle: while a motion's curve stays out of the disk, its gain and phase "
-    "may change by what the disk margin says. Curves beyond 2.25 are dotted and bent to a magnitude of 3."
+    f"may change by what the disk margin says. Curves beyond {(1.0 - BENT) * REACH:g} are dotted and bent to a "
+    f"magnitude of {REACH:g}."
 )
 NICHOLS_PLOT: Final = "Nichols plot of the same: crosses and disks at −180° and what is alike."
 
@@ -125,7 +127,7 @@ def _quarter_turns(axis: Any) -> None:
 
 @style.styled()
 def nyquist(title: str, curves: Sequence[Response], disk: float | None = None) -> Figure:
-    """Loop gains in the complex plane about −1; what is larger than `REACH` is bent round there and dashed.
+    """Loop gains in the complex plane about −1; what comes near `REACH` is dotted and bent to it.
 
     Args:
         title: of the figure.
@@ -138,7 +140,7 @@ def nyquist(title: str, curves: Sequence[Response], disk: float | None = None) -
     for one, data in zip(curves, _data(curves), strict=True):
         control.nyquist_plot(
             data, ax=axes, color=one.color, linewidth=1.6, mirror_style=False, arrows=2, arrow_size=5,
-            primary_style=["-", ":"], max_curve_magnitude=REACH, blend_fraction=0.25, start_marker=False,
+            primary_style=["-", ":"], max_curve_magnitude=REACH, blend_fraction=BENT, start_marker=False,
             unit_circle=one is curves[0], warn_encirclements=False, show_legend=False, title="",
         )  # fmt: skip
     figure.suptitle(title)

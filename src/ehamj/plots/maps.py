@@ -12,7 +12,6 @@ from ehamj.plots.axes import plain
 from ehamj.plots.charts import HEIGHT, Line, draw, entries_of, set_scales
 from ehamj.plots.style import Axes, Figure, Text
 
-UNSTABLE: Final = "#F3D9D5"
 BLANK: Final = "#D9DDE2"
 APART: Final = 17.0
 """Least distance of the names of two contours [pt]."""
@@ -65,9 +64,9 @@ def map_chart(
     names = axes.clabel(drawn, fontsize=8, fmt=plain, colors=inks)
     entries = {values[0]: style.line_key(color=colors[len(colors) // 2], linewidth=6.0)}
     if boundary is not None and reach.max() > 0.0:
-        axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=[UNSTABLE], zorder=0.8)
+        axes.contourf(across, up, reach, levels=[0.0, np.inf], colors=[style.UNSTABLE_COLOR], zorder=0.8)
         axes.contour(across, up, reach, levels=[0.0], colors=[style.LIMIT_COLOR], linewidths=2.0, zorder=0.9)
-        entries[boundary[0]] = style.patch_key(facecolor=UNSTABLE, edgecolor=style.LIMIT_COLOR)
+        entries[boundary[0]] = style.patch_key(facecolor=style.UNSTABLE_COLOR, edgecolor=style.LIMIT_COLOR)
     if empty.any():
         axes.pcolormesh(across, up, np.ma.masked_where(~empty, np.ones(empty.shape)), shading="nearest", zorder=0.7,
                         cmap=ListedColormap([BLANK]))  # fmt: skip

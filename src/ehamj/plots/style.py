@@ -34,6 +34,8 @@ GREY: Final = "#6E7781"
 INK: Final = "#1F2933"
 FAINT: Final = "#C9CFD6"
 LIMIT_COLOR: Final = "#B00020"
+UNSTABLE_COLOR: Final = "#F3D9D5"
+"""What lies beyond the boundary of stability."""
 MOMENT_COLOR: Final = "#6D28D9"
 """Lines at times at which something happened."""
 MARKERS: Final = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", SKY: "v", ORANGE: "P"}
