@@ -54,6 +54,16 @@ def test_a_drift_ends_at_its_bound() -> None:
     assert offsets == pytest.approx([0.0, -0.2, -0.5])
 
 
+def test_a_drift_begins_where_an_earlier_one_ended() -> None:
+    drift = {"kind": "spool-drift", "mount": "front-right", "rate": -0.5, "limit": 1.0}
+    scenario = parse_scenario({"fault": [{**drift, "time": 1.0}, {**drift, "time": 3.0, "rate": 0.2}]})
+    first, second = scenario.fault
+    own = second.after(first.after(scenario.plant, SPOOLS), SPOOLS).actuators[1]
+    assert (own.null_offset, own.null_drift, own.null_drift_from, own.null_drift_limit) == (-1.0, 0.2, 3.0, 1.0)
+    with pytest.raises(InputError, match=r"fault\.1\.time = 2\.9 s: the null at front-right drifts until 3 s already"):
+        parse_scenario({"fault": [{**drift, "time": 1.0}, {**drift, "time": 2.9}]})
+
+
 def test_a_branch_or_all_lose_the_supply() -> None:
     one, all_four = with_fault(kind="supply-lost"), parse_scenario({"fault": [{"kind": "supply-lost", "time": 1.0}]})
     assert one.fault[0].after(one.plant, SPOOLS).cut_off == ("front-right",)
@@ -90,6 +100,7 @@ def test_a_channel_needs_no_mount() -> None:
         ({"kind": "valve-stuck", "time": 10.0}, "fault.0.time = 10 s must be before the end, duration = 10 s"),
         ({"kind": "valve-stuck", "opening": 1.2}, "fault.0.opening = 1.2"),
         ({"kind": "spool-drift", "rate": 0.0}, "rate = 0 mA/s must not be zero"),
+        ({"kind": "chamber-leak", "path": {}}, "fault.0.path = {}: must be 'piston' or 'outside'"),
         ({"kind": "sensor-dead", "sensor": "nose"}, "fault.0.sensor = 'nose' must be one of ground, inertial"),
         ({"kind": "sensor-dead", "sensor": "foot_velocity front z"}, "fault.0.sensor: channel 'foot_velocity front z'"),
         ({"kind": "sensor-dead", "sensor": "cg_velocity z"}, "fault.0.mount = 'front-right' is not that of sensor"),

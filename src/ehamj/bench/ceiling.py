@@ -12,8 +12,9 @@ from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
 from ehamj.isolator.membrane import lift, pull
 from ehamj.isolator.spool import full_stroke, spool_acceleration, spool_target
-from ehamj.memory import feed_of, isolator_of, isolators
+from ehamj.memory import isolators
 from ehamj.mujoco.model import build_model
+from ehamj.mujoco.unpacking import feed_of, isolator_of
 from ehamj.plant.axes import DOFS
 from ehamj.scenario.model import Scenario
 

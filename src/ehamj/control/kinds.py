@@ -64,8 +64,7 @@ class CombinedSettings(DigitalSettings):
     @property
     def members(self) -> tuple[DigitalSettings, ...]:
         """The parts, with clock, converter, recovery and held machine of the whole."""
-        shared = {name: getattr(self, name) for name in SHARED}
-        return tuple(part.model_copy(update=shared) for part in self.parts)
+        return tuple(part.model_copy(update=self.shared) for part in self.parts)
 
     def with_member(self, number: int, member: DigitalSettings) -> Self:
         """The sum with another law in place of a part."""

@@ -81,8 +81,8 @@ def _made(
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     laws = Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"])))
-    layout, right = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
-    sensing = Sensing(layout, *_terms(rows), filters, feedthrough, np.array(statics, float), *right, *grid)
+    layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
+    sensing = Sensing(layout, *_terms(rows), filters, feedthrough, np.array(statics, float), *intact, *grid)
     return DigitalLoop(
         laws, LawMemory.of(size, inputs_of.size, mounts), sensing, Readings.of(sensing),
         sum(part.states for part in parts), tuple(functions.values()), failures,

@@ -69,8 +69,8 @@ class SampledSettings(ControlSettings):
     )
 
     @property
-    def shared(self) -> dict[str, Any]:
-        """What laws that run together have in common, by name: clock, converter and recovery."""
+    def clock(self) -> dict[str, Any]:
+        """What makes it digital, by name: clock, converter and recovery."""
         return {name: getattr(self, name) for name in CLOCK}
 
     @property
@@ -132,6 +132,11 @@ class DigitalSettings(SampledSettings):
         "the scenario's own, or the name or file of another scenario; without: derived from the scenario's own",
     )
 
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What laws that run together have in common, by name: as `clock`, and the machine that they are held for."""
+        return {name: getattr(self, name) for name in SHARED}
+
     @abstractmethod
     def controller(self, plant: Plant, sensors: "Sensors") -> Controller:
         """The law for a plant that is measured by ``sensors``."""
@@ -169,6 +174,6 @@ class DigitalSettings(SampledSettings):
 
 
 CLOCK = tuple(name for name in SampledSettings.model_fields if name != "kind")
-"""Settings that make a law digital."""
+"""Settings that make a law digital: clock, converter and recovery."""
 SHARED = tuple(name for name in DigitalSettings.model_fields if name != "kind")
 """Settings that laws which run together share: clock, converter, recovery, and the machine that they are held for."""

@@ -83,7 +83,6 @@ def design_controller(
     kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
     if kind != given.kind:
         shared = given.shared if isinstance(given, DigitalSettings) else {}
-        shared = shared | ({"designed_for": given.designed_for} if isinstance(given, DigitalSettings) else {})
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
         scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
     believed, held = scenario.as_designed(), given.designed_for if isinstance(given, DigitalSettings) else None

@@ -108,7 +108,7 @@ class SynthesisSettings(SampledSettings):
                 "machine's sway, which the model of what the valves lost does not have; less gain helps"
             ) from error
         if self.feedforward is not None:
-            laws.append(self.feedforward.model_copy(update=self.shared).controller(plant, sensors))
+            laws.append(self.feedforward.model_copy(update=self.clock).controller(plant, sensors))
         return stack(laws)
 
     def noise_over_floor(self, weights: MotionWeights, scenario: Scenario) -> float:
@@ -138,7 +138,7 @@ class SynthesisSettings(SampledSettings):
     def modal(self) -> ModalSettings:
         """The modal law without loops: the warp balance, which runs inside the loops of the motions."""
         still = dict.fromkeys(MOTIONS, NO_LOOP) | {"sway_x": NO_SWAY, "sway_y": NO_SWAY}
-        return ModalSettings().model_copy(update={**self.shared, "blend": self.blend, "warp": self.warp, **still})
+        return ModalSettings().model_copy(update={**self.clock, "blend": self.blend, "warp": self.warp, **still})
 
 
 def motion_plants(scenario: Scenario, model: LinearModel, settings: SynthesisSettings, order: int) -> dict[str, Block]:

@@ -108,5 +108,5 @@ def beginning(kind: str, control: ControlSettings) -> SynthesisSettings:
     given: dict[str, Any] = {}
     if isinstance(control, DigitalSettings):
         forward = [part for part in control.members if isinstance(part, FeedforwardSettings)]
-        given = {**control.shared, **({"feedforward": forward[0]} if forward else {})}
+        given = {**control.clock, **({"feedforward": forward[0]} if forward else {})}
     return SYNTHESES[kind].model_validate(given)

@@ -121,8 +121,6 @@ def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array],
         name, _, quantity = rest.partition(".")
         chosen = [plant.mounts.index(mount.name) for mount in scenario.mount if mount.actuator == name]
         mounts[quantity][..., chosen] = value[..., None]
-        if quantity == "flow_gain":
-            mounts["rated_flow"][..., chosen] = 0.0
     else:
         index, _, coordinate = rest.partition(".")
         mounts["xy"[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value

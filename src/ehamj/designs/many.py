@@ -21,10 +21,8 @@ from scipy.optimize import linear_sum_assignment
 from ehamj.arrays import Array, ComplexArray
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
-from ehamj.isolator.equations import State
 from ehamj.labels import labelled
 from ehamj.linear.elements import Elements, Oil, solve
-from ehamj.linear.machine import inputs_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
 
@@ -36,44 +34,6 @@ _GROUPS: Final = (("y", "rx"), ("x", "ry"), ("rz",), ("z",), ("y", "rx"), ("x", 
 
 OSCILLATES: Final = 1e-6
 """Im λ over |λ| above which a pole is an oscillation."""
-
-
-def state_space(designs: Designs) -> tuple[Array, Array, tuple[str, ...]]:
-    """A (…, n, n) and B (…, n, inputs) of every design, and the names of the states.
-
-    States and inputs are those of `ehamj.linear.machine.linear_model` (`inputs_of`), deviations in SI, spools in mA,
-    commands in V. NaN where a design has no static equilibrium inside its cylinders.
-    """
-    elements, oil, _ = _assembled(designs)
-    at, count, states = designs.values.mounts, len(designs.mounts), len(State._fields)
-    n, inputs = elements.mass.shape[-1], len(inputs_of(designs.mounts))
-    motion, pressures = _oil_motion(elements, oil)
-    size = 2 * n + count * states
-    own = [2 * n + states * np.arange(count) + k for k in range(states)]
-    keep = np.concatenate([np.arange(2 * n), own[2], own[3]])
-    A, B = np.zeros((*designs.shape, size, size)), np.zeros((*designs.shape, size, inputs))
-    A[..., keep[:, None], keep] = np.concatenate([motion, pressures], axis=-2)
-    A[..., own[0], own[1]] = 1.0
-    A[..., own[1], own[0]] = -(at["valve_frequency"] ** 2)
-    A[..., own[1], own[1]] = -2.0 * at["valve_damping"] * at["valve_frequency"]
-    B[..., own[1], np.arange(count)] = at["valve_frequency"] ** 2 * at["valve_gain"]
-    ground = count + 3 * np.arange(count)
-    for chamber, sign in enumerate((1.0, -1.0)):
-        A[..., own[2 + chamber], own[0]] = sign * designs.values.gain / oil.compliances[chamber]
-        swept = sign * oil.stretch * oil.areas[chamber] / oil.compliances[chamber]
-        B[..., own[2 + chamber], ground + 3 * count + AXES.index("z")] = swept
-    loads = [*_mount_loads(elements, "stiffness"), *_mount_loads(elements, "damping")]
-    columns = np.concatenate([ground + 3 * count * order + axis for order in range(2) for axis in range(3)])
-    forces = np.arange(inputs - len(DOFS), inputs)
-    right = np.concatenate([*loads, np.swapaxes(elements.cg, -1, -2)], axis=-1)
-    B[..., n : 2 * n, np.concatenate([columns, forces])] = solve(elements.mass, right)
-    soft = np.flatnonzero(np.isfinite(at["foot_stiffness"]).reshape(-1, count)[0])
-    joints = (*JOINTS, *(f"plate {designs.mounts[mount]}" for mount in soft))
-    names = tuple(f"{what} {joint}" for what in ("displacement", "velocity") for joint in joints)
-    names += tuple(f"{state} {mount}" for mount in designs.mounts for state in State._fields)
-    bad = _without_rest(designs, oil)
-    A[bad], B[bad] = np.nan, np.nan
-    return A, B, names
 
 
 def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:

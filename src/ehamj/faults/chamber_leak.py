@@ -31,7 +31,7 @@ class ChamberLeak(MountFault):
     @classmethod
     def _own_factor(cls, table: Any) -> Any:
         path = table.get("path") if isinstance(table, dict) else None
-        return {"factor": FACTORS[path], **table} if path in FACTORS else table
+        return {"factor": FACTORS[path], **table} if isinstance(path, str) and path in FACTORS else table
 
     @property
     def what(self) -> str:

@@ -62,6 +62,9 @@ class FaultSettings(Settings):
         if self.mount is not None and self.mount not in mounts:
             raise ValueError(f"mount = {self.mount!r} must be one of {', '.join(mounts)}")
 
+    def check_beside(self, other: "FaultSettings") -> None:
+        """Raise ValueError where it cannot strike in the same run as another."""
+
 
 class MountFault(FaultSettings):
     """A fault of the isolator at one mount."""

@@ -29,7 +29,7 @@ else:
 
 
 def check_faults(faults: Sequence[FaultSettings], mounts: Sequence[str], duration: float) -> None:
-    """Refuse faults at places that do not exist, or after the end.
+    """Refuse faults at places that do not exist, after the end, or beside others that they do not add up with.
 
     Raises:
         ValueError: naming the key, the value and what is allowed.
@@ -39,6 +39,8 @@ def check_faults(faults: Sequence[FaultSettings], mounts: Sequence[str], duratio
             raise ValueError(f"fault.{k}.time = {fault.time:g} s must be before the end, duration = {duration:g} s")
         try:
             fault.check(mounts)
+            for other in (*faults[:k], *faults[k + 1 :]):
+                fault.check_beside(other)
         except ValueError as error:
             raise ValueError(f"fault.{k}.{error}") from None
 

@@ -1,7 +1,7 @@
 """Sensors that fail: which readings are struck, and what they then say."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -24,7 +24,7 @@ class SensorFault(FaultSettings):
     )
 
     @model_validator(mode="after")
-    def _placed(self) -> Any:
+    def _placed(self) -> Self:
         if self.sensor in CLASSES and self.mount is None:
             raise ValueError(f"mount is missing: the sensors of the class {self.sensor!r} at one mount fail")
         return self

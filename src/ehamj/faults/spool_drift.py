@@ -1,11 +1,12 @@
 """A valve whose null drifts, as of a torque motor that warms up or a feedback spring that gives way."""
 
+import math
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
 from ehamj.arrays import Array
-from ehamj.faults.fault import MountFault
+from ehamj.faults.fault import FaultSettings, MountFault
 from ehamj.plant.plant import Plant
 from ehamj.settings import Positive
 
@@ -29,10 +30,28 @@ class SpoolDrift(MountFault):
 
     @property
     def lasts(self) -> float:
-        return self.limit / abs(self.rate) + self.settling
+        return self.ends - self.time + self.settling
+
+    @property
+    def ends(self) -> float:
+        """When the opening stays [s]."""
+        return self.time + self.limit / abs(self.rate)
+
+    def check_beside(self, other: FaultSettings) -> None:
+        if isinstance(other, SpoolDrift) and other.mount == self.mount and other.time <= self.time < other.ends:
+            raise ValueError(
+                f"time = {self.time:g} s: the null at {self.mount} drifts until {other.ends:g} s already; must be from "
+                "then on, or one drift with both rates"
+            )
 
     def after(self, plant: Plant, spools: Array) -> Plant:
-        values = {"null_drift": self.rate, "null_drift_from": self.time, "null_drift_limit": self.limit}
+        own = plant.actuators[plant.mounts.index(self.mount)]
+        # A drift before this one has ended, and stays.
+        offset = own.null_offset + math.copysign(own.null_drift_limit, own.null_drift)
+        values = {
+            "null_offset": offset, "null_drift": self.rate, "null_drift_from": self.time,
+            "null_drift_limit": self.limit,
+        }  # fmt: skip
         return plant.with_actuator(self.mount, values)
 
     def settled(self, plant: Plant, spools: Array, elapsed: float) -> Plant:

@@ -39,8 +39,7 @@ class Values:
     """Physical values, each an array over the designs; those of the mounts with a last axis (mount,).
 
     ``common`` holds `MACHINE_VALUES`, ``gravity``, ``pressure`` and ``tank_pressure``; ``mounts`` holds
-    `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m], ``moving_volume`` (0 or 1) and ``opening_slope`` (the flow
-    curve's at null). SI, spools in mA.
+    `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m] and ``moving_volume`` (0 or 1). SI, spools in mA.
     """
 
     common: Mapping[str, Array]
@@ -57,9 +56,6 @@ class Values:
         mounts = {name: [getattr(a, name) for a in plant.actuators] for name in ACTUATOR_VALUES}
         mounts["x"], mounts["y"] = ([position[k] for position in plant.positions] for k in range(2))
         mounts["moving_volume"] = [float(a.moving_volume) for a in plant.actuators]
-        mounts["opening_slope"] = [
-            a.flow_curve[1][1] / a.flow_curve[1][0] if a.flow_curve else 1.0 for a in plant.actuators
-        ]
         return cls(
             {name: np.asarray(value, float) for name, value in common.items()},
             {name: np.asarray(value, float) for name, value in mounts.items()},
@@ -69,14 +65,6 @@ class Values:
     def middle(self) -> Array:
         """Pressure of all chambers at rest, (P_s + P_t)/2 [Pa]: both edges of a port leak alike."""
         return 0.5 * (self.common["pressure"] + self.common["tank_pressure"])
-
-    @property
-    def gain(self) -> Array:
-        """Flow gain at null and at rest, (…, mount) [m³/s/mA]: K_Q φ(1) times the flow curve's slope."""
-        at, rated = self.mounts, 0.5 * (self.common["pressure"] - self.common["tank_pressure"])
-        from_rating = at["rated_flow"] / at["spool_stroke"] * np.sqrt(rated[..., None] / at["rated_drop"])
-        gain = np.where(at["rated_flow"] > 0.0, from_rating, at["flow_gain"])
-        return np.asarray(gain * at["opening_slope"] / (1.0 + at["laminar_ratio"] ** 2) ** 0.25)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class Accurate(control.StateSpace):
     def __getitem__(self, key: Any) -> Any:
         found = super().__getitem__(key)
         names = {"states": self.state_labels, "inputs": found.input_labels, "outputs": found.output_labels}
-        return Accurate(found, name=found.name, **names)
+        return type(self)(found, name=found.name, **names)
 
     def __mul__(self, other: Any) -> Any:
         return _accurate(super().__mul__(other))
@@ -75,8 +75,6 @@ class LinearPlant(Accurate):
         return plant
 
     def __getitem__(self, key: Any) -> Any:
-        found = super().__getitem__(key)
-        names = {"states": found.state_labels, "inputs": found.input_labels, "outputs": found.output_labels}
-        picked = type(self)(found, name=found.name, **names)
+        picked = super().__getitem__(key)
         picked.scales, picked.operating_point, picked.state_units = self.scales, self.operating_point, self.state_units
         return picked

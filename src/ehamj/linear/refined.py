@@ -144,16 +144,14 @@ def _interleaved(matrix: Array) -> Array:
 def _at_pole(point: complex, A: Array, B: Array, C: Array, D: Array) -> ComplexArray:
     """The response at a pole: of all other modes where the pole is not seen; its part is taken out by its projector."""
     values, left, right = eig(A, left=True)
-    own = np.abs(values - point) <= NEUTRAL * max(1.0, float(np.abs(values).max()))
+    size = max(1.0, float(np.abs(values).max()))
+    own = np.abs(values - point) <= NEUTRAL * size
     never = np.full((C.shape[0], B.shape[1]), complex(np.inf, np.nan))
     pairing = left[:, own].conj().T @ right[:, own]
     if not own.any() or np.linalg.cond(pairing) > 1.0 / NEUTRAL:
         return never
-    driven = np.linalg.solve(pairing, left[:, own].conj().T @ B)
     projector = right[:, own] @ np.linalg.solve(pairing, left[:, own].conj().T)
-    rest = B - right[:, own] @ driven
-    size = max(1.0, float(np.abs(values).max()))
-    states = np.linalg.solve(point * np.eye(len(A)) - A + size * projector, rest)
+    states = np.linalg.solve(point * np.eye(len(A)) - A + size * projector, B - projector @ B)
     found = C @ (states - projector @ states) + D
     seen = np.abs(C @ right[:, own]) > ROUNDING * (np.abs(C) @ np.abs(right[:, own]))
     reached = np.abs(left[:, own].conj().T @ B) > ROUNDING * (np.abs(left[:, own].T) @ np.abs(B))

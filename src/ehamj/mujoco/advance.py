@@ -18,11 +18,12 @@ from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.equations import settled
 from ehamj.isolator.spool import limits_reached
-from ehamj.memory import COMMAND, inputs, isolator_of, mounts_of, options_of, put_cubic, state_of
+from ehamj.memory import COMMAND, inputs, mounts_of
 from ehamj.mujoco.callbacks import feed_from
 from ehamj.mujoco.hold import library
 from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.rows import Recording, Rows, Tally
+from ehamj.mujoco.unpacking import isolator_of, options_of, put_cubic, state_of
 from ehamj.mujoco.views import machine_of
 from ehamj.plant.axes import DOFS
 

@@ -15,24 +15,19 @@ from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance, isolator_rates
 from ehamj.isolator.membrane import pull
 from ehamj.isolator.supply import Feed, supply_rates
-from ehamj.memory import (
-    LEDGER,
-    MACHINE_BODY,
-    OIL,
-    SUPPLY,
-    SUPPLY_STATE,
+from ehamj.memory import LEDGER, MACHINE_BODY, OIL, SUPPLY, SUPPLY_STATE, size
+from ehamj.mujoco.offsets import offsets
+from ehamj.mujoco.unpacking import (
     cubic_of,
     feed_of,
     hermite,
     isolator_of,
     options_of,
     put_options,
-    size,
     state_of,
     supply_of,
     supply_state_of,
 )
-from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.views import N_LOADS, machine_of, mounts_at, numbers_at, part, row_at
 from ehamj.plant.axes import JOINTS
 

@@ -7,6 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ehamj.control import PythonController
+from ehamj.faults.sensor import SensorFault
+from ehamj.faults.valve_stuck import ValveStuck
 from ehamj.judge.faults import NOTHING, Expectation, FaultFound, Phase
 from ehamj.judge.levels import LEAST_ROWS, duration_of
 from ehamj.judge.verdicts import decided_after
@@ -43,14 +45,13 @@ def aftermath(prepared: Prepared, struck: Sequence[Struck], dataset: xr.Dataset)
         if expectation is not None and after is None:  # the run did something else there
             expectation = expectation.model_copy(update={"run_db": {}})
         lacks_time = after is None and k + 1 == len(struck) and end > prepared.scenario.duration - 1e-3
-        stuck = one.plant.actuators[_place(one)].spool_stuck_at if one.fault.kind == "valve-stuck" else None
         found.append(
             FaultFound(
                 kind=one.fault.kind,
                 where=one.fault.where,
                 time_s=one.time,
                 what=one.fault.what,
-                opening=stuck,
+                opening=_opening(one),
                 channels=list(one.channels),
                 before=_phase(prepared, dataset, (before_s, one.time)),
                 during=_phase(prepared, dataset, (one.time, settled_s), transient=True),
@@ -75,16 +76,19 @@ def _needed(prepared: Prepared, settled_s: float) -> float:
 
 def _idle(one: Struck, dataset: xr.Dataset) -> bool:
     """Whether a fault changed nothing: a valve stuck that never moved nor was told to, a sensor that nothing reads."""
-    if hasattr(one.fault, "sensor"):
+    if isinstance(one.fault, SensorFault):
         return not one.channels
-    if one.fault.kind != "valve-stuck":
+    if not isinstance(one.fault, ValveStuck):
         return False
     own = (dataset[name].sel(mount=one.fault.mount).values for name in ("spool", "valve_command"))
     return all(bool(np.all(values == values[:1])) for values in own)
 
 
-def _place(one: Struck) -> int:
-    return one.plant.mounts.index(one.fault.mount or one.plant.mounts[0])
+def _opening(one: Struck) -> float | None:
+    """Where a valve sticks, as share of its spool's stroke; None of other faults."""
+    if not isinstance(one.fault, ValveStuck):
+        return None
+    return one.plant.actuators[one.plant.mounts.index(one.fault.mount)].spool_stuck_at
 
 
 def _phase(prepared: Prepared, dataset: xr.Dataset, span: tuple[float, float], transient: bool = False) -> Phase | None:

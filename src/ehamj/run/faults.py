@@ -7,7 +7,6 @@ its own sensors. Until it strikes nothing is touched, and the run is bit for bit
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +14,8 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop
 from ehamj.faults import FaultSettings, in_order
-from ehamj.memory import activations, mounts_of, rows
+from ehamj.faults.sensor import SensorFault
+from ehamj.memory import activations, rows
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
@@ -27,7 +27,6 @@ class Struck:
     fault: FaultSettings
     time: float
     """Of the step at which it did [s]."""
-    before: Plant
     plant: Plant
     """The machine from then on."""
     spools: Array
@@ -70,13 +69,12 @@ def strike(
     states = activations(model, data.act).isolators
     spools = states["spool"].copy()
     after = fault.after(plant, spools)
-    for row, own in zip(model.actuator_user, rows(after), strict=True):
-        row[:] = [*own.values, *[0.0] * (row.size - len(own.values))]
-    fault.strike({name: states[k : k + 1][0] for k, name in enumerate(plant.mounts[: mounts_of(model)])})
+    model.actuator_user[:] = [row.values for row in rows(after)]
+    fault.strike(dict(zip(plant.mounts, states, strict=True)))
     struck = fault.struck(channels)
     for name in struck:
         _change_reading(loop, list(channels).index(name), fault)
-    return Struck(fault, time, plant, after, spools, struck)
+    return Struck(fault, time, after, spools, struck)
 
 
 def _change_reading(loop: DigitalLoop, channel: int, fault: FaultSettings) -> None:
@@ -88,19 +86,13 @@ def _change_reading(loop: DigitalLoop, channel: int, fault: FaultSettings) -> No
 
 def unread(faults: Sequence[FaultSettings], channels: Sequence[str]) -> list[str]:
     """In words: sensors that fail and that nothing reads."""
-    found = []
-    for fault in faults:
-        if hasattr(fault, "sensor") and not fault.struck(channels):
-            found.append(_unread(fault, channels))
-    return found
-
-
-def _unread(fault: Any, channels: Sequence[str]) -> str:
     read = ", ".join(dict.fromkeys(name.partition(" ")[0] for name in channels))
-    return (
+    return [
         f"fault at {fault.time:g} s at {fault.where}, {fault.what}: the law does not read sensor = {fault.sensor!r} "
         f"there, so nothing changes; it reads {read or 'nothing'}"
-    )
+        for fault in faults
+        if isinstance(fault, SensorFault) and not fault.struck(channels)
+    ]
 
 
 def shorter_step(timestep: float, usual: float) -> str:

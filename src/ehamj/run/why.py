@@ -10,6 +10,7 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
+from ehamj.estimate.bands import Band
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, rms_in_bands
 from ehamj.judge.summary import ByMount
@@ -114,7 +115,7 @@ class Reasons:
     def _levels(self, one: Worse, loop: Loop | None) -> Array:
         """Level of the machine by each of the floor's motions [m/s, rad/s], (DOFS,)."""
         assert self.model is not None
-        band = next(own for own in BANDS if own.name == one.band)
+        band = _band(one)
         hertz = np.geomspace(*band.edges, 2 * PER_BAND + 1)[1::2]
         answer = rigid_floor(self.model, hertz, loop, machine_channels("mounts")).response
         along = np.abs(self._row(one) @ answer) ** 2  # (f, place, DOFS)
@@ -125,7 +126,7 @@ class Reasons:
         """The machine's level [m/s, rad/s]."""
         if one.level is not None:
             return one.level
-        band = next(own for own in BANDS if own.name == one.band)
+        band = _band(one)
         floor = rms_in_bands(self.floor[:, DOFS.index(one.axis)], self.scenario.record_rate, (band,))[0]
         return float(floor) * 10.0 ** ((one.amplification_db or 0.0) / 20.0)
 
@@ -134,7 +135,7 @@ class Reasons:
 
         "" where there is none within `NEAR`.
         """
-        band, row = next(own for own in BANDS if own.name == one.band), self._row(one)
+        band, row = _band(one), self._row(one)
 
         def share(mode: Mode) -> float:
             """Of the mode's motion along the axis at the place, times that in what drives it."""
@@ -159,7 +160,7 @@ class Reasons:
     def _late(self, one: Worse) -> str:
         """That the valves no longer follow in the band, where they do not."""
         corner = min(actuator.valve_frequency for actuator in self.scenario.plant.actuators) / (2 * np.pi)
-        band = next(own for own in BANDS if own.name == one.band)
+        band = _band(one)
         return f"; the valves follow up to {corner:.3g} Hz only" if band.edges[1] > 0.5 * corner else ""
 
     def _not_linear(self, excited: str) -> str:
@@ -176,6 +177,10 @@ class Reasons:
             return "the linear machine would not: it is the valves' nonlinearity, or what moves in other bands"
         rings = f"; {excited}" if excited else ""
         return f"the linear machine would not, and in this run {', '.join(found)}{rings}"
+
+
+def _band(one: Worse) -> Band:
+    return next(band for band in BANDS if band.name == one.band)
 
 
 def _over(one: Worse, level: float, held: Array) -> str:
