@@ -79,8 +79,8 @@ def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
         first = next(iter(limits.values()))
         factor, unit = unit_of(first.quantity, first.value)
         points = []
-        for label, color, place in shown.with_floors(lambda result: result.summary.criteria[name].places):
-            verdict = min((place[axis] for axis in view), key=norm.rank)
+        for label, color, places in shown.with_floors(partial(_sides, name)):
+            verdict = min((place[axis] for place in places for axis in view), key=norm.rank)
             if verdict.peak and verdict.peak_hz:
                 points.append(Line(label, [verdict.peak_hz], [factor * verdict.peak], color, marker="o"))
         if not points:
@@ -95,9 +95,18 @@ def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
         yield Picture(f"criterion-{name}-{view}", figure, f"{SWINGS} {norm.note}")
 
 
+def _sides(name: str, result: Result) -> dict[str, list[AtPlace]]:
+    """What a norm says of the floor, and of each of the machine's places."""
+    places = dict(result.summary.criteria[name].places)
+    return {"floor": [places.pop("floor")], "machine": list(places.values())}
+
+
 def _notes(shown: Shown) -> list[str]:
     """How to read the figures, and why some are missing."""
-    found = ["The floor at its worst mount, the machine at its centre of gravity; thin lines are the classes' limits."]
+    found = [
+        "The floor at its worst mount; the machine at the worst of its places in each band, as it is judged: centre of "
+        "gravity, feet and points. Thin lines are the classes' limits."
+    ]
     found += [EXTENDED] if "vc" in shown.norms else []
     velocities = [result.summary.third_octave_velocity for result in shown.results.values()]
     loudest = {
@@ -123,17 +132,19 @@ def _limits(norm: Norm, axis: str) -> dict[str, tuple[Any, Any]]:
 def _seen(norm: Norm, view: str, result: Result) -> dict[str, dict[str, float | None]]:
     """Levels of floor and machine per band of what the norm limits there, as velocity [µm/s].
 
-    Velocity where it limits nothing; of several axes the largest; None where nothing is known.
+    The machine is where it is worst in each band, as it is judged. Velocity where the norm limits nothing; of several
+    axes the largest; None where nothing is known.
     """
     of_band = {band.name: band for band in CANDIDATES}
     found: dict[str, dict[str, float | None]] = {"floor": {}, "machine": {}}
-    for place, levels in found.items():
-        for name in result.summary.third_octave_velocity[place][view[0]]:
+    for who, levels in found.items():
+        for name in result.summary.third_octave_velocity[who][view[0]]:
             band = of_band.get(name)
             limit = None if band is None else norm.limit(norm.classes[-1], view[0], band)
             quantity: Quantity = "velocity" if limit is None else limit.quantity
-            tables = result.summary.in_bands(quantity, _statistic(norm)).get(place, {})
-            level = max(known([{axis: tables.get(axis, {}).get(name) for axis in view}]), default=None)
+            tables = result.summary.in_bands(quantity, _statistic(norm))
+            places = [table for place, table in tables.items() if (place == "floor") == (who == "floor")]
+            level = max(known({axis: table.get(axis, {}).get(name) for axis in view} for table in places), default=None)
             share = 1.0 if limit is None or band is None else limit.as_velocity(band) / limit.value
             levels[name] = scaled(level, MICRO * share)
     return found
