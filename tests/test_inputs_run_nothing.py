@@ -32,7 +32,7 @@ from ehamj.plain.xml import check_xml, is_xml
 SECRET = "the-secret-of-another-file"
 RECORD = ("run", "recorded", "--no-replay", "--no-report", "--set", "compare=[]", "--set", "duration=0.05")
 LONGEST = 10.0
-"""Time within which any of these files must be refused [s]; the slowest takes a tenth of it."""
+"""Time of the processor within which any of these files must be refused [s]; the slowest takes a tenth of it."""
 MOST = 2**29
 """Memory that a refusal may take beyond what was taken before [byte]."""
 
@@ -201,11 +201,11 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def _bounded(tmp_path: Path) -> Iterator[None]:
     """Nothing ran, and neither time nor memory went without bounds."""
-    before, began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.perf_counter()
+    before, began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
     yield
     taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     assert not (tmp_path / "mark").exists(), "the file ran its code"
-    assert time.perf_counter() - began < LONGEST * len(HOSTILE)
+    assert time.process_time() - began < LONGEST * len(HOSTILE)
     assert taken * 1024 < MOST
 
 
@@ -229,11 +229,11 @@ def test_records(cli: Cli, folder: Path, ending: str) -> None:
     # Endings without a reader all lead to the same one: there what runs code is enough.
     for what in CODE if ending in ("sac", "gse", "npy", "npz", "pkl", "h5", "gz", "dat", "unv") else HOSTILE:
         (folder / name).write_bytes(HOSTILE[what](folder))
-        began = time.perf_counter()
+        began = time.process_time()
         scale = ", full_scale=1" if ending == "wav" else ""
         keys = f"kind='record', file='{name}', unit='m', axes={{z='z'}}, gaps='interpolate'{scale}"
         said = cli(*RECORD, "--set", f"ground={{{keys}}}")
-        assert time.perf_counter() - began < LONGEST, what
+        assert time.process_time() - began < LONGEST, what
         refused(said)
 
 
@@ -286,22 +286,21 @@ def test_a_pipe_is_no_file(cli: Cli, folder: Path, key: str) -> None:
     """Nobody would ever write to it: whoever opens it waits."""
     for ending in {*ENDINGS, "abc", "json", "csv"}:
         os.mkfifo(folder / f"x.{ending}")
-    waited = threading.Event()
+    waited, rescued = threading.Event(), threading.Event()
 
     def release() -> None:
-        if not waited.wait(5.0):
+        if not waited.wait(60.0):
+            rescued.set()
             for path in folder.glob("x.*"):
                 with suppress(OSError):  # nobody reads this one
                     os.close(os.open(path, os.O_WRONLY | os.O_NONBLOCK))
 
     rescue = threading.Thread(target=release)
     rescue.start()
-    began = time.perf_counter()
     said = cli(*RECORD, "--set", key)
-    took = time.perf_counter() - began
     waited.set()
     rescue.join()
-    assert took < 5.0
+    assert not rescued.is_set()
     refused(said)
 
 

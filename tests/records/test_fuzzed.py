@@ -151,9 +151,9 @@ def test_damaged_files_are_refused_or_read(tmp_path: Path, name: str) -> None:
         for _ in range(MANY):
             (tmp_path / file).write_bytes(damaged(intact, random, 400, texts=True))
             tracemalloc.reset_peak()
-            begin = time.perf_counter()
+            begin = time.process_time()
             said = outcome(tmp_path / file, **options)
-            assert time.perf_counter() - begin < LONGEST
+            assert time.process_time() - begin < LONGEST
             assert tracemalloc.get_traced_memory()[1] < MOST
             assert not said or said.startswith("ground.")
             assert "\n" not in said

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -326,10 +326,10 @@ def test_a_last_word_that_may_be_none_is_no_unit(tmp_path: Path, name: str) -> N
 
 @pytest.mark.parametrize("mark", ["9", "1,", "a ", '"', "(", "# rate ", "1.", "-", "12:", "a:", "\n", ";"])
 def test_long_lines_do_not_take_long(tmp_path: Path, mark: str) -> None:
-    begin = perf_counter()
+    begin = process_time()
     with pytest.raises(ValueError, match=r"^ground\.file = 'a\.csv'"):
         read_text(tmp_path, 20_000 * mark + "x\n0,1\n0,2\n")
-    assert perf_counter() - begin < 5.0  # what searches over and over takes minutes
+    assert process_time() - begin < 5.0  # what searches over and over takes minutes
 
 
 FACTORS = ["z 0.01 mm", "z 1E-3 m/s²", "z in 1/1000 mm", "z: 1e-6 m/s²", "z 1/100 mm/s", "z_10^-3_m/s", "z 10⁻³ m/s"]
