@@ -27,7 +27,7 @@ SMOOTH_OPTIONS: dict[str, Any] = {
     "outside_leakage_2": 2e-12,
     "check_valve": True,
 }
-"""Every hydraulic option but hysteresis, end stops and a stuck spool."""
+"""Every hydraulic option but hysteresis and end stops; a stuck spool has a case of its own."""
 
 ALL_OPTIONS = SMOOTH_OPTIONS | {"hysteresis": 0.1, "end_stops": True, "spool_stroke": 6.0}
 """All that a spool that moves can have, with a stroke so short that the stops are hit."""

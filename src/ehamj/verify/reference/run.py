@@ -75,12 +75,14 @@ class _Run:
         return out
 
     def _mid_pressure(self, scenario: Scenario) -> Array:
-        """The machine in its place, spools where the first commands put them, every pressure in the middle."""
+        """The machine in its place, spools where the first commands put them or they stuck, pressures in the middle."""
         isolators, supply = self.c.isolators, scenario.plant.supply
         volts = np.array([signal.sample(np.zeros(1), left=True).value[0] for signal in scenario.commands()])
         y = np.zeros(len(self.atol))
         limit = isolators["voltage_limit"]
-        y[12 : 12 + self.n] = isolators["valve_gain"] * np.clip(volts, -limit, limit)
+        asked = isolators["valve_gain"] * np.clip(volts, -limit, limit)
+        stuck = isolators["spool_stuck_at"] * isolators["spool_stroke"]
+        y[12 : 12 + self.n] = np.where(isolators["spool_stuck"] != 0.0, stuck, asked)
         y[self.pressures : self.station] = 0.5 * (supply.pressure + supply.tank_pressure)
         if supply.dynamic:
             behind_pump = supply.pressure - 0.5 * supply.pump_droop
