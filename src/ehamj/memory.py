@@ -232,7 +232,7 @@ def rows(plant: Plant) -> list[Row]:
     """The model's actuators: the isolators, then those that carry the states of options, supply and ledger."""
     n = len(plant.mounts)
     table = np.zeros(n, ISOLATOR)
-    for mount, (actuator, (x, y)) in enumerate(zip(plant.actuators, plant.positions, strict=True)):
+    for mount, (actuator, (x, y, _)) in enumerate(zip(plant.actuators, plant.positions, strict=True)):
         connected = plant.mounts[mount] not in plant.cut_off
         pressure = plant.supply.pressure if connected else plant.supply.tank_pressure
         values = {

@@ -16,7 +16,7 @@ from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, report
 from ehamj.linear.sampled import STABLE, sampled_machine, spectral_radius
-from ehamj.plant.mounts import MOUNTS, N_MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -245,7 +245,7 @@ def test_the_disk_margin_holds_for_gains_that_change_independently(
     # Within the balanced disk α every valve's gain may change by up to (2 + α)/(2 − α), each as it likes.
     most = (2 + reported.disk) / (2 - reported.disk)
     for seed in range(2):
-        factors = most ** np.random.default_rng(seed).choice([-1.0, 1.0], N_MOUNTS)
+        factors = most ** np.random.default_rng(seed).choice([-1.0, 1.0], len(MOUNTS))
         law = replace(combined, C=factors[:, None] * combined.C, D=factors[:, None] * combined.D, anti_windup=None)
         assert radius(model, law, machine) < STABLE, factors
 

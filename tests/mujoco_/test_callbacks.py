@@ -34,7 +34,7 @@ from ehamj.mujoco.offsets import LayoutError, Offsets, offsets
 from ehamj.mujoco.rows import Recording
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import N_MOUNTS
+from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate, simulate_many
 from ehamj.scenario.load import load_scenario, parse_scenario
@@ -50,7 +50,7 @@ def default_model(plates: str = "tied") -> mujoco.MjModel:
     return build_model(parse_scenario({"plates": plates}).plant, STEP)
 
 
-def started(model: mujoco.MjModel, control: Any = (0.0,) * N_MOUNTS) -> mujoco.MjData:
+def started(model: mujoco.MjModel, control: Any = (0.0,) * len(MOUNTS)) -> mujoco.MjData:
     """At the static equilibrium, without inputs, driven by ctrl alone."""
     data = mujoco.MjData(model)
     with hydraulics():
@@ -65,7 +65,7 @@ def state(data: mujoco.MjData) -> np.ndarray:
 
 
 def recording(model: mujoco.MjModel, every: int, count: int) -> Recording:
-    return Recording.of(model, no_loop(N_MOUNTS), every, count)
+    return Recording.of(model, no_loop(len(MOUNTS)), every, count)
 
 
 def timer() -> int | None:
@@ -309,7 +309,7 @@ def test_advance_is_the_engines_own_step(plates: str) -> None:
     model = default_model(plates)
     control = np.array([1.0, -2.0, 0.5, 4.0])
     ours, engine = started(model, control), started(model, control)
-    nothing = inputs(300, N_MOUNTS)
+    nothing = inputs(300, len(MOUNTS))
     with hydraulics():
         stopped, recorded = advance(model, ours, 0, 300, (nothing, nothing), recording(model, 100, 3))
         mujoco.mj_step(model, engine, nstep=300)
@@ -321,7 +321,7 @@ def test_advance_records_the_state_at_the_beginning_of_a_step() -> None:
     model = default_model()
     control = np.array([1.0, -2.0, 0.5, 4.0])
     ours, engine = started(model, control), started(model, control)
-    record, nothing = recording(model, 10, 3), inputs(21, N_MOUNTS)
+    record, nothing = recording(model, 10, 3), inputs(21, len(MOUNTS))
     with hydraulics():
         _, recorded = advance(model, ours, 0, 20, (nothing, nothing), record, last=True)
         assert recorded == 3
@@ -336,7 +336,7 @@ def test_a_state_that_is_not_finite_stops_with_its_mount() -> None:
     model = default_model()
     data = started(model)
     activations(model, data.act).isolators["pressure_2"][2] = np.inf
-    nothing = inputs(10, N_MOUNTS)
+    nothing = inputs(10, len(MOUNTS))
     with hydraulics():
         stopped, recorded = advance(model, data, 0, 10, (nothing, nothing), recording(model, 1, 10))
     assert (stopped, recorded) == ((0, NOT_FINITE, 2), 0)
@@ -346,7 +346,7 @@ def test_an_empty_chamber_stops_with_its_mount() -> None:
     model = default_model()
     data = started(model)
     # The ground below the second mount is lifted by 9 mm; 8.475 mm empty the chamber.
-    start = inputs(10, N_MOUNTS)
+    start = inputs(10, len(MOUNTS))
     start[:, 1, 2, 0] = 9e-3
     with hydraulics():
         stopped, _ = advance(model, data, 0, 10, (start, start), recording(model, 1, 10))

@@ -11,7 +11,7 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import Isolator
 from ehamj.isolator.supply import Supply
 from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS, Mount
+from ehamj.plant.mounts import DEFAULT_MOUNTS, FEWEST, MOST, MOUNTS, UP, Mount
 from ehamj.plant.plant import Plant
 from ehamj.scenario_files import scenario_path, scenario_table
 from ehamj.settings import SCENARIO, Settings
@@ -25,7 +25,7 @@ class Installation(Settings):
         "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
     )
     machine: Machine = Machine()
-    mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="the four mounts")
+    mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="3 to 32 mounts of any names; without, four")
     actuators: dict[str, Isolator] = Field(
         default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
     )
@@ -35,11 +35,14 @@ class Installation(Settings):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         names = tuple(mount.name for mount in self.mount)
-        if sorted(names) != sorted(MOUNTS):
-            raise ValueError(f"mount names {list(names)} must be {', '.join(MOUNTS)}, each once")
+        if not FEWEST <= len(names) <= MOST:
+            raise ValueError(f"mount: there are {len(names)}, there must be {FEWEST} to {MOST}")
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"mount names {twice} appear more than once; each must be unique")
         half_x, half_y = self.machine.size[0] / 2, self.machine.size[1] / 2
         for mount in self.mount:
-            x, y = mount.position
+            x, y, *_ = mount.position
             if abs(x) > half_x or abs(y) > half_y:
                 raise ValueError(
                     f"mount {mount.name}: position = [{x:g}, {y:g}] lies outside the machine, "
@@ -50,6 +53,8 @@ class Installation(Settings):
                     f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
                     f"[actuators.NAME]: {', '.join(self.actuators)}"
                 )
+        if set(names) != set(MOUNTS) or any(mount.along != UP for mount in self.mount):
+            return self
         at = {mount.name: mount.position for mount in self.mount}
         if not (min(at["front-left"][0], at["front-right"][0]) > max(at["rear-left"][0], at["rear-right"][0])):
             raise ValueError("mount positions: x of the front mounts must be larger than x of the rear mounts")
@@ -59,6 +64,8 @@ class Installation(Settings):
 
     @cached_property
     def _mounts(self) -> tuple[Mount, ...]:
+        if {mount.name for mount in self.mount} != set(MOUNTS):
+            return self.mount
         return tuple(sorted(self.mount, key=lambda mount: MOUNTS.index(mount.name)))
 
     @property
@@ -71,7 +78,9 @@ class Installation(Settings):
         """The physical part, mounts in order."""
         return Plant(
             machine=self.machine,
-            positions=tuple(mount.position for mount in self._mounts),
+            positions=tuple(mount.place for mount in self._mounts),
+            directions=tuple(mount.along for mount in self._mounts),
+            heights=tuple(mount.height for mount in self._mounts),
             actuators=tuple(self.actuators[mount.actuator].rated_at(self.supply) for mount in self._mounts),
             supply=self.supply,
             gravity=self.gravity,

@@ -31,7 +31,7 @@ def rocking_modes(scenario: Scenario, height: xr.DataArray, width: xr.DataArray)
     Raises:
         InputError: if the machine has no linear model in closed form.
     """
-    own = np.ptp(np.array(scenario.plant.positions), axis=0)
+    own = np.ptp(np.array(scenario.plant.positions)[:, :2], axis=0)
     vary = {"machine.cg.2": height, "footprint.x": own[0] * width, "footprint.y": own[1] * width}
     found = modes_of(Designs.of(scenario, vary))[["frequency", "damping_ratio", "growth_rate", "tipping_margin"]]
     found["frequency"] = found["frequency"].where(found["frequency"] > STILL)

@@ -55,7 +55,7 @@ class Start:
     mounts: tuple[str, ...]
     """Their names."""
     positions: Array
-    """Mount positions x, y, shape (mount, 2) [m]."""
+    """Mount positions x, y, z, shape (mount, 3) [m]."""
     duration: float
     """Simulated time that the motion must cover [s]."""
     seed: int

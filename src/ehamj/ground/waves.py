@@ -22,7 +22,7 @@ class Wave(Settings):
     def delays(self, positions: Array) -> Array:
         """Arrival at each mount after the mount plane's centre, r·n/c [s]."""
         angle = np.radians(self.direction)
-        return positions @ np.array([np.cos(angle), np.sin(angle)]) / self.speed
+        return positions[:, :2] @ np.array([np.cos(angle), np.sin(angle)]) / self.speed
 
 
 class Coherence(Settings):
@@ -50,7 +50,7 @@ class Coherence(Settings):
 
         Args:
             frequency: shape (n,) [Hz].
-            positions: of the mounts, shape (mount, 2) [m].
+            positions: of the mounts, shape (mount, 3) [m].
         """
         distance = np.linalg.norm(positions[:, None] - positions, axis=2)
         values, vectors = np.linalg.eigh(self.magnitude(frequency[:, None, None], distance))

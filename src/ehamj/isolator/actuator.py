@@ -2,7 +2,7 @@
 
 from typing import Final, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from ehamj.isolator.component import Component, Option
 from ehamj.isolator.cylinder import Cylinder
@@ -42,6 +42,8 @@ class Actuator(
 
     Defaults are the first-generation prototype of the paper (Table I).
     """
+
+    passive: bool = Field(False, description="whether it stands without a valve that obeys: laws leave it out")
 
     @model_validator(mode="after")
     def _within_the_stroke(self) -> Self:

@@ -19,6 +19,7 @@ RECOMMENDED = Actuator(
 """The paper's recommendation (section 5): half the volume, twice the area and the flow-pressure coefficient."""
 
 ELASTIC_MOUNT = Actuator(
+    passive=True,
     piston_area=1e-6,  # its oil carries 7 N at most, of 10 kN
     membrane_stiffness=1e6,
     membrane_damping=3.2e3,
@@ -31,6 +32,7 @@ ELASTIC_MOUNT = Actuator(
 """A passive spring mount, in place of the actuator: four carry 4 t at 5 Hz vertically, damping ratio 5 %."""
 
 PNEUMATIC_MOUNT = Actuator(
+    passive=True,
     # Spring and damping chamber of 2.1 dm³ together at 6 bar, of which n·p·A²/V is membrane_stiffness; what the
     # narrow bore between them adds above its frequency, as much again, is K_h = 4βA²/V_t, with β = n·p.
     piston_area=0.02,

@@ -241,7 +241,7 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) ->
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
     for order, what in enumerate(("displacement", "velocity")):
-        for mount, (name, (x, y)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
+        for mount, (name, (x, y, _)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
             height = {f"plate {name}": 1.0} if plant.plates == "sliding" else {"z": 1.0, "rx": y, "ry": -x}
             for joint, share in height.items():
                 C[layout.plate + n * order + mount, at[f"{what} {joint}"]] = share

@@ -215,7 +215,7 @@ def _mode(model: LinearModel, names: tuple[str, ...], eigen: Eigen, k: int, poin
             plates = _places(names, "displacement plate", model) if sliding else []
             name = pattern_name("plate", vector[plates], model.plant)
     moving, out_of_phase = in_phase(machine, shape)
-    feet = ((*position, 0.0) for position in model.plant.positions)
+    feet = model.plant.positions
     places = {"cg": machine.cg, **dict(zip(model.plant.mounts, feet, strict=True)), **points}
     return Mode(
         name,

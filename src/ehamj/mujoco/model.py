@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ehamj.isolator.actuator import Actuator
 from ehamj.memory import ISOLATOR, MACHINE_BODY, Row, rows, size, userdata_size
 from ehamj.plant.plant import Plant
-from ehamj.settings import Position2
+from ehamj.settings import Vector3
 
 FOOT_HEIGHT = 0.08
 PLATE_HALF_HEIGHT = 0.03
@@ -145,7 +145,7 @@ def _add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
 
     Σk[(x − y_i·rz)² + (y + x_i·rz)²] = K(x − ȳ·rz)² + K(y + x̄·rz)² + (Σk r_i² − K r̄²)·rz²
     """
-    r = np.array(plant.positions)
+    r = np.array(plant.positions)[:, :2]
     for kind in ("stiffness", "damping"):
         k = np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators])
         total = float(k.sum())
@@ -173,16 +173,16 @@ def _put(element: object, **linear: float) -> None:
         setattr(element, kind, polynomial)
 
 
-def _foot_height(tendon: object, position: Position2, sign: float = 1.0) -> None:
+def _foot_height(tendon: object, position: Vector3, sign: float = 1.0) -> None:
     """Let a fixed tendon measure z + y·rx − x·ry."""
-    x, y = position
+    x, y, _ = position
     for joint, coefficient in (("z", 1.0), ("rx", y), ("ry", -x)):
         if coefficient != 0.0:
             tendon.wrap_joint(joint, sign * coefficient)  # type: ignore[attr-defined]
 
 
 def _add_tied_plate(
-    spec: mujoco.MjSpec, name: str, position: Position2, actuator: Actuator, timestep: float
+    spec: mujoco.MjSpec, name: str, position: Vector3, actuator: Actuator, timestep: float
 ) -> tuple[str, mujoco.mjtTrn]:
     tendon = spec.add_tendon(name=f"stroke {name}", armature=actuator.plate_mass)
     _foot_height(tendon, position)
@@ -192,10 +192,10 @@ def _add_tied_plate(
 
 
 def _add_sliding_plate(
-    spec: mujoco.MjSpec, name: str, position: Position2, actuator: Actuator, timestep: float
+    spec: mujoco.MjSpec, name: str, position: Vector3, actuator: Actuator, timestep: float
 ) -> tuple[str, mujoco.mjtTrn]:
     m = actuator.plate_mass
-    plate = spec.worldbody.add_body(name=f"plate {name}", pos=[*position, -PLATE_HALF_HEIGHT], mass=m)
+    plate = spec.worldbody.add_body(name=f"plate {name}", pos=[*position[:2], -PLATE_HALF_HEIGHT], mass=m)
     # It cannot turn: the inertia has no effect. Without ipos the inertia is lost when the spec is written as XML.
     plate.inertia, plate.ipos, plate.explicitinertial = [m * 0.01] * 3, [0.0, 0.0, 0.0], True
     joint = plate.add_joint(name=f"plate {name}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, 1.0])
@@ -228,10 +228,10 @@ def _draw(spec: mujoco.MjSpec, plant: Plant) -> None:
             name=f"foot {name}",
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
             size=[0.06, FOOT_HEIGHT / 2, 0.0],
-            pos=[*position, FOOT_HEIGHT / 2],
+            pos=[*position[:2], FOOT_HEIGHT / 2],
         )
         carrier, height = (machine, -PLATE_HALF_HEIGHT) if plant.plates == "tied" else (spec.body(f"plate {name}"), 0.0)
-        offset = [*position, height] if plant.plates == "tied" else [0.0, 0.0, height]
+        offset = [*position[:2], height] if plant.plates == "tied" else [0.0, 0.0, height]
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset)
-        pad = spec.worldbody.add_body(name=f"pad {name}", pos=[*position, PAD_HEIGHT], mocap=True)
+        pad = spec.worldbody.add_body(name=f"pad {name}", pos=[*position[:2], PAD_HEIGHT], mocap=True)
         pad.add_geom(spec.find_default("pad"), name=f"pad {name}")

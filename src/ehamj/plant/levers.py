@@ -27,7 +27,7 @@ def levers(points: Sequence[ArrayLike] | Array) -> Array:
 
 def plane(positions: Sequence[Sequence[float]]) -> Array:
     """Height of each mount [m] per heave [m], roll and pitch [rad]: columns 1, y, −x, shape (mount, 3)."""
-    return np.array([[1.0, y, -x] for x, y in positions])
+    return np.array([[1.0, y, -x] for x, y, *_ in positions])
 
 
 def plane_fit(positions: Sequence[Sequence[float]]) -> Array:

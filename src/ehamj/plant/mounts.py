@@ -1,26 +1,69 @@
-"""Where the isolators stand."""
+"""Where the isolators stand, and along what they act."""
 
-from typing import Final, Literal
+import math
+from typing import Final, Self
 
-from pydantic import Field
+from pydantic import Field, field_validator, model_validator
 
-from ehamj.settings import Position2, Settings
+from ehamj.settings import Position2, Settings, Vector3
 
 MOUNTS: Final = ("front-left", "front-right", "rear-left", "rear-right")
-"""Mounts in order; +x is front, +y is left."""
+"""Mounts of the default machine, in order; +x is front, +y is left."""
 
-N_MOUNTS: Final = len(MOUNTS)
+UP: Final = (0.0, 0.0, 1.0)
+
+FEWEST: Final = 3
+MOST: Final = 32
+"""How many mounts a machine may stand on."""
+
+UPRIGHT: Final = 1e-12
+"""How far from one the z of a direction may be that is upright."""
 
 
 class Mount(Settings):
-    """Where one actuator stands under the machine."""
+    """Where one isolator stands at the machine, and along what it acts."""
 
-    name: Literal["front-left", "front-right", "rear-left", "rear-right"]
-    position: Position2 = Field(description="x and y from the mount plane's centre [m]")
+    name: str = Field(description="short name: at most 32 letters, digits, - and _")
+    position: Position2 | Vector3 = Field(
+        description="of the foot from the mount plane's centre: x and y, or x, y and z [m]"
+    )
+    direction: Vector3 = Field(UP, description="along which it acts, towards the machine: x, y, z (any length); up")
+    height: float = Field(0.0, description="shim below the isolator, along its direction [m]")
     actuator: str = Field("isolator", description="name of a table [actuators.NAME]")
 
+    @field_validator("direction")
+    @classmethod
+    def _has_length(cls, direction: Vector3) -> Vector3:
+        if math.hypot(*direction) < 1e-9:
+            raise ValueError(f"direction = {list(direction)} has no length; up is [0, 0, 1]")
+        return direction
+
+    @model_validator(mode="after")
+    def _reachable(self) -> Self:
+        if abs(self.height) > HIGHEST:
+            raise ValueError(f"height = {self.height:g} m must be a shim of at most {HIGHEST:g} m")
+        return self
+
+    @property
+    def place(self) -> Vector3:
+        """x, y, z [m]."""
+        x, y, *z = self.position
+        return (x, y, *z) if z else (x, y, 0.0)  # type: ignore[return-value]
+
+    @property
+    def along(self) -> Vector3:
+        """The direction at length one."""
+        if abs(self.direction[0]) + abs(self.direction[1]) == 0.0 and self.direction[2] > 0.0:
+            return UP
+        length = math.hypot(*self.direction)
+        x, y, z = (entry / length for entry in self.direction)
+        return (x, y, z)
+
+
+HIGHEST: Final = 0.05
+"""The thickest shim [m]."""
 
 DEFAULT_MOUNTS: tuple[Mount, ...] = tuple(
-    Mount(name=name, position=position)  # type: ignore[arg-type]
+    Mount(name=name, position=position)
     for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)
 )

@@ -1,22 +1,26 @@
 """Everything physical that is simulated, as one value."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal, Self
+
+import numpy as np
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
+from ehamj.plant.layout import Layout
 from ehamj.plant.machine import Machine
-from ehamj.plant.mounts import MOUNTS
-from ehamj.settings import Position2
+from ehamj.plant.mounts import MOUNTS, UP, UPRIGHT
+from ehamj.settings import Vector3
 
 
 @dataclass(frozen=True)
 class Plant:
-    """Everything physical that is simulated: the machine, its four isolators in the order of the mounts, the supply."""
+    """Everything physical that is simulated: the machine, its isolators in the order of the mounts, the supply."""
 
     machine: Machine
-    positions: tuple[Position2, ...]
-    """x and y of each mount [m]."""
+    positions: tuple[Vector3, ...]
+    """x, y, z of each mount [m]."""
     actuators: tuple[Actuator, ...]
     supply: Supply
     gravity: float
@@ -29,6 +33,23 @@ class Plant:
     """Whether oil and energy are balanced in the simulation's own states."""
     cut_off: tuple[str, ...] = ()
     """Mounts whose branch has lost the supply: their valves are fed at the tank's pressure."""
+
+    directions: tuple[Vector3, ...] = (UP,) * len(MOUNTS)
+    """Unit vectors along which the mounts act, towards the machine."""
+    heights: tuple[float, ...] = (0.0,) * len(MOUNTS)
+    """Shims below the mounts, along their directions [m]."""
+
+    @cached_property
+    def layout(self) -> Layout:
+        """What the mounts can do together."""
+        active = tuple(not actuator.passive for actuator in self.actuators)
+        return Layout(np.array(self.positions), np.array(self.directions), active)
+
+    @property
+    def flat(self) -> bool:
+        """Whether all mounts are upright and in the mount plane: their strokes are then linear to third order."""
+        upright = all(direction[2] > 1.0 - UPRIGHT for direction in self.directions)
+        return upright and all(position[2] == 0.0 for position in self.positions)
 
     def with_actuator(self, mount: str, values: dict[str, Any]) -> Self:
         """The plant with other values of the actuator at one mount."""

@@ -54,7 +54,7 @@ def log_arrows(recording: rr.RecordingStream, label: str, result: Result, scale:
     if not scale:
         return
     rows = pose_rows(result)
-    corners = np.array(result.scenario.plant.positions)
+    corners = np.array(result.scenario.plant.positions)[:, :2]
     away = np.sign(corners) * (0.5 * np.array(result.scenario.machine.size[:2]) + (0.1, 0.1))
     aside = 0.06 * np.array([1.0, 1.0])  # to the right as the eye sees it
     for name, place, shade, velocity in zip(
@@ -75,7 +75,7 @@ def log_faults(recording: rr.RecordingStream, label: str, result: Result) -> Non
         mounts, size = result.scenario.plant.mounts, result.scenario.machine.size
         place = [0.0, 0.0, 1.15 * size[2]]
         if one.where in mounts:
-            x, y = result.scenario.plant.positions[mounts.index(one.where)]
+            x, y, _ = result.scenario.plant.positions[mounts.index(one.where)]
             place = [x + 0.25 * np.sign(x), y + 0.25 * np.sign(y), 0.05]  # outside, where the bed does not hide it
         words = f"fault {number + 1}" if len(result.summary.fault) > 1 else "fault"  # longer ones leave the view
         at = np.array([one.time_s])

@@ -30,7 +30,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
     mounts, ground = len(plant.mounts), prepared.motion.sample(times)
-    places = [*((*position, 0.0) for position in plant.positions), plant.machine.cg, *scenario.points.values()]
+    places = [*plant.positions, plant.machine.cg, *scenario.points.values()]
     moved = zip(*points_motion(displacement, velocity, acceleration, places), strict=True)
     channels = {"machine_displacement": displacement, "machine_velocity": velocity}
     for motion, each in zip(MOTIONS, moved, strict=True):

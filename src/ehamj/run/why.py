@@ -55,7 +55,7 @@ class Reasons:
         self.scenario, self.law, self.shares = prepared.scenario, prepared.law, shares
         self.noisy, self.python = prepared.noise is not None, prepared.law is None and prepared.controller is not None
         ground = dataset["ground_velocity"].values
-        fit = np.linalg.pinv(levers([(*at, 0.0) for at in prepared.scenario.plant.positions]))
+        fit = np.linalg.pinv(levers(prepared.scenario.plant.positions))
         self.floor = ground.reshape(len(ground), -1) @ fit.T
         """Velocity of the rigid floor that is nearest to the mounts', (time, DOFS) [m/s, rad/s]."""
 
@@ -108,7 +108,7 @@ class Reasons:
         if one.axis not in AXES:
             return np.eye(len(DOFS))[[DOFS.index(one.axis)]]
         plant, axis = self.scenario.plant, AXES.index(one.axis)
-        points = {"machine": [plant.machine.cg], "feet": [(*at, 0.0) for at in plant.positions]}
+        points = {"machine": [plant.machine.cg], "feet": plant.positions}
         places = points.get(one.place) or [self.scenario.points[one.place]]
         return np.array([lever(place)[axis] for place in places])
 

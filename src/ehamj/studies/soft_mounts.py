@@ -72,7 +72,7 @@ def tipping_height(plant: Plant) -> tuple[float, float]:
     the two principal values of Σ k r rᵀ.
     """
     k = np.array([static_stiffness(actuator) for actuator in plant.actuators])
-    r = np.array(plant.positions)
+    r = np.array(plant.positions)[:, :2]
     centred = r - k @ r / k.sum()
     restoring = np.einsum("m,mi,mj->ij", k, centred, centred)
     values, vectors = np.linalg.eigh(restoring)

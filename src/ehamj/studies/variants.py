@@ -28,7 +28,7 @@ def check_gravity(scenario: Scenario, without: str) -> None:
 
 def positions(scenario: Scenario) -> NDArray[np.float64]:
     """x and y of the mounts in their order, (mount, 2) [m]."""
-    return np.array(scenario.plant.positions)
+    return np.array(scenario.plant.positions)[:, :2]
 
 
 def resized(scenario: Scenario, cg: Sequence[float] | None = None, places: np.ndarray | None = None) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def rocking(
     settings: WaveSettings = WaveSettings(),  # noqa: B008  # frozen
 ) -> Array:
     """Largest rotation rate over floor velocity [rad/m], (direction, speed, frequency)."""
-    f, places = np.array(settings.frequencies), np.array(model.plant.positions)
+    f, places = np.array(settings.frequencies), np.array(model.plant.positions)[:, :2]
     k = AXES.index(settings.axis)
     transfer = ground_response(model, f, TURNS, loop)[:, :, k :: len(AXES)]  # (frequency, output, mount)
     found = np.empty((len(settings.directions), len(settings.speeds), f.size))

@@ -102,6 +102,6 @@ def tipping(subject: Subject) -> Finding:
         return float(np.linalg.eigvals(model.A).real.max())
 
     plant = scenario_of().plant
-    exact = plant.machine.mass * 9.80665 * 1.8 / sum(y * y for _, y in plant.positions)
+    exact = plant.machine.mass * 9.80665 * 1.8 / sum(y * y for _, y, _ in plant.positions)
     found = brentq(growth, 0.9 * exact, 1.1 * exact, xtol=1e-9 * exact)
     return Finding(abs(found / exact - 1.0), f"{found / 1e3:.4f} kN/m per mount")

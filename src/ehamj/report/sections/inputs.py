@@ -90,7 +90,7 @@ def _mounts(scenario: Scenario) -> list[Table]:
     plant = scenario.plant
     rows = [
         [name, exact(x), exact(y), mount.actuator]
-        for name, (x, y), mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
+        for name, (x, y, _), mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
     ]
     return [Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")]
 

@@ -19,7 +19,7 @@ def machine(shown: Shown) -> Section:
 def _drawings(scenario: Scenario) -> Iterator[Picture]:
     plant = scenario.plant
     feet = [
-        plots.Foot(name, *position, kind=mount.actuator)
+        plots.Foot(name, *position[:2], kind=mount.actuator)
         for name, position, mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
     ]
     waves = dict.fromkeys(

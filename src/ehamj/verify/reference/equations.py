@@ -76,7 +76,7 @@ def _records(parts: Sequence[Any], names: Sequence[str]) -> NDArray[Any]:
 
 def _rigid_body(plant: Plant, plates: Array) -> tuple[Array, Array, Array, Array]:
     """Inverse of the mass matrix, motion of the feet, weight, and m g h on rocking; ``plates`` are masses (mount,)."""
-    x, y = np.array(plant.positions).T
+    x, y, _ = np.array(plant.positions).T
     o, i = np.zeros(len(x)), np.ones(len(x))
     feet = np.array([[i, o, o, o, o, -y], [o, i, o, o, o, x], [o, o, i, y, -x, o]]).transpose(2, 0, 1)
     cx, cy, h = plant.machine.cg
