@@ -20,10 +20,13 @@ from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.elements import ACTUATOR_VALUES, Values
+from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
 
-_WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
-"""Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""
+_WITHOUT_EFFECT: Final = (
+    "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit", "passive",
+)  # fmt: skip
+"""Settings of an actuator that nobody can vary here: taken as they are, limits, or a matter of laws."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ class Designs:
         Args:
             scenario: the machine that everything else is taken from.
             vary: values by key, as in ``ehamj run --set``: ``machine.mass``, ``machine.cg.2``, ``gravity``,
-                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.0``, ``supply.pressure``; and ``footprint.x``,
+                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.2``, ``supply.pressure``; and ``footprint.x``,
                 ``footprint.y`` (`FOOTPRINT`). A plain 1-D array gets a dimension of its own, named by the key; give a
                 ``xarray.DataArray`` with dimensions to let keys vary together (the same name) or to name them. Values
                 count as they are: a CG may lie outside the drawn outline.
@@ -65,7 +68,7 @@ class Designs:
         mounts = {name: np.broadcast_to(value, (*shape, *value.shape)).copy() for name, value in base.mounts.items()}
         for key in sorted(joint, key=lambda key: key in FOOTPRINT):  # a footprint scales positions that are set
             _put(scenario, common, mounts, key, joint[key].transpose(*dims).values.astype(float))
-        return cls(dims, _coordinates(scenario, given), Values(common, mounts), scenario.plant.mounts)
+        return cls(dims, _coordinates(scenario, given), Values(common, mounts, base.frames), scenario.plant.mounts)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -123,4 +126,4 @@ def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array],
         mounts[quantity][..., chosen] = value[..., None]
     else:
         index, _, coordinate = rest.partition(".")
-        mounts["xy"[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value
+        mounts[AXES[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value
