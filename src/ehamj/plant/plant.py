@@ -19,6 +19,7 @@ class Plant:
     """Everything physical that is simulated: the machine, its isolators in the order of the mounts, the supply."""
 
     machine: Machine
+    """All that is rigid: the frame with the parts on it."""
     positions: tuple[Vector3, ...]
     """x, y, z of each mount [m]."""
     actuators: tuple[Actuator, ...]
