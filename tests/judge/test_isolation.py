@@ -169,7 +169,7 @@ def test_a_floor_at_rest_has_no_attenuation() -> None:
     motion = Motion()
     motion.cg[:] = noise(7)[:, None]
     assert {name: decided(levels) for name, levels in motion.judged()["attenuation_db"].items()} == {
-        name: {} for name in ("x", "y", "z", "rx", "ry")
+        name: {} for name in ("x", "y", "z", "rx", "ry", "rz")
     }
 
 
@@ -432,7 +432,7 @@ def run() -> Result:
 def test_the_summary_has_what_a_person_asks_for_first(run: Result) -> None:
     asked = {"attenuation_db", "criterion", "peak", "rms", "saturation", "oil", "timing", "versions", "seed"}
     assert asked | {"complete", "warnings", "name"} <= set(run.summary)
-    assert set(run.summary["attenuation_db"]) == {"x", "y", "z", "rx", "ry"}
+    assert set(run.summary["attenuation_db"]) == {"x", "y", "z", "rx", "ry", "rz"}
     assert {"title", "floor", "machine", "decisive", "verdict", "max_1s"} == set(run.summary["criterion"])
     assert set(run.summary["saturation"]) == {"command", "spool", "spool_drive", "cavitation"}
     assert set(run.summary["saturation"]["command"]) == set(MOUNTS)
