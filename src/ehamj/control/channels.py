@@ -83,11 +83,12 @@ def channel_row(name: str, plant: Plant) -> Array:
             row[first : first + len(DOFS)] = lever(point)[AXES.index(labels[-1])]
         return row
     assert ISOLATOR_STATE.names is not None
-    first, z = at.state + size(ISOLATOR_STATE) * mount, AXES.index("z")
+    first = at.state + size(ISOLATOR_STATE) * mount
+    below, moving = ({start + k: -share for k, share in enumerate(plant.directions[mount])} for start in ground[:2])
     state = {name: first + k for k, name in enumerate(ISOLATOR_STATE.names)}
     shares = {
-        "stroke": {at.plate + mount: 1.0, ground[0] + z: -1.0},
-        "stroke_velocity": {at.plate_velocity + mount: 1.0, ground[1] + z: -1.0},
+        "stroke": {at.plate + mount: 1.0, **below},
+        "stroke_velocity": {at.plate_velocity + mount: 1.0, **moving},
         "spool": {state["spool"]: 1.0},
         "load_pressure": {state["pressure_1"]: 1.0, state["pressure_2"]: -1.0},
         "chamber_pressure": {state[f"pressure_{labels[-1]}"]: 1.0} if variable == "chamber_pressure" else {},

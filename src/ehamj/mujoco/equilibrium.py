@@ -114,7 +114,7 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     error = residual(state)
     for _ in range(60):
         if np.abs(error).max() <= 1.0:
-            _check_strokes(model, data, inputs)
+            _check_strokes(model, data)
             return state
         matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
         change = np.linalg.lstsq(matrix, -error, rcond=1e-10)[0] * unit
@@ -169,9 +169,9 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     return state, unknown.astype(int), balance.astype(int), unit, tolerance
 
 
-def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> None:
+def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
-    stroke = data.actuator_length[: mounts_of(model)] - inputs.displacement[:, AXES.index("z")]
+    stroke = data.actuator_length[: mounts_of(model)] - exchange(data, mounts_of(model))["ground"]
     volume = np.minimum(*chamber_volumes.py_func(stroke, isolators(model).view(np.recarray)))
     worst = int(np.argmin(volume))
     if volume[worst] <= 0.0:
