@@ -20,7 +20,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
 
 NANO: Final = 1e9
-HEADS: Final = {"z": "vertical z", "x": "along x", "y": "along y", "rx": "roll rx", "ry": "pitch ry"}
+HEADS: Final = {"z": "vertical z", "x": "along x", "y": "along y", "rx": "roll rx", "ry": "pitch ry", "rz": "yaw rz"}
 
 
 def design_page(outcome: Outcome, scenario: Scenario, design: Design, limits: Budget, files: str) -> Page:

@@ -19,7 +19,8 @@ from ehamj.arrays import Array
 from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.linear.elements import ACTUATOR_VALUES, Values
+from ehamj.linear.elements import ACTUATOR_VALUES, Values, body_of, of_body
+from ehamj.plant.bodies import joined
 from ehamj.scenario.model import Scenario
 
 _WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
@@ -61,10 +62,16 @@ class Designs:
             dims |= {str(name): size for name, size in value.sizes.items() if str(name) not in dims}
         shape = tuple(dims.values())
         base = Values.of(scenario.plant)
-        common = {name: np.broadcast_to(value, shape).copy() for name, value in base.common.items()}
+        known = {
+            **base.common,
+            **of_body(scenario.machine.body),
+        }  # keys are those of the frame, without what stands on it
+        common = {name: np.broadcast_to(value, shape).copy() for name, value in known.items()}
         mounts = {name: np.broadcast_to(value, (*shape, *value.shape)).copy() for name, value in base.mounts.items()}
         for key in sorted(joint, key=lambda key: key in FOOTPRINT):  # a footprint scales positions that are set
             _put(scenario, common, mounts, key, joint[key].transpose(*dims).values.astype(float))
+        if scenario.others:
+            common |= of_body(joined([body_of(common), *scenario.others]))
         return cls(dims, _coordinates(scenario, given), Values(common, mounts), scenario.plant.mounts)
 
     @property

@@ -22,7 +22,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
 from ehamj.labels import labelled
-from ehamj.linear.elements import Elements, Oil, solve
+from ehamj.linear.elements import Elements, Oil, body_of, solve
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
 
@@ -260,8 +260,9 @@ def _label(
     at = elements.values.common
     n = elements.mass.shape[-1]
     moved = np.einsum("...on,...np->...op", elements.cg, vectors[..., :n, :])
-    weights = np.stack([at["mass"]] * 3 + [at[f"inertia.{k}"] for k in range(3)], axis=-1)
-    energy = np.abs(moved) ** 2 * weights[..., None]
+    body = body_of(at)
+    weighed = np.concatenate([body.mass[..., None, None] * moved[..., :3, :], body.tensor @ moved[..., 3:, :]], axis=-2)
+    energy = np.real(moved.conj() * weighed)
     share = energy / np.maximum(energy.sum(axis=-2, keepdims=True), np.finfo(float).tiny)
     groups = np.stack([sum(share[..., DOFS.index(dof), :] for dof in dofs) for dofs in _GROUPS], axis=-2)
     chosen = np.full((*poles.shape[:-1], len(RIGID_MODES)), -1, np.int64)

@@ -85,6 +85,7 @@ def value_of(scenario: Scenario, key: str) -> float:
     for part in key.split("."):
         if isinstance(place, tuple):
             place = place[int(part)]
+            place = place[int(part)] if isinstance(place, tuple) else place  # a moment of a tensor
         else:
             place = place[part] if isinstance(place, dict) else getattr(place, part)
     return float(place)
@@ -99,6 +100,9 @@ def with_value(scenario: Scenario, key: str, value: float) -> Scenario:
     quantity_of(scenario, key)
     if key not in FOOTPRINT:
         kept = {"machine.inertia": scenario.machine.inertia} if key == "machine.mass" else {}  # which would follow
+        *of, entry = key.split(".")
+        if of == ["machine", "inertia"] and isinstance(scenario.machine.inertia[0], tuple):
+            key = f"{key}.{entry}"  # a moment of a tensor, whose products are kept
         return changed(scenario, {key: value, **kept})
     axis, factor = "xy".index(FOOTPRINT[key]), value / footprint(scenario.plant, key)
     places = {f"mount.{k}.position.{axis}": factor * mount.position[axis] for k, mount in enumerate(scenario.mount)}

@@ -14,6 +14,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.isolator.fluid import ATMOSPHERE
 from ehamj.plant.axes import JOINTS
+from ehamj.plant.bodies import Body
 from ehamj.plant.plant import Plant
 
 NEWTON_STEPS = 3
@@ -22,7 +23,10 @@ NEWTON_STEPS = 3
 _X, _Y, _Z, _RX, _RY, _RZ = (JOINTS.index(dof) for dof in ("x", "y", "z", "rx", "ry", "rz"))
 
 MACHINE_VALUES = ("mass", "inertia.0", "inertia.1", "inertia.2", "cg.0", "cg.1", "cg.2")
-"""Values of the machine (`ehamj.plant.machine.Machine`), entries of vectors by number."""
+"""Values of the machine (`ehamj.plant.machine.Machine`), entries of vectors by number; of a tensor its moments."""
+
+PRODUCTS = {"product.xy": (0, 1), "product.xz": (0, 2), "product.yz": (1, 2)}
+"""Products of inertia, and where they stand in the tensor."""
 
 ACTUATOR_VALUES = (
     "piston_area", "chamber_volume", "bulk_modulus", "vapour_pressure", "area_ratio", "volume_share", "air_fraction",
@@ -38,8 +42,9 @@ ACTUATOR_VALUES = (
 class Values:
     """Physical values, each an array over the designs; those of the mounts with a last axis (mount,).
 
-    ``common`` holds `MACHINE_VALUES`, ``gravity``, ``pressure`` and ``tank_pressure``; ``mounts`` holds
-    `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m] and ``moving_volume`` (0 or 1). SI, spools in mA.
+    ``common`` holds `MACHINE_VALUES`, `PRODUCTS` [kg m²], ``gravity``, ``pressure`` and ``tank_pressure``;
+    ``mounts`` holds `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m] and ``moving_volume`` (0 or 1). SI, spools in
+    mA.
     """
 
     common: Mapping[str, Array]
@@ -48,11 +53,9 @@ class Values:
     @classmethod
     def of(cls, plant: Plant) -> "Values":
         """The values of one plant, shapes () and (mount,)."""
-        machine = plant.machine
-        common = {"mass": machine.mass, "gravity": plant.gravity}
-        common |= {f"inertia.{k}": value for k, value in enumerate(machine.inertia)}
-        common |= {f"cg.{k}": value for k, value in enumerate(machine.cg)}
-        common |= {"pressure": plant.supply.pressure, "tank_pressure": plant.supply.tank_pressure}
+        common = {"gravity": np.asarray(plant.gravity), **of_body(plant.machine.body)}
+        common["pressure"] = np.asarray(plant.supply.pressure)
+        common["tank_pressure"] = np.asarray(plant.supply.tank_pressure)
         mounts = {name: [getattr(a, name) for a in plant.actuators] for name in ACTUATOR_VALUES}
         mounts["x"], mounts["y"] = ([position[k] for position in plant.positions] for k in range(2))
         mounts["moving_volume"] = [float(a.moving_volume) for a in plant.actuators]
@@ -65,6 +68,24 @@ class Values:
     def middle(self) -> Array:
         """Pressure of all chambers at rest, (P_s + P_t)/2 [Pa]: both edges of a port leak alike."""
         return 0.5 * (self.common["pressure"] + self.common["tank_pressure"])
+
+
+def of_body(body: Body) -> dict[str, Array]:
+    """Values of the machine, by name, of its mass properties (…,)."""
+    moments = {f"inertia.{k}": body.tensor[..., k, k] for k in range(3)}
+    products = {name: body.tensor[..., row, column] for name, (row, column) in PRODUCTS.items()}
+    return {"mass": body.mass, **moments, **products, **{f"cg.{k}": body.cg[..., k] for k in range(3)}}
+
+
+def body_of(common: Mapping[str, Array]) -> Body:
+    """The other way."""
+    shape = np.broadcast_shapes(*(common[name].shape for name in (*MACHINE_VALUES, *PRODUCTS)))
+    cg, tensor = np.empty((*shape, 3)), np.empty((*shape, 3, 3))
+    for k in range(3):
+        cg[..., k], tensor[..., k, k] = common[f"cg.{k}"], common[f"inertia.{k}"]
+    for name, (row, column) in PRODUCTS.items():
+        tensor[..., row, column] = tensor[..., column, row] = common[name]
+    return Body(np.broadcast_to(common["mass"], shape), cg, tensor)
 
 
 @dataclass(frozen=True)
@@ -112,9 +133,9 @@ class Elements:
         plate[..., soft, :] = 0.0
         plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
         cg, spin, lift = _turning(common, shape, n, np.zeros((*shape, 2)) if tilt is None else tilt)
-        weights = [common["mass"]] * 3 + [common[f"inertia.{k}"] for k in range(3)]
-        own = np.stack([np.broadcast_to(weight, shape) for weight in weights], axis=-1)
-        mass = _quadratic(cg[..., :3, :], own[..., :3]) + _quadratic(spin, own[..., 3:])
+        own = body_of(common)
+        carried = np.broadcast_to(own.mass[..., None], (*shape, 3))
+        mass = _quadratic(cg[..., :3, :], carried) + np.swapaxes(spin, -1, -2) @ own.tensor @ spin
         mass = mass + _quadratic(plate, at["plate_mass"])
         toppling = np.zeros((*shape, n, n))
         rocking = np.array([_RX, _RY])

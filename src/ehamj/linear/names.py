@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.arrays import ComplexArray
-from ehamj.linear.shapes import at_cg, weights
+from ehamj.linear.shapes import at_cg, kinetic_of
 from ehamj.plant.axes import DOFS
 from ehamj.plant.levers import plane, warp
 from ehamj.plant.machine import Machine
@@ -49,7 +49,7 @@ def pattern_name(kind: str, motion: ComplexArray, plant: Plant) -> str:
 
 def energy_shares(machine: Machine, shape: ComplexArray) -> dict[str, float]:
     """Share of the machine's kinetic energy per degree of freedom, translations at the centre of gravity."""
-    energy = np.abs(at_cg(machine, shape)) ** 2 * weights(machine)
+    energy = kinetic_of(machine, at_cg(machine, shape))
     return dict(zip(DOFS, (energy / energy.sum()).tolist(), strict=True))
 
 

@@ -121,9 +121,7 @@ def callbacks() -> Callbacks:
     def passive(model, data):  # type: ignore[no-untyped-def]
         machine = machine_of(model, data, at, joints, joints)
         step, force = machine.step[0], numbers_at(data, at.qfrc_passive, joints)
-        s = (
-            machine.time[0] - step.start
-        ) * step.rate  # a rate of zero: the ground rests, and only ctrl commands
+        s = (machine.time[0] - step.start) * step.rate  # a rate of zero: the ground rests, and only ctrl commands
         if machine.isolators[0].flat > 0.0:
             upright_stage(machine, s, force)
         else:

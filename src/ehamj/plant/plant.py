@@ -19,6 +19,7 @@ class Plant:
     """Everything physical that is simulated: the machine, its isolators in the order of the mounts, the supply."""
 
     machine: Machine
+    """All that is rigid: the frame with the parts on it."""
     positions: tuple[Vector3, ...]
     """x, y, z of each mount [m]."""
     actuators: tuple[Actuator, ...]
@@ -34,10 +35,15 @@ class Plant:
     cut_off: tuple[str, ...] = ()
     """Mounts whose branch has lost the supply: their valves are fed at the tank's pressure."""
 
-    directions: tuple[Vector3, ...] = (UP,) * len(MOUNTS)
-    """Unit vectors along which the mounts act, towards the machine."""
-    heights: tuple[float, ...] = (0.0,) * len(MOUNTS)
-    """Shims below the mounts, along their directions [m]."""
+    directions: tuple[Vector3, ...] = ()
+    """Unit vectors along which the mounts act, towards the machine; up without."""
+    heights: tuple[float, ...] = ()
+    """Shims below the mounts, along their directions [m]; none without."""
+
+    def __post_init__(self) -> None:
+        for name, value in (("directions", UP), ("heights", 0.0)):
+            if not getattr(self, name):
+                object.__setattr__(self, name, (value,) * len(self.positions))
 
     @cached_property
     def layout(self) -> Layout:

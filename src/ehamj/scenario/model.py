@@ -128,7 +128,7 @@ class Scenario(Installation, Course):
 
     def load(self) -> Load:
         """The forces on the machine itself."""
-        return load_of(self.force, self.points, self.machine.cg, self.duration, self.seed)
+        return load_of(self.force, self.points, self.plant.machine.cg, self.duration, self.seed)
 
     def as_designed(self) -> Self:
         """The scenario on the very machine that its law is derived from."""
