@@ -27,7 +27,7 @@ from ehamj.rig.measurement import Measurement
 from ehamj.rig.welch import by_welch
 from ehamj.scenario.model import Scenario
 
-DIRECTIONS: Final = ("z", "x", "y", "rx", "ry")
+DIRECTIONS: Final = ("z", "x", "y", "rx", "ry", "rz")
 """Degrees of freedom of the floor whose transmissibility a run shows."""
 FREQUENCIES: Final = np.geomspace(1.0, 315.0, 300)
 """At which linear responses are computed [Hz]."""

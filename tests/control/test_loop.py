@@ -84,10 +84,10 @@ def measured(name: str, model: mujoco.MjModel, data: mujoco.MjData, ground: Any,
         return float(ground[order][mount, "xyz".index(labels[1])])
     if variable in ("stroke", "stroke_velocity"):
         order = int(variable == "stroke_velocity")
-        foot = moved((data.qpos, data.qvel)[order], (*plant.positions[mount], 0.0))
+        foot = moved((data.qpos, data.qvel)[order], plant.positions[mount])
         return float(foot[2] - ground[order][mount, 2])
     if variable.startswith("foot_"):
-        return float(moved(motion[variable[5:]], (*plant.positions[mount], 0.0))["xyz".index(labels[1])])
+        return float(moved(motion[variable[5:]], plant.positions[mount])["xyz".index(labels[1])])
     if variable.startswith("cg_"):
         return float(moved(motion[variable[3:]], plant.machine.cg)["xyz".index(labels[0])])
     if variable == "machine_displacement":

@@ -22,7 +22,7 @@ WARP = (1.0, -1.0, -1.0, 1.0)
 
 Array = NDArray[np.float64]
 
-FEET, STROKES, GROUND, _, _, PRESSURES = MountChannels.of(MOUNTS)
+FEET, STROKES, GROUND, _, _, PRESSURES = MountChannels.of(parse_scenario({}).plant)
 UNEVEN = ((1.05, 0.5), (0.7, -0.75), (-0.6, 0.7), (-1.0, -0.4))
 SENSORS = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}}
 WITHOUT = {
@@ -62,7 +62,7 @@ LOOP = {"crossing": 40.0, "integral": 0.0}
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_a_loop_sees_its_own_motion_and_moves_only_that(motion: str, place: Any) -> None:
     scenario = place()
-    x, y = np.array(scenario.plant.positions).T
+    x, y, _ = np.array(scenario.plant.positions).T
     shapes = {"heave": np.ones(4), "roll": y, "pitch": -x}  # heights of the mounts, z + y rx − x ry
     found = gains(law_of(scenario, **{motion: LOOP}), 20.0, FEET)
     size = np.abs(found @ shapes[motion]).max()
@@ -78,7 +78,7 @@ def test_a_loop_sees_its_own_motion_and_moves_only_that(motion: str, place: Any)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_a_loop_acts_against_the_motion(motion: str) -> None:
     scenario = uneven()
-    x, y = np.array(scenario.plant.positions).T
+    x, y, _ = np.array(scenario.plant.positions).T
     shape = {"heave": np.ones(4), "roll": y, "pitch": -x}[motion]
     # Below the lags of delay and instruments a velocity v must be answered by a stroke velocity of −f_c/(j f) v.
     command = gains(law_of(scenario, **{motion: LOOP}), 8.0, FEET) @ shape
@@ -127,7 +127,7 @@ def test_the_balance_sees_only_warp_and_moves_nothing(place: Any) -> None:
     assert law.states == 0
     drive = law.D @ warp(scenario.plant.positions)
     assert np.all(drive * warp(scenario.plant.positions) < 0)
-    x, y = np.array(scenario.plant.positions).T
+    x, y, _ = np.array(scenario.plant.positions).T
     for motion in (np.ones(4), x, y):
         assert np.abs(law.D @ motion).max() < 1e-12 * np.abs(drive).max()
         assert abs(motion @ drive) < 1e-12 * np.abs(drive).max()

@@ -70,7 +70,7 @@ def test_the_machine_answers_as_the_linear_model_says(direction: list[float], pl
 def wrench_of_the_mounts(run: xr.Dataset, case: Scenario) -> np.ndarray:
     """Force and moment about the mount plane's centre of membranes, oil and weight, (time, 6); ground at rest."""
     total = np.zeros((run.time.size, 6))
-    for k, (x, y) in enumerate(case.plant.positions):
+    for k, (x, y, _) in enumerate(case.plant.positions):
         actuator = case.plant.actuators[k]
         moved, speed = run["foot_displacement"].values[:, k], run["foot_velocity"].values[:, k]
         force = -actuator.lateral_stiffness * moved - actuator.lateral_damping * speed

@@ -204,7 +204,7 @@ def test_flow_is_rated_at_half_the_supply_above_the_tank() -> None:
 def test_total_mass_counts_every_plate() -> None:
     masses = (1.0, 2.0, 4.0, 8.0)
     actuators = tuple(Actuator(plate_mass=mass) for mass in masses)
-    positions = tuple(mount.position for mount in DEFAULT_MOUNTS)
+    positions = tuple(mount.place for mount in DEFAULT_MOUNTS)
     plant = Plant(Machine(mass=4000.0), positions, actuators, Supply(), 9.81, "tied")
     assert plant.total_mass == 4015.0
 

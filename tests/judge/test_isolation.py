@@ -125,7 +125,7 @@ def test_rotation_is_that_of_the_plane_fitted_to_the_mounts(
 ) -> None:
     motion, plant = Motion(), plant_of(corners)
     heave, rx, ry = noise(3), noise(4), noise(5)
-    x, y = np.array(plant.positions).T
+    x, y, _ = np.array(plant.positions).T
     motion.ground[:, :, Z] = heave[:, None] + np.outer(rx, y) - np.outer(ry, x)
     motion.machine[:, 3], motion.machine[:, 4] = 0.5 * rx, 0.2 * ry
     found = decided(motion.judged(plant)["attenuation_db"][name])
@@ -137,7 +137,7 @@ def test_rotation_is_that_of_the_plane_fitted_to_the_mounts(
 def test_floor_and_machine_turn_the_same_way(corners: dict[str, list[float]] | None) -> None:
     motion, plant = Motion(), plant_of(corners)
     rx, ry = noise(3), noise(4)
-    x, y = np.array(plant.positions).T
+    x, y, _ = np.array(plant.positions).T
     motion.ground[:, :, Z] = np.outer(rx, y) - np.outer(ry, x)
     motion.machine[:, 3], motion.machine[:, 4] = rx, ry
     values = {"ground_velocity": motion.ground, "cg_velocity": motion.cg, "machine_velocity": motion.machine}
@@ -169,7 +169,7 @@ def test_a_floor_at_rest_has_no_attenuation() -> None:
     motion = Motion()
     motion.cg[:] = noise(7)[:, None]
     assert {name: decided(levels) for name, levels in motion.judged()["attenuation_db"].items()} == {
-        name: {} for name in ("x", "y", "z", "rx", "ry")
+        name: {} for name in ("x", "y", "z", "rx", "ry", "rz")
     }
 
 
@@ -432,7 +432,7 @@ def run() -> Result:
 def test_the_summary_has_what_a_person_asks_for_first(run: Result) -> None:
     asked = {"attenuation_db", "criterion", "peak", "rms", "saturation", "oil", "timing", "versions", "seed"}
     assert asked | {"complete", "warnings", "name"} <= set(run.summary)
-    assert set(run.summary["attenuation_db"]) == {"x", "y", "z", "rx", "ry"}
+    assert set(run.summary["attenuation_db"]) == {"x", "y", "z", "rx", "ry", "rz"}
     assert {"title", "floor", "machine", "decisive", "verdict", "max_1s"} == set(run.summary["criterion"])
     assert set(run.summary["saturation"]) == {"command", "spool", "spool_drive", "cavitation"}
     assert set(run.summary["saturation"]["command"]) == set(MOUNTS)

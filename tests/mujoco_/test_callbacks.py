@@ -50,7 +50,7 @@ def default_model(plates: str = "tied") -> mujoco.MjModel:
     return build_model(parse_scenario({"plates": plates}).plant, STEP)
 
 
-def started(model: mujoco.MjModel, control: Any = (0.0,) * len(MOUNTS)) -> mujoco.MjData:
+def started(model: mujoco.MjModel, control: Any = (0.0, 0.0, 0.0, 0.0)) -> mujoco.MjData:
     """At the static equilibrium, without inputs, driven by ctrl alone."""
     data = mujoco.MjData(model)
     with hydraulics():
@@ -241,7 +241,7 @@ def uneven_pair(plates: str) -> tuple[Plant, machine.OracleMachine]:
     plant = replace(
         parse_scenario({"plates": plates}).plant,
         machine=Machine(mass=3500.0, inertia=inertia, cg=cg),
-        positions=positions,
+        positions=tuple((*at, 0.0) for at in positions),
         actuators=ours,
         supply=Supply(pressure=90e5, tank_pressure=1e5),
     )
@@ -256,7 +256,7 @@ def test_rates_are_the_oracles(plates: str, tolerance: float, pair: Pair, seed: 
     plant, theirs = pair(plates)
     model = build_model(plant, STEP)
     data = mujoco.MjData(model)
-    heights = linear.foot_maps(linear.LinearMachine(mounts=plant.positions))[2]
+    heights = linear.foot_maps(linear.LinearMachine(mounts=tuple(at[:2] for at in plant.positions)))[2]
     motion = np.zeros((2, model.nq))
     motion[:, DOFS] = oracle.q, oracle.qd
     motion[:, 6:] = (motion[:, DOFS] @ heights.T)[:, : model.nq - 6]

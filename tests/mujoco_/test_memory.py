@@ -27,7 +27,7 @@ def ring(mounts: int) -> Plant:
     angles = 2 * np.pi * np.arange(mounts) / mounts
     return replace(
         parse_scenario({"plates": "tied"}).plant,
-        positions=tuple((float(np.cos(angle)), float(np.sin(angle))) for angle in angles),
+        positions=tuple((float(np.cos(angle)), float(np.sin(angle)), 0.0) for angle in angles),
         actuators=(Actuator(),) * mounts,
         supply=Supply(dynamic=True),
         mounts=tuple(f"m{k}" for k in range(mounts)),

@@ -52,7 +52,7 @@ def uneven_plant(plates: str) -> Plant:
     return default_plant(
         plates,
         machine=Machine(mass=3500.0, inertia=(1500.0, 2500.0, 3200.0), cg=(0.12, -0.07, 0.9)),
-        positions=((0.95, 0.62), (0.8, -0.55), (-0.9, 0.7), (-1.0, -0.48)),
+        positions=((0.95, 0.62, 0.0), (0.8, -0.55, 0.0), (-0.9, 0.7, 0.0), (-1.0, -0.48, 0.0)),
         actuators=actuators,
     )
 
@@ -71,7 +71,12 @@ def oracle_of(plant: Plant, **changes: Any) -> linear.LinearMachine:
     per_mount = {ours: tuple(getattr(a, theirs) for a in plant.actuators) for ours, theirs in names.items()}
     machine = plant.machine
     return linear.LinearMachine(
-        mass=machine.mass, inertia=machine.inertia, cg=machine.cg, mounts=plant.positions, **per_mount, **changes
+        mass=machine.mass,
+        inertia=machine.inertia,
+        cg=machine.cg,
+        mounts=tuple(at[:2] for at in plant.positions),
+        **per_mount,
+        **changes,
     )
 
 
@@ -285,6 +290,6 @@ def test_each_row_of_parameters_belongs_to_its_mount() -> None:
         itertools.zip_longest(isolators(model), plant.actuators), plant.positions, strict=True
     ):
         assert row["piston_area"] == actuator.piston_area
-        assert (row["mount_x"], row["mount_y"]) == position
+        assert (row["mount_x"], row["mount_y"]) == position[:2]
         assert row["volume_1"] + row["volume_2"] == pytest.approx(actuator.chamber_volume, rel=1e-15)
         assert row["weight"] == -actuator.plate_mass * GRAVITY

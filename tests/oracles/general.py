@@ -219,15 +219,30 @@ def of_plant(plant: Any, moving: tuple[MovingMass, ...] = ()) -> GeneralMachine:
     """The oracle's machine with a plant's numbers (nothing of the package but its settings is used)."""
     actuators = [
         OracleActuator(
-            K_Q=a.flow_gain, K_v=a.valve_gain, omega_v=a.valve_frequency, zeta=a.valve_damping,
-            a_max=a.spool_drive_limit, v_max=a.voltage_limit, x_max=a.spool_stroke, A_p=a.piston_area, V_t=a.chamber_volume, beta=a.bulk_modulus,
-            K_L=a.membrane_stiffness, C=a.membrane_damping, k_lat=a.lateral_stiffness, c_lat=a.lateral_damping,
-            m_plate=a.plate_mass, g0=a.edge_leakage_share * a.flow_pressure,
-            cross=(1 - a.edge_leakage_share) * a.flow_pressure, eps=a.laminar_ratio, P_s=plant.supply.pressure,
-            P_t=plant.supply.tank_pressure, moving_volume=a.moving_volume,
+            K_Q=a.flow_gain,
+            K_v=a.valve_gain,
+            omega_v=a.valve_frequency,
+            zeta=a.valve_damping,
+            a_max=a.spool_drive_limit,
+            v_max=a.voltage_limit,
+            x_max=a.spool_stroke,
+            A_p=a.piston_area,
+            V_t=a.chamber_volume,
+            beta=a.bulk_modulus,
+            K_L=a.membrane_stiffness,
+            C=a.membrane_damping,
+            k_lat=a.lateral_stiffness,
+            c_lat=a.lateral_damping,
+            m_plate=a.plate_mass,
+            g0=a.edge_leakage_share * a.flow_pressure,
+            cross=(1 - a.edge_leakage_share) * a.flow_pressure,
+            eps=a.laminar_ratio,
+            P_s=plant.supply.pressure,
+            P_t=plant.supply.tank_pressure,
+            moving_volume=a.moving_volume,
         )
         for a in plant.actuators
-    ]  # fmt: skip
+    ]
     each = zip(plant.positions, plant.directions, actuators, plant.heights, strict=True)
     machine = plant.machine
     mounts = tuple(GeneralMount(*mount) for mount in each)

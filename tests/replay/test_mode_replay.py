@@ -97,7 +97,7 @@ def test_nothing_is_drawn_too_large() -> None:
             factor = drawn.drawn_scale(scenario.plant, one, points)
             moved = factor * np.abs(one.shape[:3] + np.cross(one.shape[3:], points))
             lifted = [
-                factor * abs(one.shape[2] + y * one.shape[3] - x * one.shape[4]) for x, y in scenario.plant.positions
+                factor * abs(one.shape[2] + y * one.shape[3] - x * one.shape[4]) for x, y, _ in scenario.plant.positions
             ]
             largest = max(float(moved.max()) / drawn.LARGEST, max(lifted) / drawn.FOOT_LARGEST)
             assert largest == pytest.approx(1.0), name

@@ -269,13 +269,20 @@ def test_shares_oil_and_timing_are_the_summarys(results: dict[str, Result], whol
                 assert same(text, factor * result.summary[key][entry]), name
 
 
+def worst_of_the_machine(tables: Any, axis: str) -> dict[str, float | None]:
+    """Per band the largest level of all places but the floor: charts draw the machine where it is judged."""
+    places = [tables[place][axis] for place in tables if place != "floor"]
+    assert len(places) > 1
+    return {band: max((table[band] for table in places if table[band] is not None), default=None) for band in places[0]}
+
+
 def test_figures_show_the_summarys_levels(results: dict[str, Result], pictures: list[Picture]) -> None:
     figures = {picture.name: picture.figure for picture in pictures}
     colors = Shown.of(results).colors
     for axis in ("z", "x"):
         for figure, levels in (
             ("attenuation", lambda summary, axis=axis: summary["attenuation_db"][axis]),
-            ("criterion", lambda summary, axis=axis: summary["third_octave_velocity"]["machine"][axis]),
+            ("criterion", lambda summary, axis=axis: worst_of_the_machine(summary["third_octave_velocity"], axis)),
         ):
             lines = {line.get_color(): line for line in figures[f"{figure}-{axis}"].axes[0].lines}
             for label, result in results.items():

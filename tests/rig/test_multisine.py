@@ -146,7 +146,7 @@ def test_the_asymmetric_machine_follows_a_floor_in_every_direction(dof: str) -> 
 
 def from_the_floor(machine: str, dof: str, measured: Measurement) -> np.ndarray:
     model = linear_model(scenario(machine).plant)
-    maps = linear.foot_maps(linear.LinearMachine(mounts=tuple(model.plant.positions)))
+    maps = linear.foot_maps(linear.LinearMachine(mounts=tuple(at[:2] for at in model.plant.positions)))
     slab = np.stack([part[:, DOFS.index(dof)] for part in maps], axis=1)
     return ground_response(model, measured.estimate.frequency, measured.outputs) @ slab.ravel()
 
@@ -172,10 +172,10 @@ def test_it_begins_when_the_loop_with_its_instruments_as_they_are_turned_has_set
 ) -> None:
     """Feedback of geophones 20° off the vertical, in directions that the seed draws: some damp sway, some drive it."""
 
-    def begin(scenarios: Iterable[Scenario], **how: Any) -> None:
+    def begin(scenarios: Iterable[Scenario], reduce: Any) -> None:
         raise Begun(next(iter(scenarios)).duration)
 
-    monkeypatch.setattr("ehamj.rig.multisine.simulate_many", begin)
+    monkeypatch.setattr("ehamj.rig.multisine.observe_many", begin)
     nothing = np.zeros((4, 0))
     feet = tuple(f"foot_velocity {mount} z" for mount in MOUNTS)
     Controller(nothing.T @ nothing, nothing.T, nothing, -5e3 * np.eye(4), feet).save(tmp_path / "law.json")

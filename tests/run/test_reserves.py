@@ -36,7 +36,7 @@ def test_mounts_carry_what_statics_asks_for(plates: str) -> None:
     """Feet at x = ±0.9 m, ±0.6 m under a machine of 4 t with its centre of gravity aside; plates of 14 kg each."""
     result = run(machine={"cg": [0.3, -0.1, 0.7]}, plates=plates, duration=0.01)
     plant = result.scenario.plant
-    x, y = np.array(plant.positions).T
+    x, y, _ = np.array(plant.positions).T
     share = 0.25 + 0.3 * x / (x**2).sum() - 0.1 * y / (y**2).sum()
     weights = 9.80665 * (plant.machine.mass * share + 14.0)
     # A ten-thousandth: with sliding plates the feet are tied by a constraint that gives a little.

@@ -62,7 +62,7 @@ def test_shipped_benchmark_is_the_stated_case() -> None:
     plant = load_scenario("benchmark").plant
     assert (plant.total_mass, plant.gravity, plant.plates) == (4056.0, 0.0, "tied")
     assert (plant.machine.inertia, plant.machine.cg) == ((2000.0, 3000.0, 4000.0), (0.0, 0.0, 0.6))
-    assert plant.positions == tuple(map(tuple, CORNERS.values()))
+    assert plant.positions == tuple((x, y, 0.0) for x, y in CORNERS.values())
     assert (plant.supply.pressure, plant.supply.tank_pressure) == (210e5, 0.0)
     for actuator in plant.actuators:
         assert (actuator.cross_leakage, actuator.edge_leakage, actuator.moving_volume) == (6.6e-11, 0.0, False)
@@ -106,7 +106,7 @@ def test_each_mount_may_have_its_own_actuator() -> None:
 
 @given(st.permutations(mounts()))
 def test_the_order_in_which_mounts_are_written_does_not_matter(order: list[dict[str, Any]]) -> None:
-    assert parse_scenario({"mount": order}).plant.positions == tuple(map(tuple, CORNERS.values()))
+    assert parse_scenario({"mount": order}).plant.positions == tuple((x, y, 0.0) for x, y in CORNERS.values())
 
 
 # --- overrides ----------------------------------------------------------------------------------------------------
@@ -130,8 +130,8 @@ def test_the_order_in_which_mounts_are_written_does_not_matter(order: list[dict[
         ("control.signals.1.mounts=['rear-left']", lambda s: s.control.signals[1].mounts, ("rear-left",)),
         ("control={kind='passive'}", lambda s: s.control.kind, "passive"),
         ("ground.kind=sine", lambda s: s.ground.kind, "sine"),
-        ("mount.3.position=[-0.8, -0.5]", lambda s: s.plant.positions[3], (-0.8, -0.5)),
-        ("mount.3.position.0=-0.8", lambda s: s.plant.positions[3], (-0.8, -0.6)),
+        ("mount.3.position=[-0.8, -0.5]", lambda s: s.plant.positions[3], (-0.8, -0.5, 0.0)),
+        ("mount.3.position.0=-0.8", lambda s: s.plant.positions[3], (-0.8, -0.6, 0.0)),
     ],
 )
 def test_override(override: str, read: Any, value: Any) -> None:

@@ -41,7 +41,7 @@ def test_yaw_is_the_lateral_springs_on_the_inertia() -> None:
     """ω² = Σ k r²/J, plates being constrained laterally: exact, but for the damping's rounding."""
     table = lateral.lateral_stiffness(MACHINE, lateral.LateralSettings(points=5)).tables["modes"]
     plant = MACHINE.plant
-    lever = sum(x**2 + y**2 for x, y in plant.positions)
+    lever = sum(x**2 + y**2 for x, y, _ in plant.positions)
     expected = np.sqrt(table["stiffness"].values * lever / plant.machine.inertia[2]) / (2 * np.pi)
     assert table["frequency"].sel(mode="yaw").values == pytest.approx(expected, rel=1e-9)
 
@@ -52,7 +52,7 @@ def test_loads_are_those_of_levers() -> None:
     plant = MACHINE.plant
     weight, plates = plant.machine.mass * plant.gravity, 14.0 * plant.gravity
     x, y = (table[axis].values for axis in "xy")
-    for mount, (a, b) in enumerate(plant.positions):
+    for mount, (a, b, _) in enumerate(plant.positions):
         expected = 0.25 * weight * (1.0 + x[None, :] / a) * 1.0 + 0.25 * weight * y[:, None] / b + plates
         got = table["load"].isel(mount=mount).transpose("y", "x").values
         assert got == pytest.approx(expected, rel=2e-4), mount

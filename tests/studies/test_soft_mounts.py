@@ -66,7 +66,7 @@ def test_a_foot_in_series_counts_and_sealed_oil_does() -> None:
 def turned(angle: float) -> Scenario:
     """The machine with its mounts' corners moved as if the rectangle were turned [rad]."""
     c, s = np.cos(angle), np.sin(angle)
-    places = np.array(MACHINE.plant.positions) @ np.array([[c, s], [-s, c]])
+    places = np.array(MACHINE.plant.positions)[:, :2] @ np.array([[c, s], [-s, c]])
     return parse_scenario(MACHINE.model_dump() | resized(MACHINE, places=places))
 
 

@@ -27,7 +27,7 @@ def test_largest_turn_is_the_longest_vector_of_a_period(rx: complex, ry: complex
 
 
 def test_a_wave_reaches_each_mount_at_its_time() -> None:
-    places = np.array(MACHINE.plant.positions)
+    places = np.array(MACHINE.plant.positions)[:, :2]
     motion = study.wave_motion(places, np.array([10.0]), 180.0, 90.0, "z")[0, :, 2]
     delay = np.angle(motion[0] / motion[1]) / (2 * np.pi * 10.0)  # left after right, 1.2 m apart
     assert delay == pytest.approx(-1.2 / 180.0)

@@ -25,8 +25,8 @@ def ceiling(scenario: Scenario, step: float) -> Array:
     """x, y, z, rx, ry and the load pressures of the benchmark at the recording rate, (n, 5 + mount)."""
     plant, machine = scenario.plant, scenario.plant.machine
     m, h = machine.mass, machine.cg[2]
-    jx, jy, jz = machine.inertia
-    mass = np.diag([m, m, m, jx + m * h * h, jy + m * h * h, jz])
+    mass = np.diag([m, m, m, m * h * h, m * h * h, 0.0])
+    mass[3:, 3:] += machine.tensor
     mass[0, 4] = mass[4, 0] = m * h
     mass[1, 3] = mass[3, 1] = -m * h
     table = isolators(build_model(plant, step)).copy()

@@ -109,7 +109,7 @@ def _print_levels(summary: "Summary", mount: str) -> None:
     for axis in "xyz":
         rows.append((f"ground velocity {axis} ({mount})", "µm/s", 1e6, "ground_velocity", mount, axis))
         rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, "cg_velocity", axis))
-    rows += [(f"machine rotation {dof}", "µrad", 1e6, "machine_displacement", dof) for dof in ("rx", "ry")]
+    rows += [(f"machine rotation {dof}", "µrad", 1e6, "machine_displacement", dof) for dof in ("rx", "ry", "rz")]
     rows += [(f"stroke ({mount})", "µm", 1e6, "stroke", mount), (f"spool ({mount})", "mA", 1.0, "spool", mount)]
 
     def level(levels: dict[str, Any], factor: float, keys: list[str]) -> str:

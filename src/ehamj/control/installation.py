@@ -10,8 +10,10 @@ from ehamj.control.sensors import Sensors
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import Isolator
 from ehamj.isolator.supply import Supply
+from ehamj.plant.bodies import Body
 from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, FEWEST, MOST, MOUNTS, UP, Mount
+from ehamj.plant.part import Part, check_parts
 from ehamj.plant.plant import Plant
 from ehamj.plant.statics import check_standing
 from ehamj.scenario_files import scenario_path, scenario_table
@@ -26,6 +28,7 @@ class Installation(Settings):
         "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
     )
     machine: Machine = Machine()
+    part: tuple[Part, ...] = Field((), description="rigid parts on the machine, which add to its mass and inertia")
     mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="3 to 32 mounts of any names; without, four")
     actuators: dict[str, Isolator] = Field(
         default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
@@ -41,6 +44,7 @@ class Installation(Settings):
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ValueError(f"mount names {twice} appear more than once; each must be unique")
+        check_parts(self.part, self.machine)
         half_x, half_y, high = self.machine.size[0] / 2, self.machine.size[1] / 2, self.machine.size[2]
         for mount in self.mount:
             x, y, z = mount.place
@@ -71,6 +75,11 @@ class Installation(Settings):
         return tuple(sorted(self.mount, key=lambda mount: MOUNTS.index(mount.name)))
 
     @property
+    def others(self) -> tuple[Body, ...]:
+        """What stands on the machine and adds to [machine]: its parts."""
+        return tuple(part.body for part in self.part)
+
+    @property
     def running(self) -> dict[str, Actuator]:
         """The actuators with the values that they run with, which is what is to be shown of them."""
         return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}
@@ -79,7 +88,7 @@ class Installation(Settings):
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
         return Plant(
-            machine=self.machine,
+            machine=self.machine.with_bodies(self.others),
             positions=tuple(mount.place for mount in self._mounts),
             directions=tuple(mount.along for mount in self._mounts),
             heights=tuple(mount.height for mount in self._mounts),

@@ -9,7 +9,7 @@ from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
 from ehamj.judge.levels import SLAB, ByBand, Levels, by_band
 from ehamj.plant.axes import AXES
-from ehamj.plant.levers import plane
+from ehamj.plant.levers import levers
 from ehamj.plant.plant import Plant
 
 LEAST_SHARE = 0.1
@@ -30,7 +30,7 @@ def quiet_bands(levels: Mapping[str, float | None]) -> str:
 
 
 def attenuation_at_cg(levels: Levels, plant: Plant) -> dict[str, ByBand]:
-    """Of the machine's CG and rotation, for x, y, z, rx, ry: band → dB, None where the floor says nothing."""
+    """Of the machine's CG and rotation, for x, y, z, rx, ry, rz: band → dB, None where the floor says nothing."""
     return attenuation_of(levels.floor, levels.machine, levels.places["floor"]["velocity", "rms"], levels.bands, plant)
 
 
@@ -39,9 +39,19 @@ def attenuation_of(
 ) -> dict[str, ByBand]:
     """The same of levels: of ``floor`` and ``machine`` (bands, `SLAB`), and of the ``mounts`` (bands, mount, axis)."""
     single = _single(mounts)
-    arms = np.sqrt((plane(plant.positions)[:, 1:] ** 2).mean(axis=0))
-    turning = single[:, [AXES.index("z")]] / arms
-    return by_band(_attenuation(floor, machine, np.hstack([single, turning])), known, SLAB)
+    return by_band(_attenuation(floor, machine, np.hstack([single, _turning(single, plant)])), known, SLAB)
+
+
+def _turning(single: Array, plant: Plant) -> Array:
+    """The rotations that a single mount's motion (bands, axis) would be if it were nothing else, (bands, 3): of a
+    slab that turns by ω mounts move by ω times the arms, root mean square over them, and that fits best. Heights count
+    from their mean."""
+    places = np.array(plant.positions, float)
+    places[:, AXES.index("z")] -= places[:, AXES.index("z")].mean()
+    turned = levers(places)[:, len(AXES) :].reshape(-1, len(AXES), len(AXES))  # (mount, axis, rotation)
+    arms = np.sqrt((turned**2).mean(axis=0))
+    squares = (arms**2).sum(axis=0)
+    return np.asarray(single @ np.divide(arms, squares, out=np.zeros_like(arms), where=squares > 0.0))
 
 
 def attenuation_at_places(levels: Levels) -> dict[str, dict[str, ByBand]]:

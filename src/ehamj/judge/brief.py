@@ -63,7 +63,7 @@ def _motion(peak: Mapping[str, Any]) -> str:
     places = {"floor": "ground_velocity", "CG": "cg_velocity"}
     found = {name: _largest(peak.get(channel), "z") for name, channel in places.items()}
     said = [f"{name} {MICRO * level:.3g} µm/s" for name, level in found.items() if level is not None]
-    turns = [_largest(peak.get("machine_displacement"), dof) for dof in ("rx", "ry")]
+    turns = [_largest(peak.get("machine_displacement"), dof) for dof in ("rx", "ry", "rz")]
     said += [f"rotation {MICRO * max(turn):.3g} µrad"] if (turn := [one for one in turns if one is not None]) else []
     return ", ".join(said) or "no row was recorded"
 

@@ -61,7 +61,7 @@ class Isolation(Finding):
     """
 
     attenuation_db: dict[str, ByBand]
-    """Per axis and for rx, ry, of the CG: band → dB, positive: quieter than the floor, None: undecided."""
+    """Per axis and for rx, ry, rz, of the CG: band → dB, positive: quieter than the floor, None: undecided."""
     attenuation_at_db: Places
     """The same for x, y, z at the feet (worst of foot over its own ground) and each point."""
     statistic: Literal["rms"] = "rms"

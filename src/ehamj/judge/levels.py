@@ -15,7 +15,7 @@ from ehamj.estimate.reading import Reading, band_rms
 from ehamj.estimate.sliding import TIMES, statistics
 from ehamj.findings import finite
 from ehamj.plant.axes import AXES, DOFS
-from ehamj.plant.levers import plane_fit
+from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
 
 ByBand = dict[str, float | None]
@@ -24,8 +24,8 @@ ByBand = dict[str, float | None]
 BANDS = bands(1.0, 315.0)
 LEAST_ROWS = 16
 """Recorded rows below which nothing is said."""
-SLAB: Final = DOFS[:5]
-"""Motions of the floor as a whole, and of the machine that is held against it: x, y, z, rx, ry."""
+SLAB: Final = DOFS
+"""Motions of the floor as a whole, and of the machine that is held against it: x, y, z, rx, ry, rz."""
 
 
 def duration_of(dataset: xr.Dataset) -> float:
@@ -133,15 +133,20 @@ def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Array, Array]:
 
     For the floor see `floor_as_whole`.
     """
-    machine = [dataset["cg_velocity"].values, dataset["machine_velocity"].values[:, 3:5]]
+    machine = [dataset["cg_velocity"].values, dataset["machine_velocity"].values[:, len(AXES) :]]
     return floor_as_whole(dataset["ground_velocity"].values, plant), np.hstack(machine)
 
 
 def floor_as_whole(ground: Array, plant: Plant) -> Array:
     """Motion (time, `SLAB`) of the floor of the mounts' (time, mount, axis): its translation is their mean, its
-    rotation that of the plane fitted to them."""
-    turning = ground[:, :, AXES.index("z")] @ plane_fit(plant.positions).T
-    return np.hstack([ground.mean(axis=1), turning[:, 1:]])
+    rotation that of the rigid slab whose six motions fit them best.
+
+    Where all mounts stand at one height roll and pitch are those of the plane that fits their heights best, and yaw
+    comes from what they do along x and y alone.
+    """
+    fit = slab_fit(plant.positions)[len(AXES) :].reshape(len(AXES), *ground.shape[1:])
+    turning = np.tensordot(ground, fit, axes=((1, 2), (1, 2)))
+    return np.hstack([ground.mean(axis=1), turning])
 
 
 def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...]) -> Array:

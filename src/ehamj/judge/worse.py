@@ -2,7 +2,7 @@
 
 Along x, y and z it is held against the floor's loudest mount, and not against the mean of the mounts, as attenuation
 is: what passes below them as a wave cancels in the mean, and a machine that moves less than every mount is no worse.
-Roll and pitch are held against the plane fitted to the floor.
+Roll, pitch and yaw are held against those of the rigid slab fitted to the floor.
 """
 
 import math
@@ -42,14 +42,14 @@ class Worse(Finding):
     band: str = Field(alias="band_hz")
     """Where it is worst."""
     amplification_db: float | None
-    """Machine over the floor's loudest mount there, in roll and pitch over the floor's plane; None where the floor does
+    """Machine over the floor's loudest mount there, in rotations over the floor's slab; None where the floor does
     not move along the axis, and the machine does."""
     beside_db: float | None = None
     """Machine over the floor's strongest motion in that band, where the floor does not move along the axis."""
     beside: str | None = Field(None, alias="beside_axis")
     """The axis of that motion; None in a result that is older."""
     level: float | None
-    """RMS velocity of the machine there [m/s]; None of roll and pitch."""
+    """RMS velocity of the machine there [m/s]; None of rotations."""
     first_band: str = Field(alias="from_hz")
     last_band: str = Field(alias="to_hz")
     why: str = ""

@@ -122,11 +122,12 @@ def mac(first: ComplexArray, second: ComplexArray, weights: ArrayLike | None = N
     Args:
         first: shapes.
         second: shapes.
-        weights: diagonal of W (n,), such as masses and inertias, which makes parts of different units comparable.
+        weights: W (n, n) or its diagonal (n,): masses and inertias make parts of different units comparable.
 
     1 for the same shape whatever its scale and phase (Allemang 1983).
     """
     w = np.ones(first.shape[0]) if weights is None else np.asarray(weights, float)
-    cross = np.abs(first.conj().T @ (w[:, None] * second)) ** 2
-    own, other = (np.einsum("nk,n,nk->k", v.conj(), w, v).real for v in (first, second))
+    w = np.diag(w) if w.ndim == 1 else w
+    cross = np.abs(first.conj().T @ w @ second) ** 2
+    own, other = (np.einsum("nk,nm,mk->k", v.conj(), w, v).real for v in (first, second))
     return np.asarray(cross / np.maximum(np.outer(own, other), np.finfo(float).tiny))

@@ -164,7 +164,8 @@ def _basis(model: LinearModel, names: tuple[str, ...], eigen: Eigen, cluster: Se
         return separated(own[spools], np.arange(len(spools), dtype=float))
     moved = np.apply_along_axis(lambda shape: at_cg(model.plant.machine, shape), 0, own[list(DOF_OF_JOINT)])
     planes = np.array([{"x": 0, "ry": 0, "y": 1, "rx": 1, "z": 2, "rz": 3}[dof] for dof in DOFS], float)
-    return separated(np.sqrt(weights(model.plant.machine))[:, None] * moved, planes)
+    root = np.linalg.cholesky(weights(model.plant.machine)).T
+    return separated(np.asarray(root @ moved, complex), planes)
 
 
 def _shares(names: tuple[str, ...], eigen: Eigen, k: int) -> dict[str, float]:

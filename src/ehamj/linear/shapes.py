@@ -25,8 +25,16 @@ def at_point(shape: ComplexArray, point: Sequence[float]) -> ComplexArray:
 
 
 def weights(machine: Machine) -> Array:
-    """Mass [kg] and inertias [kg m²] of a motion taken at the centre of gravity, (6,)."""
-    return np.array([machine.mass] * 3 + list(machine.inertia))
+    """Mass matrix [kg, kg m²] of a motion taken at the centre of gravity, (6, 6)."""
+    found = np.diag([machine.mass] * 6)
+    found[3:, 3:] = machine.tensor
+    return found
+
+
+def kinetic_of(machine: Machine, motion: ComplexArray) -> Array:
+    """Twice the kinetic energy of a motion taken at the centre of gravity (6,), by degree of freedom; what two of them
+    share by a product of inertia is halved between them."""
+    return np.asarray(np.real(motion.conj() * (weights(machine) @ motion)))
 
 
 def at_cg(machine: Machine, shape: ComplexArray) -> ComplexArray:
@@ -44,12 +52,12 @@ def in_phase(machine: Machine, shape: ComplexArray) -> tuple[Array, float]:
         out of step and in step [deg]: 0 where the shape is real, 45 where it circulates.
     """
     motion, w = at_cg(machine, shape), weights(machine)
-    turn = np.exp(-0.5j * np.angle(np.sum(w * motion**2)))
+    turn = np.exp(-0.5j * np.angle(motion @ w @ motion))
     part = (shape * turn).real
     if part[np.argmax(np.abs(part))] < 0.0:
         part = -part
-    energies = [float(np.sum(w * size**2)) for size in ((motion * turn).imag, (motion * turn).real)]
-    return part, float(np.degrees(np.arctan2(*np.sqrt(energies))))
+    sizes = [float(size @ w @ size) for size in ((motion * turn).imag, (motion * turn).real)]
+    return part, float(np.degrees(np.arctan2(*np.sqrt(sizes))))
 
 
 @dataclass(frozen=True)
@@ -110,9 +118,9 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     """
     values = Values.of(plant)
     index = {name: k for k, name in enumerate(states)}
-    parts = Elements.of(values, equilibrium[[index["displacement rx"], index["displacement ry"]]])
     joints = [*JOINTS, *(f"plate {m}" for m, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)]
     at = [index[f"displacement {joint}"] for joint in joints]
+    parts = Elements.of(values, equilibrium[at])
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
     spring: dict[str, Array] = {}
     lost: dict[str, Array] = {}
@@ -122,13 +130,13 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     if f"pressure_1 {plant.mounts[0]}" in index:
         columns = [[index[f"pressure_{chamber} {mount}"] for mount in plant.mounts] for chamber in (1, 2)]
         one, two = (vector[column] for column in columns)
-        oil = Oil.of(values, parts.plate @ equilibrium[at], (equilibrium[columns[0]], equilibrium[columns[1]]))
+        oil = Oil.of(values, parts.stroke, (equilibrium[columns[0]], equilibrium[columns[1]]))
         # Where walls give way a piston sweeps w times its area: what the oil takes up counts over w.
         spring["oil"] = (oil.compliances[0] * np.abs(one) ** 2 + oil.compliances[1] * np.abs(two) ** 2) / oil.stretch
         leaks = 2.0 * oil.edge * (np.abs(one) ** 2 + np.abs(two) ** 2) + oil.cross * np.abs(one - two) ** 2
         lost["leakage"] = leaks / oil.stretch
     turning = np.concatenate([parts.cg[:3], parts.spin]) @ qd
-    own_kinetic = weights(plant.machine) * np.abs(turning) ** 2
+    own_kinetic = kinetic_of(plant.machine, turning)
     plates = float(np.sum(values.mounts["plate_mass"] * np.abs(parts.plate @ qd) ** 2))
     moving = float(own_kinetic.sum()) + plates
     kinetic = dict(zip((*DOFS, "plates"), (*own_kinetic / moving, plates / moving), strict=True))

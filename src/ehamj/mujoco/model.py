@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.memory import ISOLATOR, MACHINE_BODY, Row, rows, size, userdata_size
+from ehamj.plant.bodies import Body, principal_of
 from ehamj.plant.plant import Plant
 from ehamj.settings import Vector3
 
@@ -62,7 +63,7 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     spec.nuserdata = userdata_size(len(plant.mounts))
     spec.nuser_actuator = size(ISOLATOR)
     body, machine = spec.body("machine"), plant.machine
-    body.mass, body.inertia, body.ipos = machine.mass, list(machine.inertia), list(machine.cg)
+    put_body(body, machine.body)
     _add_lateral_membranes(spec, plant)
     table = rows(plant)
     isolators, others = table[: len(plant.mounts)], table[len(plant.mounts) :]
@@ -110,6 +111,19 @@ def reduced(plant: Plant) -> Plant:
     """The plant with its plates tied if all feet are rigid: the same equations without the constraint's own modes."""
     rigid = all(actuator.rigid_foot for actuator in plant.actuators)
     return replace(plant, plates="tied") if rigid else plant
+
+
+def put_body(element: mujoco.MjsBody, body: Body) -> None:
+    """Give a body of the model its mass, centre of gravity and inertia."""
+    element.mass, element.ipos, element.explicitinertial = float(body.mass), body.cg.tolist(), True
+    if np.any(body.tensor - np.diag(np.diag(body.tensor))):
+        moments, axes = principal_of(body.tensor)
+        moments[2] = min(moments[2], moments[0] + moments[1])  # a flat body that was turned has rounded
+        turn = np.empty(4)
+        mujoco.mju_mat2Quat(turn, axes.ravel())
+        element.inertia, element.iquat = moments.tolist(), turn.tolist()
+    else:
+        element.inertia = np.diag(body.tensor).tolist()
 
 
 def _add_actuator(spec: mujoco.MjSpec, row: Row, target: tuple[str, mujoco.mjtTrn], **others: Any) -> None:

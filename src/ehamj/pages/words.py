@@ -25,7 +25,14 @@ ENGINEERING: Final = {
 NEGLIGIBLE: Final = 1e-6
 """Values below this in engineering units are rounding; a channel of nothing else is left out."""
 
-AXIS_NAMES: Final = {"z": "vertical, z", "x": "along x", "y": "along y", "rx": "roll, rx", "ry": "pitch, ry"}
+AXIS_NAMES: Final = {
+    "z": "vertical, z",
+    "x": "along x",
+    "y": "along y",
+    "rx": "roll, rx",
+    "ry": "pitch, ry",
+    "rz": "yaw, rz",
+}
 CRITERION_AXES: Final = ("z", "x", "y")
 TURNS: Final = ("rx", "ry", "rz")
 

@@ -13,8 +13,8 @@ import xarray as xr
 
 from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE
 from ehamj.plots import Figure, Line, lines_chart, svg
-from ehamj.result import Result, written_whole
-from ehamj.run.simulate import simulate_many
+from ehamj.result import written_whole
+from ehamj.run.simulate import Observed, observe_many
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -44,7 +44,7 @@ def amplitude_response(study: AmplitudeStudy) -> xr.Dataset:
     """
     limit = study.scenario.plant.actuators[0].voltage_limit
     cases = [(share * limit, hertz) for share in study.shares for hertz in study.frequencies]
-    runs = simulate_many(_driven(study.scenario, study.settling, *case) for case in cases)
+    runs = observe_many((_driven(study.scenario, study.settling, *case) for case in cases), _first_mount)
     data, over = {}, ("share", "frequency")
     for name, unit, text in (("spool", "mA/V", "spool"), ("stroke", "m/V", "plate over the ground")):
         answers = [_fundamental(run, name, *case) for run, case in zip(runs, cases, strict=True)]
@@ -73,10 +73,16 @@ def _driven(scenario: Scenario, settling: float, amplitude: float, hertz: float)
     return parse_scenario(table)
 
 
-def _fundamental(run: Result, name: str, amplitude: float, hertz: float) -> complex:
+def _first_mount(run: Observed) -> xr.Dataset:
+    """Of the first mount, which all others are like: what gains are taken from."""
+    return run.dataset[["spool", "stroke"]].isel(mount=0)
+
+
+def _fundamental(part: xr.Dataset, name: str, amplitude: float, hertz: float) -> complex:
     """Complex gain at the driving frequency over the last whole periods."""
-    last = slice(-round(PERIODS * run.scenario.record_rate / hertz), None)
-    time, values = run.dataset["time"].values[last], run.dataset[name].values[last, 0]
+    rate = (part.sizes["time"] - 1) / float(part["time"][-1])
+    last = slice(-round(PERIODS * rate / hertz), None)
+    time, values = part["time"].values[last], part[name].values[last]
     line = 2.0 * np.mean((values - values.mean()) * np.exp(-2j * np.pi * hertz * time))
     return complex(line / (-1j * amplitude))
 

@@ -1,11 +1,13 @@
 """The rigid machine."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
 from pydantic import model_validator
 
+from ehamj.arrays import Array
+from ehamj.plant.bodies import Body, Inertia, check_inertia, joined, tensor_of, written_inertia
 from ehamj.settings import Parameters, Vector3, quantity
 
 
@@ -16,14 +18,18 @@ def box_inertia(mass: float, size: Vector3) -> Vector3:
 
 
 class Machine(Parameters):
-    """The rigid machine: mass properties and outline; the origin is the mount plane's centre, z up."""
+    """The rigid machine: mass properties and outline; the origin is the mount plane's centre, z up.
 
-    mass: float = quantity(4000.0, "kg", "m", "mass without the plates", "assumed", gt=0)
-    inertia: Vector3 = quantity(
+    As a scenario's table it is the machine's frame, to which parts and slides add.
+    """
+
+    mass: float = quantity(4000.0, "kg", "m", "mass without the plates, parts and slides", "assumed", gt=0)
+    inertia: Inertia = quantity(
         (2000.0, 3000.0, 4000.0),
         "kg m²",
         "J",
-        "principal inertia about the CG, x, y, z; left out of another mass or size: that of a homogeneous box",
+        "inertia about the CG: moments about x, y, z, or the tensor, row by row, products as −∫xy dm; left out of "
+        "another mass or size: that of a homogeneous box",
         "assumed",
     )
     cg: Vector3 = quantity((0.0, 0.0, 0.75), "m", "r_CG", "centre of gravity from the mount plane's centre", "assumed")
@@ -48,24 +54,37 @@ class Machine(Parameters):
     def assumptions(self) -> tuple[str, ...]:
         """What a reader must know that was assumed since nobody gave it."""
         box = box_inertia(self.mass, self.size)
-        if self.sources["inertia"] != "assumed" or not np.allclose(self.inertia, box, rtol=1e-9):
+        if self.sources["inertia"] != "assumed" or not np.allclose(self.tensor, np.diag(box), rtol=1e-9):
             return ()
-        values = ", ".join(f"{entry:.4g}" for entry in self.inertia)
+        values = ", ".join(f"{entry:.4g}" for entry in np.diag(self.tensor))
         size = " × ".join(f"{side:g}" for side in self.size)
         of = f"that of a homogeneous box of {self.mass:g} kg, {size} m"
         return (f"machine.inertia was not given: [{values}] kg m² is assumed, {of}",)
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
-        for name in ("inertia", "size"):
-            if min(getattr(self, name)) <= 0:
-                raise ValueError(f"{name} = {list(getattr(self, name))} must be positive in each entry")
-        a, b, c = self.inertia
-        if a + b < c or b + c < a or c + a < b:  # as the engine has it, to the last bit
-            raise ValueError(
-                f"inertia = {[a, b, c]} is of no rigid body: each entry is at most the sum of the other two"
-            )
+        if min(self.size) <= 0:
+            raise ValueError(f"size = {list(self.size)} must be positive in each entry")
+        check_inertia("inertia", self.inertia)
         half_x, half_y = self.size[0] / 2, self.size[1] / 2
         if abs(self.cg[0]) > half_x or abs(self.cg[1]) > half_y or not 0 <= self.cg[2] <= self.size[2]:
             raise ValueError(f"cg = {list(self.cg)} lies outside the machine's outline, size = {list(self.size)}")
         return self
+
+    @property
+    def tensor(self) -> Array:
+        """The tensor of inertia about the centre of gravity (3, 3) [kg m²]."""
+        return tensor_of(self.inertia)
+
+    @property
+    def body(self) -> Body:
+        """Its mass properties."""
+        return Body.of(self.mass, self.cg, self.inertia)
+
+    def with_bodies(self, others: Sequence[Body]) -> Self:
+        """The machine with other rigid bodies on it, as one."""
+        if not others:
+            return self
+        mass, cg, tensor = joined([self.body, *others])
+        whole = {"mass": float(mass), "cg": tuple(map(float, cg)), "inertia": written_inertia(tensor)}
+        return self.model_copy(update=whole)

@@ -19,6 +19,7 @@ class Plant:
     """Everything physical that is simulated: the machine, its isolators in the order of the mounts, the supply."""
 
     machine: Machine
+    """All that is rigid: the frame with the parts on it."""
     positions: tuple[Vector3, ...]
     """x, y, z of each mount [m]."""
     actuators: tuple[Actuator, ...]
@@ -34,16 +35,37 @@ class Plant:
     cut_off: tuple[str, ...] = ()
     """Mounts whose branch has lost the supply: their valves are fed at the tank's pressure."""
 
-    directions: tuple[Vector3, ...] = (UP,) * len(MOUNTS)
-    """Unit vectors along which the mounts act, towards the machine."""
-    heights: tuple[float, ...] = (0.0,) * len(MOUNTS)
-    """Shims below the mounts, along their directions [m]."""
+    directions: tuple[Vector3, ...] = ()
+    """Unit vectors along which the mounts act, towards the machine; up without."""
+    heights: tuple[float, ...] = ()
+    """Shims below the mounts, along their directions [m]; none without."""
+
+    def __post_init__(self) -> None:
+        for name, value in (("directions", UP), ("heights", 0.0)):
+            if not getattr(self, name):
+                object.__setattr__(self, name, (value,) * len(self.positions))
 
     @cached_property
     def layout(self) -> Layout:
         """What the mounts can do together."""
         active = tuple(not actuator.passive for actuator in self.actuators)
         return Layout(np.array(self.positions), np.array(self.directions), active)
+
+    @cached_property
+    def central(self) -> Layout:
+        """`layout` with rotations about the height of the centre of gravity, above the mount plane's centre, where its
+        motions are hardly coupled; of upright mounts it is the same."""
+        return self.layout.raised(self.machine.cg[2])
+
+    @cached_property
+    def obeying(self) -> Self:
+        """The plant with its active mounts alone: what laws command."""
+        kept = [k for k, actuator in enumerate(self.actuators) if not actuator.passive]
+        if len(kept) == len(self.actuators):
+            return self
+        each = ("positions", "actuators", "mounts", "directions", "heights")
+        own: dict[str, Any] = {name: tuple(getattr(self, name)[k] for k in kept) for name in each}
+        return replace(self, **own)
 
     @property
     def flat(self) -> bool:

@@ -52,17 +52,26 @@ def check_points(points: Points, machine: Machine, mounts: Sequence[str]) -> Non
     Raises:
         ValueError: naming the point and what is allowed.
     """
+    for name, place in points.items():
+        _check_name("points", name, mounts)
+        check_place(f"points.{name}", place, machine)
+
+
+def check_place(key: str, place: Vector3, machine: Machine) -> None:
+    """Refuse what is too far from the machine to belong to it.
+
+    Raises:
+        ValueError: naming the key, the value and what is allowed.
+    """
     length, width, height = machine.size
     low = (-length / 2 - MARGIN, -width / 2 - MARGIN, -MARGIN)
     high = (length / 2 + MARGIN, width / 2 + MARGIN, height + MARGIN)
-    for name, place in points.items():
-        _check_name("points", name, mounts)
-        if any(not a <= value <= b for a, value, b in zip(low, place, high, strict=True)):
-            allowed = ", ".join(f"{a:g} to {b:g}" for a, b in zip(low, high, strict=True))
-            raise ValueError(
-                f"points.{name} = {list(place)} must lie within {MARGIN:g} m of the machine's outline "
-                f"(machine.size): x, y, z in {allowed} m"
-            )
+    if any(not a <= value <= b for a, value, b in zip(low, place, high, strict=True)):
+        allowed = ", ".join(f"{a:g} to {b:g}" for a, b in zip(low, high, strict=True))
+        raise ValueError(
+            f"{key} = {list(place)} must lie within {MARGIN:g} m of the machine's outline "
+            f"(machine.size): x, y, z in {allowed} m"
+        )
 
 
 def check_relatives(relatives: Sequence[Relative], points: Points, mounts: Sequence[str]) -> None:

@@ -22,7 +22,7 @@ GRID: Color = (62, 66, 72)
 ZERO: Color = (150, 155, 160)
 TEXT: Color = (170, 175, 180)
 
-TITLES = {"x": "along x", "y": "along y", "z": "vertical", "rx": "roll rx", "ry": "pitch ry"}
+TITLES = {"x": "along x", "y": "along y", "z": "vertical", "rx": "roll rx", "ry": "pitch ry", "rz": "yaw rz"}
 
 
 class Curve(NamedTuple):

@@ -15,7 +15,6 @@ from ehamj.plots import Response
 from ehamj.rig.comparison import COHERENT, JUDGED, Comparison, own_output
 from ehamj.rig.measurement import Measurement
 
-NAMES: Final = {**AXIS_NAMES, "rz": "yaw, rz"}
 MATRIX_UNIT: Final = "m/m"
 UNKNOWN: Final = "left out where the confidence circle reaches zero"
 
@@ -71,7 +70,7 @@ def elements(found: Comparison) -> Iterator[Picture]:
     """A figure for each degree of freedom of the floor: the machine's own answer in it, linear and measured."""
     for dof in found.settings.dofs:
         output = own_output(found.outputs, dof)
-        title = f"Floor to machine, {NAMES[dof]}"
+        title = f"Floor to machine, {AXIS_NAMES[dof]}"
         figure = plots.response(title, list(curves(found, output, dof)), unit(output, dof), found.settings.confidence)
         yield Picture(f"transmissibility-{dof}", figure)
 
@@ -92,7 +91,7 @@ def matrix(found: Comparison) -> Iterator[Picture]:
     if len(found.settings.dofs) < 2:
         return
     linear = found.variants[0].linear
-    turn = {dof: found.length if dof.startswith("r") else 1.0 for dof in NAMES}
+    turn = {dof: found.length if dof.startswith("r") else 1.0 for dof in AXIS_NAMES}
     panels = {}
     for output in linear.outputs:
         row = output.split(" ")[-1]
@@ -126,7 +125,7 @@ def attenuation_tables(found: Comparison) -> Iterator[Table]:
             [band.name, *(decibel(None if np.isnan(part[k]) else part[k]) for part in parts.values())]
             for k, band in enumerate(found.chosen)
         ]
-        yield Table(f"Attenuation per third-octave [dB], {NAMES[dof]}", ["band [Hz]", *parts], rows)
+        yield Table(f"Attenuation per third-octave [dB], {AXIS_NAMES[dof]}", ["band [Hz]", *parts], rows)
 
 
 def agreement_table(found: Comparison) -> Iterator[Table]:

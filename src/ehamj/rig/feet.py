@@ -12,9 +12,8 @@ from ehamj.linear.response import TURNS, lever_scale
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
-from ehamj.result import Result
 from ehamj.rig.plan import Plan, with_noise
-from ehamj.run.simulate import simulate_many
+from ehamj.run.simulate import Observed, observe_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
@@ -85,11 +84,12 @@ def responses(
     """Fits of pLSCF to responses of the feet under one of `EXCITATIONS`, and how they were made, in words."""
     way, plant = EXCITATIONS[kind], scenario.plant
     steps = {"record_rate": 1.0 / plan.step, "timestep": plan.step}
-    runs = simulate_many(
+    cases = (
         changed(scenario, steps | way.table(scenario, plan, name, realisation))
         for realisation in range(realisations)
         for name in way.inputs
     )
+    runs = observe_many(cases, lambda run: run)
     fits, to_centre = [], slab_fit(plant.positions)
     for realisation in range(realisations):
         columns = [
@@ -113,7 +113,7 @@ def _scale(plant: Plant, name: str) -> float:
     return lever_scale(plant) if name in TURNS else 1.0
 
 
-def _response(run: Result, name: str, kind: str, plan: Plan, noise: float, seed: list[int]) -> ComplexArray:
+def _response(run: Observed, name: str, kind: str, plan: Plan, noise: float, seed: list[int]) -> ComplexArray:
     """Motion of the feet over that of the floor in one degree of freedom, or over the force, (line, mount·axis)."""
     time, rate, motion = run.dataset.sizes["time"], run.scenario.record_rate, EXCITATIONS[kind].motion
     # Of noise, one period; of what begins and ends at rest, everything.

@@ -20,10 +20,9 @@ from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
 from ehamj.linear.response import TURNS, lever_scale, machine_channels, slab_pattern
 from ehamj.plant.axes import DOFS
-from ehamj.result import Result
 from ehamj.rig.measurement import Measurement, channel
 from ehamj.run.progress import Progress, counted, silent
-from ehamj.run.simulate import simulate_many
+from ehamj.run.simulate import Observed, observe_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
@@ -94,7 +93,7 @@ def by_multisine(
         excited(scenario, {"ground": _ground(dofs, f, levels, phase, fade_in)}, f, duration)
         for phase in counted(list(phases), progress)
     )
-    answers = np.array(simulate_many(cases, reduce=lambda run: _answers(run, outputs, f, settling)))
+    answers = np.array(observe_many(cases, lambda run: _answers(run, outputs, f, settling)))
     amplitude = np.sqrt(2.0) * np.outer(levels, 1.0 / (2 * np.pi * f))
     # A sine of phase φ has the spectral line −j·A·exp(jφ) at the beginning of its period, which whole periods follow.
     given = (-1j * amplitude * np.exp(1j * phases)).transpose(0, 2, 1)
@@ -146,7 +145,7 @@ def _ground(
     return parts[0] if len(parts) == 1 else {"kind": "sum", "parts": parts}
 
 
-def _answers(run: Result, outputs: Sequence[str], frequency: Array, begin: float) -> ComplexArray:
+def _answers(run: Observed, outputs: Sequence[str], frequency: Array, begin: float) -> ComplexArray:
     """Lines of each output over the last periods, (f, output)."""
     size = round(PERIOD * run.scenario.record_rate)
     first = round(begin * run.scenario.record_rate)

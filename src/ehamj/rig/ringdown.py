@@ -8,9 +8,8 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.estimate.identification import Estimates, realise
 from ehamj.plant.axes import DOFS
-from ehamj.result import Result
 from ehamj.rig.plan import Plan, with_noise
-from ehamj.run.simulate import simulate_many
+from ehamj.run.simulate import Observed, observe_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
@@ -38,7 +37,7 @@ def step_for(rate: float, longest: float = 1e-4) -> float:
     return float(1.0 / rate / np.ceil(1.0 / (longest * rate) - 1e-9))
 
 
-def decay(run: Result, *dofs: str) -> Array:
+def decay(run: Observed, *dofs: str) -> Array:
     """Displacement of the mount plane's centre about its rest from the end of jolts in ``dofs`` on, (n, 6) [m, rad]."""
     motion = run.dataset["machine_displacement"]
     moved = [JOLTS[dof] * 2 * PULSE / np.pi if dof in dofs else 0.0 for dof in DOFS]  # where the floor has come to rest
@@ -51,7 +50,7 @@ def ring_down(scenario: Scenario, plan: Plan, realisations: int, noise: float) -
     rate = 1000.0 * math.ceil(5.0 * plan.high / 1000.0)
     duration = math.ceil(1.4 / plan.decay * 1000.0) / 1000.0
     values = {"record_rate": rate, "duration": duration, "timestep": step_for(rate, plan.step)}
-    runs = simulate_many(changed(scenario, values | {"ground": jolt(dof)}) for dof in JOLTS)
+    runs = observe_many((changed(scenario, values | {"ground": jolt(dof)}) for dof in JOLTS), lambda run: run)
     decays = np.array([decay(run, dof) for dof, run in zip(JOLTS, runs, strict=True)])
     fits = []
     for k in range(realisations):

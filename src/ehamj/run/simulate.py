@@ -2,8 +2,11 @@
 
 import threading
 import time as clock
-from collections.abc import Callable, Iterable, Sequence, Sized
-from typing import Any, TypeVar, overload
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from contextlib import contextmanager
+from typing import Any, NamedTuple, TypeVar, overload
+
+import xarray as xr
 
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
@@ -11,10 +14,10 @@ from ehamj.errors import InputError
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.model import drawn_xml
 from ehamj.result import CONTROLLER_FILE, Result
-from ehamj.run.drive import Progress, drive
+from ehamj.run.drive import Driven, Progress, drive
 from ehamj.run.failures import Incomplete, failure
 from ehamj.run.observe import observe
-from ehamj.run.prepare import prepare
+from ehamj.run.prepare import Prepared, prepare
 from ehamj.run.summarise import summarise
 from ehamj.run.workers import processors, worked_through
 from ehamj.scenario.load import Given, as_scenario
@@ -38,20 +41,54 @@ def simulate(scenario: Given, progress: Progress | None = None, controller: Any 
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
-    started, scenario = clock.perf_counter(), as_scenario(scenario)
+    began = clock.perf_counter()
+    run = _observed(as_scenario(scenario), progress, controller)
+    return _judged(run, began, controller)
+
+
+class Observed(NamedTuple):
+    """A run that nobody has judged: its channels, and what they came from."""
+
+    prepared: Prepared
+    driven: Driven
+    dataset: xr.Dataset
+    failed: str | None
+    """What went wrong, in words; None where nothing did."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """What was simulated."""
+        return self.prepared.scenario
+
+
+def observed(scenario: Scenario, controller: Any = None) -> Observed:
+    """As `simulate`, without a summary, which takes longer than most short runs."""
+    began = clock.perf_counter()
+    run = _observed(scenario, None, controller)
+    if run.failed is not None:
+        _judged(run, began, controller)  # raises
+    return run
+
+
+def _observed(scenario: Scenario, progress: Progress | None, controller: Any) -> Observed:
     with hydraulics():
         prepared = prepare(scenario, None if controller is None else as_controller(controller))
         driven = drive(prepared, progress)
     dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
-    summary = summarise(prepared, driven, dataset, clock.perf_counter() - started, failed)
-    law = prepared.law
+    return Observed(prepared, driven, dataset, failed)
+
+
+def _judged(run: Observed, began: float, controller: Any) -> Result:
+    """The result of a run that began at a time of the clock [s]; raises `Incomplete` of one that failed."""
+    prepared, scenario, law = run.prepared, run.scenario, run.prepared.law
+    summary = summarise(prepared, run.driven, run.dataset, clock.perf_counter() - began, run.failed)
     if law is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
-    result = Result(scenario, dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law)
-    if failed is not None:
-        raise Incomplete(failed, result) from next(iter(prepared.loop.failures), None)
+    result = Result(scenario, run.dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law)
+    if run.failed is not None:
+        raise Incomplete(run.failed, result) from next(iter(prepared.loop.failures), None)
     return result
 
 
@@ -106,10 +143,9 @@ def simulate_many(
     watch = _Watch()
 
     def one(number: int, given: Given) -> Any:
-        where = f"scenario {number}"
-        try:
+        with _naming(f"scenario {number}"):
             scenario = as_scenario(given)
-            where += f" ({scenario.name})"
+        with _naming(f"scenario {number} ({scenario.name})"):
             if laws is not None:
                 _check_count(laws, max(number + 1, len(laws)))
             law = None if laws is None else laws[number]
@@ -117,11 +153,6 @@ def simulate_many(
                 watch.see(scenario)
             result = simulate(scenario, controller=law)
             return result if reduce is None else reduce(result)
-        except Exception as error:
-            named = _named(error, where)
-            if named is error:
-                raise
-            raise named from error
 
     with hydraulics():
         found = worked_through(scenarios, one, threads or processors(), watch.say)
@@ -130,9 +161,32 @@ def simulate_many(
     return found
 
 
+def observe_many(scenarios: Iterable[Scenario], reduce: Callable[[Observed], T]) -> list[T]:
+    """What is made of the channels of each scenario's run, which nobody judges; else as `simulate_many`."""
+
+    def one(number: int, scenario: Scenario) -> T:
+        with _naming(f"scenario {number} ({scenario.name})"):
+            return reduce(observed(scenario))
+
+    with hydraulics():
+        return worked_through(scenarios, one, processors())
+
+
 def _check_count(laws: Sequence[Any], scenarios: int) -> None:
     if len(laws) != scenarios:
         raise InputError(f"controllers: are {len(laws)}, they must be one for each of the {scenarios} scenarios")
+
+
+@contextmanager
+def _naming(where: str) -> Iterator[None]:
+    """What fails within says where among many."""
+    try:
+        yield
+    except Exception as error:
+        named = _named(error, where)
+        if named is error:
+            raise
+        raise named from error
 
 
 def _named(error: Exception, where: str) -> Exception:

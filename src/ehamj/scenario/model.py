@@ -78,6 +78,7 @@ class Scenario(Installation, Course):
     def _observed(self) -> Self:
         if "points" not in self.model_fields_set:
             object.__setattr__(self, "points", default_points(self.machine))
+        self.control.commands([mount.name for mount in self.mount])
         check_points(self.points, self.machine, MOUNTS)
         check_relatives(self.relative, self.points, MOUNTS)
         check_forces(self.force, self.points)
@@ -131,7 +132,7 @@ class Scenario(Installation, Course):
 
     def load(self) -> Load:
         """The forces on the machine itself."""
-        return load_of(self.force, self.points, self.machine.cg, self.duration, self.seed)
+        return load_of(self.force, self.points, self.plant.machine.cg, self.duration, self.seed)
 
     def as_designed(self) -> Self:
         """The scenario on the very machine that its law is derived from."""

@@ -21,7 +21,7 @@ from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
 from ehamj.plots import Figure, lines_chart
-from ehamj.run.simulate import simulate
+from ehamj.run.simulate import observed
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
@@ -108,7 +108,7 @@ def simulated_residual(
     ground = {"kind": "multisine", "dof": "z", "frequencies": f.tolist(), "velocities": (settings.velocity,)}
     ground |= {"phases": phases.tolist(), "fade_in": 1.0}
     law = None if loop is None else loop.law
-    run = simulate(still(scenario, ground=ground, duration=5.0, record_rate=2000.0), controller=law)
+    run = observed(still(scenario, ground=ground, duration=5.0, record_rate=2000.0), controller=law)
     part = run.dataset.sel(time=slice(4.0 + 1e-9, None))
     time = part["time"].values
     signals = [part["cg_displacement"].sel(axis="z"), *(part["machine_displacement"].sel(dof=d) for d in ("rx", "ry"))]
@@ -131,7 +131,7 @@ def simulated_event(
     own = plant.actuators[plant.mounts.index(name)]
     step = {"kind": "step", "mounts": (name,), "amplitude": share * own.spool_stroke / own.valve_gain}
     control = {"kind": "open-loop", "signals": (step | {"start": 0.05},)}
-    run = simulate(still(scenario, control=control, duration=duration)).dataset.isel(time=-1)
+    run = observed(still(scenario, control=control, duration=duration)).dataset.isel(time=-1)
     stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
     stroke = run["stroke"].values
     return {"stroke": stroke, "oil": run["actuator_force"].values, "membrane": -stiffness * stroke}

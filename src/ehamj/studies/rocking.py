@@ -15,7 +15,7 @@ from ehamj.labels import labelled, table
 from ehamj.mujoco import hydraulics
 from ehamj.plots import Figure, Line, map_chart
 from ehamj.rig.ringdown import JOLTS, decay, jolt, step_for
-from ehamj.run.simulate import simulate
+from ehamj.run.simulate import observed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, silent
@@ -90,7 +90,7 @@ def _identified(scenario: Scenario, height: float, width: float, slowest: float,
     duration = max(0.12, 5.0 / slowest)
     rate = float(np.ceil(SAMPLES / duration))
     ground = {"kind": "sum", "parts": [jolt(dof) for dof in JOLTS]}
-    run = simulate(still(one, ground=ground, duration=duration, record_rate=rate, timestep=step_for(rate)))
+    run = observed(still(one, ground=ground, duration=duration, record_rate=rate, timestep=step_for(rate)))
     after = decay(run, *JOLTS)
     ((poles, _),) = realise(after / np.abs(after).max(axis=0), rate, (ORDER,))
     found = np.abs(poles[poles.imag > 0.0]) / (2 * np.pi)

@@ -25,7 +25,7 @@ from ehamj.mujoco import hydraulics
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.plots import Figure, Line, lines_chart
-from ehamj.run.simulate import simulate
+from ehamj.run.simulate import observed
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
@@ -114,7 +114,7 @@ def falls(scenario: Scenario, about: str, duration: float = 60.0) -> bool:
     dof = "rx" if about == "about x" else "ry"
     nudge = {"kind": "shock", "dof": dof, "velocity": NUDGE, "pulse_time": 0.05, "return_time": 0.2, "begin": 0.01}
     values = {"ground": nudge, "duration": duration, "record_rate": 200.0, "fault": (), "may_fall": True}
-    run = simulate(changed(scenario, values))
+    run = observed(changed(scenario, values))
     tilt = np.abs(run.dataset["machine_displacement"].sel(dof=dof).values)
     return bool(tilt[-tilt.size // 10 :].max() > 1.5 * tilt[: tilt.size // 2].max())
 

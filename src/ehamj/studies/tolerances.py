@@ -90,7 +90,7 @@ class Drawn(NamedTuple):
         }
         return {
             "machine.mass": machine.mass * self.mass,
-            "machine.inertia": [self.mass * entry for entry in machine.inertia],
+            "machine.inertia": (self.mass * np.array(machine.inertia)).tolist(),
             "machine.cg": (np.array(machine.cg) + self.cg).tolist(),
             **with_actuators(scenario, isolators),
         }

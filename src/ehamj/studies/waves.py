@@ -19,7 +19,7 @@ from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import ground_response, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots import Figure, Line, direction_chart, map_chart
-from ehamj.run.simulate import simulate
+from ehamj.run.simulate import observed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
@@ -210,7 +210,7 @@ def simulated_rocking(scenario: Scenario, axis: str, wave: dict[str, float], vel
         "frequency": hertz,
     }
     ground |= {"wave": {"speed": wave["speed"], "direction": wave["direction"]}, "fade_in": 0.5}
-    run = simulate(still(scenario, ground=ground, duration=SETTLED + 1.0, record_rate=2000.0))
+    run = observed(still(scenario, ground=ground, duration=SETTLED + 1.0, record_rate=2000.0))
     part = run.dataset["machine_velocity"].sel(time=slice(SETTLED + 1e-9, None))
     line = np.exp(-2j * np.pi * hertz * part["time"].values)
     phasors = [2.0 * np.mean(part.sel(dof=dof).values * line) for dof in ("rx", "ry")]

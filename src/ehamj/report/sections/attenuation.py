@@ -18,7 +18,7 @@ def attenuation(shown: Shown) -> Section:
 
 def _figures(shown: Shown) -> Iterator[Picture]:
     for axis, words in AXIS_NAMES.items():
-        tables = {label: result.summary.attenuation_db[axis] for label, result in shown.results.items()}
+        tables = {label: result.summary.attenuation_db.get(axis, {}) for label, result in shown.results.items()}
         curves = [
             Levels.of_bands(label, table, shown.colors[label]) for label, table in tables.items() if known([table])
         ]
@@ -49,11 +49,11 @@ def _notes(shown: Shown) -> list[str]:
         return ["The ground is at rest: attenuation is not defined."]
     found = [
         "Up is quieter. Along x, y and z: the mean of the floor at the mounts over the machine's centre of gravity; "
-        "roll and pitch: of the plane fitted to the floor, over those of the machine; all of the RMS over the whole "
-        f"run.{mixed_in(shown)} Gaps are undecided bands."
+        "roll, pitch and yaw: of the rigid slab fitted to the floor, over those of the machine; all of the RMS over "
+        f"the whole run.{mixed_in(shown)} Gaps are undecided bands."
     ]
     tables = [result.summary.attenuation_db for result in shown.results.values()]
-    silent = [name for axis, name in AXIS_NAMES.items() if not known(table[axis] for table in tables)]
+    silent = [name for axis, name in AXIS_NAMES.items() if not known(table.get(axis, {}) for table in tables)]
     if silent:
         why = "since the floor moves too little or the run is short"
         found.append(f"Undecided in every band, {why}: {'; '.join(silent)}.")

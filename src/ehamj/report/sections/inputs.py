@@ -86,6 +86,21 @@ def _symbol(symbol: str) -> str:
     return Markup(re.sub(r"_([^\W_]+)", r"<sub>\1</sub>", str(escape(symbol))))
 
 
+def _parts(scenario: Scenario) -> list[Table]:
+    """Parts, and what they make together with the machine; nothing where there are none."""
+    if not scenario.part:
+        return []
+    whole = scenario.plant.machine
+    rows = [
+        [name, exact(mass), plain(place), plain(inertia)]
+        for name, mass, place, inertia in (
+            *((part.name, part.mass, part.position, part.inertia) for part in scenario.part),
+            ("all together", whole.mass, whole.cg, whole.inertia),
+        )
+    ]
+    return [Table("Parts on the machine", ("part", "mass [kg]", "CG [m]", "inertia [kg m²]"), rows, kind="words")]
+
+
 def _mounts(scenario: Scenario) -> list[Table]:
     plant = scenario.plant
     rows = [
@@ -134,6 +149,7 @@ def _flat(settings: BaseModel, prefix: str, only: Sequence[str] = ()) -> Iterato
 
 TABLES: Final[tuple[Callable[[Scenario], list[Table]], ...]] = (
     lambda scenario: [_quantities("Machine", scenario.machine)],
+    _parts,
     _mounts,
     _actuators,
     lambda scenario: [_quantities("Supply", scenario.supply)],

@@ -83,7 +83,7 @@ def _rigid_body(plant: Plant, plates: Array) -> tuple[Array, Array, Array, Array
     cg = np.array([[1, 0, 0, 0, h, -cy], [0, 1, 0, -h, 0, cx], [0, 0, 1, cy, -cx, 0]], float)
     m, g, up = plant.machine.mass, plant.gravity, feet[:, 2]
     mass = m * cg.T @ cg + up.T @ (plates[:, None] * up)
-    mass[3:, 3:] += np.diag(plant.machine.inertia)
+    mass[3:, 3:] += plant.machine.tensor
     weight = -g * (m * cg[2] + plates @ up)
     return np.linalg.inv(mass), np.ascontiguousarray(feet), weight, m * g * h * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
 
