@@ -12,6 +12,10 @@ from ehamj.plant.layout import SINGULAR
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 
+UNHELD: Final = 1e-12
+"""Share of the best-held motion, all springs alike and rotations as lengths, up to which nothing holds one: rounding of
+feet in one line is its square."""
+
 PURE: Final = 1e-6
 """Share of a motion beside one of the six that is left out of its name."""
 
@@ -22,11 +26,15 @@ def elastic_stiffness(plant: Plant) -> Array:
     Each mount adds K_L along its direction (a stiffness that a load which stays meets: `Actuator.static_stiffness`) and
     k_h across it, at its foot: docs/physics.md, statics.
     """
+    return _assembled(plant, [(a.static_stiffness, a.lateral_stiffness) for a in plant.actuators])
+
+
+def _assembled(plant: Plant, springs: Sequence[tuple[float, float]]) -> Array:
+    """Σ Lᵀ (k_along ddᵀ + k_across (1 − ddᵀ)) L over the mounts (6, 6)."""
     total = np.zeros((6, 6))
-    for position, along, actuator in zip(plant.positions, plant.directions, plant.actuators, strict=True):
-        line, foot = np.outer(along, along), lever(position)
-        spring = actuator.static_stiffness * line + actuator.lateral_stiffness * (np.eye(3) - line)
-        total += foot.T @ spring @ foot
+    for position, direction, (along, across) in zip(plant.positions, plant.directions, springs, strict=True):
+        line, foot = np.outer(direction, direction), lever(position)
+        total += foot.T @ (along * line + across * (np.eye(3) - line)) @ foot
     return total
 
 
@@ -70,29 +78,34 @@ def gravity_stiffness(plant: Plant) -> Array:
     return total
 
 
-def unheld(plant: Plant, stiffness: Array) -> tuple[str, ...]:
-    """Motions that a stiffness (6, 6) does not hold, in words, each with its stiffness; none where it is positive
-    definite. Rotations count as lengths at the feet's mean distance."""
+def _loose(plant: Plant, matrix: Array, stiffness: Array, least: float) -> tuple[str, ...]:
+    """Motions of which a symmetric matrix (6, 6) has no more than this share of its largest eigenvalue, in words.
+
+    Rotations count as lengths at the feet's mean distance; ``stiffness`` gives the value that is told.
+    """
     scale = np.array([1.0, 1.0, 1.0, *[1.0 / plant.layout.span] * 3])
-    values, vectors = np.linalg.eigh(stiffness * np.outer(scale, scale))
-    loose = values <= SINGULAR * max(float(np.abs(values).max()), SINGULAR)
-    space, found = vectors[:, loose], []
+    values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))
+    space = vectors[:, values <= least * np.abs(values).max()]
+    found = []
     for k in range(len(DOFS)):  # what is one of the six alone, first
-        if space.shape[1] and float(space[k] @ space[k]) > 1.0 - PURE:
-            found.append(np.eye(6)[k])
-            space = np.linalg.svd(space - np.outer(np.eye(6)[k], space[k]), full_matrices=False)[0][:, : -1 or None]
-    motions = [*found, *space.T]
-    return tuple(_said(motion * scale, stiffness) for motion in motions)
+        if space.size and float(space[k] @ space[k]) > 1.0 - PURE:
+            alone = np.eye(6)[k]
+            found.append(alone)
+            space = np.linalg.svd(space - np.outer(alone, space[k]), full_matrices=False)[0][:, : space.shape[1] - 1]
+    return tuple(_said(motion * scale, stiffness) for motion in (*found, *space.T))
 
 
 def check_standing(plant: Plant, gravity: bool) -> None:
     """Refuse a machine that its mounts cannot hold: with ``gravity`` its weight counts too.
 
+    What the layout leaves free is told from soft springs by springs that are all alike.
+
     Raises:
         ValueError: names the motions that nothing holds, and what would.
     """
     stiffness = elastic_stiffness(plant)
-    loose = unheld(plant, stiffness)
+    alike = [(float(a.static_stiffness > 0.0), float(a.lateral_stiffness > 0.0)) for a in plant.actuators]
+    loose = _loose(plant, _assembled(plant, alike), stiffness, UNHELD)
     if loose:
         raise ValueError(
             f"mount: the machine cannot stand, since nothing holds {_listed(loose)}: it needs feet that do not lie in "
@@ -100,7 +113,8 @@ def check_standing(plant: Plant, gravity: bool) -> None:
         )
     if not gravity:
         return
-    loose = unheld(plant, stiffness + gravity_stiffness(plant))
+    stiffness = stiffness + gravity_stiffness(plant)
+    loose = _loose(plant, stiffness, stiffness, 0.0)
     if loose:
         raise ValueError(
             f"mount: the machine cannot stand, since gravity is stronger than what holds {_listed(loose)}: a lower "
@@ -160,7 +174,7 @@ def _said(motion: Array, stiffness: Array) -> str:
         if abs(pitch) > 1e-6:
             words += f" and sliding {pitch:.3g} m along it per rad"
     value = float(motion @ stiffness @ motion)
-    negligible = abs(value) <= SINGULAR * np.abs(stiffness).max()
+    negligible = abs(value) <= UNHELD * np.abs(stiffness).max()
     return f"{words} ({0.0 if negligible else value:.3g} {of})"
 
 
