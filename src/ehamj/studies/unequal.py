@@ -1,6 +1,6 @@
 """Unequal loads: the centre of gravity beside the middle of the mounts."""
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -31,6 +31,10 @@ class UnequalSettings(Settings):
     confirmed: int = Field(
         20, ge=1, description="random offsets whose loads are computed by the simulator's own equilibrium"
     )
+
+
+CARRIES: Final = 0.5
+"""z of a mount's direction from which it is one that carries the machine [-]."""
 
 
 def _middle(scenario: Scenario) -> tuple[Array, Array]:
@@ -110,7 +114,10 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
     plant = scenario.plant
     weight = plant.total_mass * plant.gravity
     off = float(np.abs(runs["simulated"] - runs["load"]).max()) / weight
-    least = offsets["load"].min("mount") / (weight / len(plant.mounts))
+    carry = np.array(plant.directions)[:, 2] > CARRIES
+    equal = weight / max(int(carry.sum()), 1)
+    least = offsets["load"].isel(mount=np.flatnonzero(carry)).min("mount") / equal
+    front = int(np.argmax(np.where(carry, np.array(plant.positions)[:, 0], -np.inf)))
     x, y = plant.machine.cg[:2]
     here = offsets.sel(x=x, y=y, method="nearest")
     tenth = 0.1 * float(_middle(scenario)[1][0])
@@ -122,8 +129,8 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         question="What does a centre of gravity beside the middle of the mounts do?",
         answers=(
             f"At rest this machine's mounts carry (kN): {shares}.",
-            f"A CG {1e3 * tenth:.0f} mm further front changes the front mounts' load to "
-            f"{1e-3 * float(aside['load'][0]):.1f} kN and makes a heaving floor turn the machine by up to "
+            f"A CG {1e3 * tenth:.0f} mm further front changes the load of {plant.mounts[front]} to "
+            f"{1e-3 * float(aside['load'][front]):.1f} kN and makes a heaving floor turn the machine by up to "
             f"{float(aside['turn']):.2g} rad per m between {low:g} and {high:g} Hz; here it is "
             f"{float(here['turn']):.2g}.",
             f"{100 * float((least < 0).mean()):.0f} % of the offsets shown lift a foot: its membrane would have "
@@ -134,8 +141,8 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         tables={"offsets": offsets, "confirmed": runs},
         drawings={
             "loads": Drawing(
-                "Load of the least loaded mount over a quarter of the weight; red: a foot would lift off.",
-                lambda: _chart(scenario, "Least loaded mount", ("load over a quarter [%]", 100 * least), -least),
+                "Load of the least loaded mount over an equal share of the weight; red: a foot would lift off.",
+                lambda: _chart(scenario, "Least loaded mount", ("load over an equal share [%]", 100 * least), -least),
             ),
             "turn": Drawing(
                 "Largest rotation that a heaving floor causes, valves held: a CG beside the middle couples heave "
