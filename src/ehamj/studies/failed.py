@@ -188,7 +188,8 @@ def failed_actuator(scenario: Scenario, settings: FailedSettings, progress: Prog
         question=f"What does the machine do when one of its {many} actuators, at {mount}, fails and the others go on?",
         answers=(
             *_failure_answers(mount, floor, isolation, forces),
-            f"Nonlinear runs agree with the linear residuals within {largest:.1g} of the floor's motion.",
+            f"Nonlinear runs agree with the linear residuals within {largest:.1g} of the floor's motion"
+            + (STEPS if largest > CLOSE else "."),
             f"A run in which the valve of the intact machine opens to {100 * STUCK:.0f} % and stays ends with the "
             f"forces computed for it, to {off:.2g} N.",
         ),
@@ -224,6 +225,9 @@ FLOORS: Final = {
 
 LEAST: Final = 1e-9
 """Residual below which nothing is told apart [-]."""
+CLOSE: Final = 0.01
+"""Difference of run and linear residual, over the floor's motion, from which its cause is named [-]."""
+STEPS: Final = ": the commands' steps count beside this floor; ask with a larger velocity."
 TURNING: Final = 1e-2
 """Rotation over the floor from which a machine turns [µrad/µm]: 10 nm a metre from its centre for each µm."""
 

@@ -118,10 +118,11 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
     equal = weight / max(int(carry.sum()), 1)
     least = offsets["load"].isel(mount=np.flatnonzero(carry)).min("mount") / equal
     front = int(np.argmax(np.where(carry, np.array(plant.positions)[:, 0], -np.inf)))
-    x, y = plant.machine.cg[:2]
-    here = offsets.sel(x=x, y=y, method="nearest")
+    x, y = scenario.machine.cg[:2]
     tenth = 0.1 * float(_middle(scenario)[1][0])
-    aside = offsets.sel(x=x + tenth, y=y, method="nearest")
+    places = (xr.DataArray(values, dims="design") for values in ([x, x + tenth], [y, y]))
+    own = _offsets(scenario, settings, *places).assign_coords(mount=list(plant.mounts))
+    here, aside = own.isel(design=0), own.isel(design=1)
     shares = ", ".join(f"{name} {1e-3 * float(here['load'].sel(mount=name)):.1f}" for name in plant.mounts)
     low, high = settings.frequency
     return Outcome(
