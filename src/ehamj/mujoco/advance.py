@@ -20,6 +20,7 @@ from ehamj.isolator.equations import settled
 from ehamj.isolator.spool import limits_reached
 from ehamj.memory import COMMAND, inputs, mounts_of
 from ehamj.mujoco.callbacks import feed_from
+from ehamj.mujoco.feet import plates
 from ehamj.mujoco.hold import library
 from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.rows import Recording, Rows, Tally
@@ -204,6 +205,7 @@ def _advance() -> Any:
         model, data = engine.model, engine.data
         machine, h, every = machine_of(model, data, at, engine.nq, engine.nv), stretch.timestep, recording.every
         signals, row = np.zeros(sensing.layout.size), 0
+        length, velocity = np.zeros(machine.mounts.size), np.zeros(machine.mounts.size)
         motion = (machine.qpos, machine.qvel, machine.qacc)
         for k in range(stretch.steps + stretch.last):
             number = stretch.first + k
@@ -219,7 +221,7 @@ def _advance() -> Any:
                 return k, status, mount, row
             sampled = laws.base > 0 and number % laws.base == 0
             if sampled or sensing.filters.shape[1] > 0:
-                length, velocity = machine.length, machine.velocity
+                plates(machine, length, velocity)
                 gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.start[k], 1.0 / h)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings)

@@ -136,7 +136,7 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     for levelled in (False, True):
         found = solution(state, levelled)
         if found is not None:
-            _check_strokes(model, data, inputs)
+            _check_strokes(model, data)
             return found
     raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")
 
@@ -179,9 +179,9 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     return state, unknown.astype(int), balance.astype(int), unit, tolerance
 
 
-def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> None:
+def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
-    stroke = data.actuator_length[: mounts_of(model)] - inputs.displacement[:, AXES.index("z")]
+    stroke = data.actuator_length[: mounts_of(model)] - exchange(data, mounts_of(model))["ground"]
     volume = np.minimum(*chamber_volumes.py_func(stroke, isolators(model).view(np.recarray)))
     worst = int(np.argmin(volume))
     if volume[worst] <= 0.0:
