@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.forces.transients import Blows, Pieces, jerk_limited
+from ehamj.forces.transients import Blows, Pieces
+from ehamj.slides.scurve import jerk_limited
 from ehamj.forces.vibrations import Rotating, random_force
 from ehamj.signals import Signal
 
