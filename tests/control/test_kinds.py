@@ -72,7 +72,7 @@ def test_a_loop_it_names_is_a_field_whose_crossing_counts(kind: str) -> None:
     settings = ARCHITECTURES[kind].model_validate({key: tuple(value) for key, value in GIVEN.get(kind, {}).items()})
     plant = parse_scenario({}).plant
     whole = settings.controller(plant, IDEAL).response(30.0)
-    for name, loop in settings.loops().items():
+    for name, loop in settings.loops(plant).items():
         less = settings.model_copy(update={name: loop.model_copy(update={"crossing": 0.5 * loop.crossing})})
         found = less.controller(plant, IDEAL).response(30.0)
         assert np.abs(found - whole).max() > 0.01 * np.abs(whole).max(), name
@@ -96,7 +96,7 @@ class Integral(DigitalSettings):
         B, D = np.hstack([np.eye(n), taken * np.eye(n)[:, :extra]]), np.zeros((n, n + extra))
         D[:, n:] = answers
         block = Block(np.eye(n), B, np.eye(n), D)
-        return self.digital(block, MountChannels.of(plant.mounts).strokes, plant, **windup)
+        return self.digital(block, MountChannels.of(plant).strokes, plant, **windup)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         return self.law(plant, anti_windup=AntiWindup.NONE)

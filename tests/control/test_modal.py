@@ -22,7 +22,7 @@ WARP = (1.0, -1.0, -1.0, 1.0)
 
 Array = NDArray[np.float64]
 
-FEET, STROKES, GROUND, _, _, PRESSURES = MountChannels.of(MOUNTS)
+FEET, STROKES, GROUND, _, _, PRESSURES = MountChannels.of(parse_scenario({}).plant)
 UNEVEN = ((1.05, 0.5), (0.7, -0.75), (-0.6, 0.7), (-1.0, -0.4))
 SENSORS = {"ground": {"kind": "geophone"}, "inertial": {"kind": "geophone"}}
 WITHOUT = {

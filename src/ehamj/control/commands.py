@@ -6,17 +6,17 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ehamj.control.settings import ControlSettings
-from ehamj.plant.mounts import MOUNTS
+from ehamj.errors import InputError
 from ehamj.settings import Positive, Settings, SineSum
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
-
-MountName = Literal["front-left", "front-right", "rear-left", "rear-right"]
 
 
 class SignalSettings(Settings):
     """What every command signal has: the mounts that it drives."""
 
-    mounts: tuple[MountName, ...] = Field(MOUNTS, description="mounts that receive the signal", min_length=1)
+    mounts: tuple[str, ...] | None = Field(
+        None, description="mounts that receive the signal, by name; without: all", min_length=1
+    )
 
 
 class SineCommand(SignalSettings):
@@ -86,9 +86,21 @@ class OpenLoop(ControlSettings):
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
 
     def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
-        """One signal per mount [V]."""
+        """One signal per mount [V].
+
+        Raises:
+            InputError: if a signal is for a mount that there is not.
+        """
+        for k, setting in enumerate(self.signals):
+            for place, name in enumerate(setting.mounts or ()):
+                if name not in mounts:
+                    raise InputError(
+                        f"control.signals.{k}.mounts.{place} = {name!r}: must be one of {', '.join(map(repr, mounts))}"
+                    )
         found = []
         for mount in mounts:
-            own = tuple(setting.signal() for setting in self.signals if mount in setting.mounts)
+            own = tuple(
+                setting.signal() for setting in self.signals if setting.mounts is None or mount in setting.mounts
+            )
             found.append(Total(own) if own else Zero())
         return tuple(found)

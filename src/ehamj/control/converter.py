@@ -84,6 +84,19 @@ class Sampled(Converter):
         return (self,)
 
 
+def check_mounts(law: Converter, mounts: Sequence[str]) -> None:
+    """Refuse a law for other valves than those of a plant's mounts, in their order.
+
+    Raises:
+        InputError: if it is.
+    """
+    if tuple(law.mounts) != tuple(mounts):
+        raise InputError(
+            f"controller.outputs: the law commands {', '.join(law.mounts)}, and the machine stands on "
+            f"{', '.join(mounts)}; they must be the same, in the same order"
+        )
+
+
 def difference(laws: Sequence[Converter], more: Sequence[str] = ()) -> tuple[str, Any, Any] | None:
     """The first setting of their converters, or of ``more``, in which laws differ: its name, and both values."""
     for name in (*more, *(part.name for part in fields(Converter))):

@@ -6,6 +6,10 @@ About rest, with the machine's inertia left out (eqs. 3, 6, 7 with M s² x_p = 0
 
 so that below c (7 Hz in the paper's prototype) leakage and membrane ask for a command that grows as 1/f. The term
 C s/K_h, 4e-4 at 100 Hz, is left out.
+
+Isolators in several directions carry more than their own membranes: what the lateral membranes of all mounts, and
+passive mounts, exert on the machine is shared by those that act (`shares`), and K_L becomes a matrix over them
+(`carried`). Upright ones in the mount plane carry none of it.
 """
 
 from typing import NamedTuple
@@ -18,6 +22,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.control.blocks import Block
 from ehamj.control.instruments import Instrument
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 
 SLOW = 5.0
@@ -33,23 +38,78 @@ class Inverse(NamedTuple):
     """c: corner below which leakage and membrane bind [rad/s]."""
 
     @classmethod
-    def of(cls, actuator: Actuator) -> "Inverse":
-        """Of one actuator."""
+    def of(cls, actuator: Actuator, more: float = 0.0) -> "Inverse":
+        """Of one actuator, which carries ``more`` than its own membrane [N/m]."""
         a = actuator
+        stiffness = a.membrane_stiffness + more
         damping = a.flow_pressure * a.membrane_damping / a.piston_area**2
-        speed = 1.0 + a.membrane_stiffness / a.hydraulic_stiffness + damping
-        creep = a.flow_pressure * a.membrane_stiffness / a.piston_area**2
+        speed = 1.0 + stiffness / a.hydraulic_stiffness + damping
+        creep = a.flow_pressure * stiffness / a.piston_area**2
         return cls(a.piston_area / (a.flow_gain * a.valve_gain) * speed, creep / speed)
 
 
+class Others(NamedTuple):
+    """What a mount exerts on the machine beside the force of an actuator that obeys, at its foot."""
+
+    stiffness: Array
+    """(3, 3) [N/m]."""
+    damping: Array
+    """(3, 3) [N s/m]."""
+
+
+def others(plant: Plant) -> tuple[Others, ...]:
+    """Lateral membranes of every mount, and of passive ones the axial membrane too."""
+    found = []
+    for actuator, direction in zip(plant.actuators, plant.directions, strict=True):
+        along = np.outer(direction, direction)
+        across, axial = np.eye(3) - along, along * float(actuator.passive)
+        found.append(
+            Others(
+                actuator.lateral_stiffness * across + actuator.membrane_stiffness * axial,
+                actuator.lateral_damping * across + actuator.membrane_damping * axial,
+            )
+        )
+    return tuple(found)
+
+
+def shares(plant: Plant) -> Array:
+    """Force of each active mount per wrench on the machine, N and N m about the mount plane's centre, that they bear
+    together in the motions that they drive, (active, 6): (Jᵀ)⁺ where those are all six."""
+    layout = plant.layout
+    return np.asarray((layout.basis @ layout.fit[:, list(layout.active)]).T)
+
+
+def carried(plant: Plant) -> Array:
+    """Force of each active mount per strokes of all, beside its own membrane's, as they move the machine [N/m],
+    (active, active)."""
+    feet = [lever(position) for position in plant.positions]
+    whole = np.sum([foot.T @ one.stiffness @ foot for foot, one in zip(feet, others(plant), strict=True)], axis=0)
+    by = shares(plant)
+    return np.asarray(by @ whole @ by.T)
+
+
 def volts(plant: Plant) -> Array:
-    """Command of each valve per piston velocity there [V s/m], (mount, mount)."""
-    return np.diag([Inverse.of(actuator).volts for actuator in plant.actuators])
+    """Command of each active valve per piston velocities [V s/m], (active, active)."""
+    own = plant.obeying.actuators
+    more = [a.piston_area / (a.flow_gain * a.valve_gain) / a.hydraulic_stiffness for a in own]
+    return np.diag([Inverse.of(actuator).volts for actuator in own]) + np.array(more)[:, None] * carried(plant)
 
 
-def creep(plant: Plant) -> float:
-    """Mean c of the isolators [rad/s]."""
-    return float(np.mean([Inverse.of(actuator).creep for actuator in plant.actuators]))
+def carried_in(plant: Plant, strokes: Array) -> float:
+    """Stiffness that each active mount carries beside its own membrane's in a pattern of ``strokes`` [N/m]."""
+    return float(strokes @ carried(plant) @ strokes / (strokes @ strokes))
+
+
+def creep(plant: Plant, strokes: Array | None = None) -> float:
+    """Mean c of the isolators [rad/s], with what they carry in a pattern of ``strokes`` (active,)."""
+    more = 0.0 if strokes is None else carried_in(plant, strokes)
+    return float(np.mean([Inverse.of(actuator, more).creep for actuator in plant.obeying.actuators]))
+
+
+def creeps_of(plant: Plant) -> tuple[float, ...]:
+    """c of each active isolator with what it carries by itself [rad/s]."""
+    more = np.diag(carried(plant)).tolist()
+    return tuple(Inverse.of(one, by).creep for one, by in zip(plant.obeying.actuators, more, strict=True))
 
 
 def valve_poles(actuator: Actuator) -> ComplexArray:

@@ -27,8 +27,6 @@ from ehamj.plant.mounts import MOUNTS
 UNSTABLE = 1.0 + 1e-9
 """Spectral radius above which a law counts as unstable on its own; integrators are allowed."""
 
-OUTPUTS: Final = valve_commands(MOUNTS)
-
 KEYS: Final = {
     "inputs": "inputs", "period": "period_s", "delay": "delay_s", "voltage_limit": "voltage_limit_v", "bits": "bits",
     "switch_on": "switch_on_s", "fade": "fade_s", "from_rest": "from_rest", "A": "A", "B": "B", "C": "C", "D": "D",
@@ -176,9 +174,8 @@ class Controller(Sampled):
         missing = [KEYS[name] for name in NEEDED if KEYS[name] not in table]
         if missing:
             raise InputError(f"controller: {missing[0]} is missing; needed are {', '.join(KEYS[n] for n in NEEDED)}")
-        if table.get("outputs", list(OUTPUTS)) != list(OUTPUTS):
-            raise InputError(f"controller.outputs = {table['outputs']}: must be {list(OUTPUTS)}")
         given = {name: table[key] for name, key in KEYS.items() if key in table}
+        given["mounts"] = _mounts_of(table.get("outputs", list(valve_commands(MOUNTS))))
         try:
             given |= {name: list(given[name]) for name in "ABCD"}
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
@@ -255,6 +252,20 @@ def stack(laws: Sequence[Controller]) -> Controller:
         D[:, columns] += law.D
         at += law.states
     return replace(first, A=A, B=B, C=C, D=D, inputs=inputs, anti_windup=windup)
+
+
+def _mounts_of(outputs: Any) -> tuple[str, ...]:
+    """Mounts whose valves a law's outputs command."""
+    names = outputs if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs) else []
+    mounts = tuple(name.removeprefix("valve_command ") for name in names)
+    if set(mounts) == set(MOUNTS) and mounts != MOUNTS:
+        raise InputError(f"controller.outputs = {outputs}: must be {list(valve_commands(MOUNTS))}, in this order")
+    if not mounts or list(valve_commands(mounts)) != names or len(set(mounts)) < len(mounts):
+        raise InputError(
+            f"controller.outputs = {outputs}: must be a list of 'valve_command MOUNT', each once, as "
+            f"{', '.join(valve_commands(MOUNTS))}"
+        )
+    return mounts
 
 
 def _valve_of(label: str, valves: Sequence[str]) -> str | None:

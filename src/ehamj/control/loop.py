@@ -15,7 +15,7 @@ from ehamj.control.compiled.converter import Conversion
 from ehamj.control.compiled.laws import LAW, LawMemory, Laws
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
-from ehamj.control.converter import Converter
+from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
@@ -65,6 +65,7 @@ def make_loop(
     mounts = len(plant.mounts)
     if controller is None:
         return no_loop(mounts)
+    check_mounts(controller.converter, plant.mounts)
     rows = sensors.rows(controller.inputs, plant, seed)
     return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, mounts)
 

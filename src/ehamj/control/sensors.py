@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.channels import channel_row, quantity_of
+from ehamj.control.channels import ALONG, CROSS, channel_row, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
@@ -107,5 +107,7 @@ def class_of(variable: str) -> str | None:
 def _cross_channels(channel: str) -> list[str]:
     """The two channels at right angles to one."""
     stem, _, label = channel.rpartition(" ")
+    if label == ALONG:
+        return [f"{stem} {other}" for other in CROSS]
     group = next(group for group in (DOFS[:3], DOFS[3:]) if label in group)
     return [f"{stem} {other}" for other in group if other != label]

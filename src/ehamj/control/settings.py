@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
+import numpy as np
 from pydantic import Field
 
 from ehamj.arrays import Array
@@ -13,6 +14,7 @@ from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
+from ehamj.plant.layout import MOTION_NAMES
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
 from ehamj.signals import Signal, Zero
@@ -89,7 +91,8 @@ class SampledSettings(ControlSettings):
         """The law that a sampled ``block`` from ``inputs`` to the commands [V] becomes.
 
         Args:
-            block: the law; its inputs are those measured, and with `AntiWindup.INPUTS` one more per valve.
+            block: the law, to the commands of the active mounts, or of all; its inputs are those measured, and with
+                `AntiWindup.INPUTS` one more per command. Passive mounts get nothing.
             inputs: channels that it measures.
             plant: whose valves it commands.
             anti_windup: how its states learn what the valves did not get, or the matrix (states, valves).
@@ -99,6 +102,9 @@ class SampledSettings(ControlSettings):
             ValueError: if the block's inputs are not these.
         """
         law, gain = parted(block, len(inputs), anti_windup, self.period, self.recovery)
+        if len(law.C) != len(plant.mounts):
+            reach = np.eye(len(plant.mounts))[:, list(plant.layout.active)]
+            law, gain = law.between(np.eye(len(inputs)), reach), None if gain is None else gain @ reach.T
         if gain is not None and limited_radius(law.A, law.C, gain) > UNSTABLE:
             raise SwingsUpError(
                 f"control.recovery = {self.recovery:g} s: too slow for loops that cross so low, which would swing up "
@@ -110,7 +116,7 @@ class SampledSettings(ControlSettings):
             self.period,
             self.delay,
             mounts=plant.mounts,
-            voltage_limit=min(actuator.voltage_limit for actuator in plant.actuators),
+            voltage_limit=min(actuator.voltage_limit for actuator in plant.obeying.actuators),
             bits=self.bits,
             switch_on=self.switch_on,
             fade=self.fade,
@@ -154,10 +160,14 @@ class DigitalSettings(SampledSettings):
         """The whole with another law in place of one of its `members`."""
         return member
 
-    def loops(self) -> dict[str, MotionLoop]:
-        """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name."""
+    def loops(self, plant: Plant | None = None) -> dict[str, MotionLoop]:
+        """Loops that a design may lower or raise, by the field that holds each; one of a motion bears its name.
+
+        With a ``plant``, those of motions that its mounts drive.
+        """
+        other = () if plant is None else set(MOTION_NAMES.values()).difference(plant.layout.motions)
         fields = ((name, getattr(self, name)) for name in type(self).model_fields)
-        return {name: loop for name, loop in fields if isinstance(loop, MotionLoop) and loop.crossing}
+        return {n: loop for n, loop in fields if isinstance(loop, MotionLoop) and loop.crossing and n not in other}
 
     def fitted(self, modes: Sequence[tuple[str, float]], height: float) -> Self:
         """The settings for a machine: names and frequencies of its modes [Hz], height of its centre of gravity [m]."""

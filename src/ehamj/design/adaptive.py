@@ -1,7 +1,8 @@
 """Adaptive cancellation of lines (filtered-x LMS): the motion at motors' and fans' frequencies, driven to nothing.
 
-For each line ω, heave, roll and pitch are asked for piston velocities Re(w e^{jωt}), w (3,) complex. With H (3 × 3) the
-response at ω from piston velocities to measured velocities e of the machine, w follows
+For each line ω, the motions that the mounts drive (heave, roll and pitch of upright ones) are asked for piston
+velocities Re(w e^{jωt}), w (motion,) complex. With H (motion, motion) the response at ω from piston velocities to
+measured velocities e of the machine, w follows
 
     w⁺ = (1 − T/``leak``)·w − (2T/``time``)·H⁻¹·e·e^{−jωt}.
 
@@ -29,7 +30,6 @@ from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.sampled import opened_at_samples
-from ehamj.plant.levers import plane, plane_fit
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Positive
 
@@ -68,7 +68,7 @@ def line_cancellation(
     """
     plant = scenario.plant
     linear = model or linear_model(plant)
-    feet = MountChannels.of(plant.mounts).feet
+    feet = MountChannels.of(plant).feet
     if beside is None:  # a law that commands nothing, with the clock of the settings
         nothing = Block.gain(np.zeros((len(plant.mounts), 0)))
         beside = settings.digital(nothing, (), plant, anti_windup=AntiWindup.NONE)
@@ -80,7 +80,8 @@ def line_cancellation(
     cut = opened_at_samples(linear, Loop.of(scenario, law), z)
     closed = cut.plant @ cut.sensitivity
     at = [law.inputs.index(name) for name in feet]
-    spread, fit = volts(plant) @ plane(plant.positions), plane_fit(plant.positions)
+    layout, valves = plant.obeying.central, np.eye(len(plant.mounts))[:, list(plant.layout.active)]
+    spread, fit = valves @ volts(plant) @ layout.spread, layout.fit
     inverses = np.asarray(np.linalg.inv(fit @ closed[:, at] @ spread), complex)
     function = _LineLaw(law, settings, at, spread, np.asarray(inverses @ fit, complex))
     return PythonController(function, law.inputs, law.period, law.delay, **asdict(law.converter))
@@ -95,7 +96,7 @@ class _LineLaw:
         self._law, self._feet, self._spread = law, feet, spread
         self._omega = TWO_PI * np.array(settings.lines)
         steps = 2.0 * law.period / settings.time
-        self._steps = steps * inverses  # (lines, 3, feet): what the weights take of the feet's velocities
+        self._steps = steps * inverses  # (lines, motion, feet): what the weights take of the feet's velocities
         self._keep = 1.0 - law.period / settings.leak
         self._windup = np.zeros(law.C.T.shape) if law.anti_windup is None else law.anti_windup
         self.reset()
@@ -103,7 +104,7 @@ class _LineLaw:
     def reset(self) -> None:
         """Begin anew."""
         self._state = np.zeros(self._law.states)
-        self._weights = np.zeros((self._omega.size, 3), complex)
+        self._weights = np.zeros((self._omega.size, self._spread.shape[1]), complex)
 
     def __call__(self, time: float, measured: Array, limited: Array) -> Array:
         law, turn = self._law, np.exp(1j * self._omega * time)

@@ -16,6 +16,7 @@ from scipy.special import erfc
 
 from ehamj.arrays import Array
 from ehamj.control import LinearController
+from ehamj.control.channels import MountChannels
 from ehamj.control.inverse import instrument_poles, lag, valve_poles
 from ehamj.control.sensors import class_of
 from ehamj.design.prediction import OUTPUTS, predicted
@@ -230,18 +231,23 @@ def _phases(model: LinearModel, loop: Loop, scenario: Scenario) -> dict[str, flo
     """Lags of heave's loop where it last crosses one [deg]."""
     f = np.geomspace(5.0, 400.0, 400)
     law, sensors = loop.law, loop.sensors
-    heave = opened(model, loop, f).gain.sum(axis=2).mean(axis=1)
+    layout, at_mounts = model.plant.obeying.central, MountChannels.of(model.plant)
+    if "heave" not in layout.motions:
+        return {}
+    column, own = layout.motions.index("heave"), np.flatnonzero(model.plant.layout.active)
+    fit, spread = layout.fit[column], layout.spread[:, column]
+    heave = fit @ opened(model, loop, f).gain[:, own[:, None], own] @ spread
     above = np.flatnonzero((np.abs(heave[:-1]) >= 1.0) & (np.abs(heave[1:]) < 1.0))
     if not above.size:
         return {}
     at = float(f[above[0]])
     s = 2j * np.pi * at
-    poles = valve_poles(scenario.plant.actuators[0])
+    poles = valve_poles(scenario.plant.obeying.actuators[0])
     part = law.parts[0]
-    foot = sensors.of("foot_velocity front-left z") if any(n.startswith("foot_velocity") for n in law.inputs) else None
+    foot = sensors.of(at_mounts.feet[0]) if any(n.startswith("foot_velocity") for n in law.inputs) else None
     fast = instrument_poles(foot)[1]
     degrees = 360.0 * at
-    plant = (model.response([at], ("foot_velocity front-left z",), model.commands)[0, 0]).sum() / s
+    plant = fit @ model.response([at], at_mounts.feet, [model.commands[k] for k in own])[0] @ spread / s
     valve = float(np.degrees(np.angle(np.prod(poles) / np.prod(s - poles))))
     return {
         "crossing_hz": at,

@@ -106,7 +106,7 @@ def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> D
     """The scenario's own architecture with its loops tuned; one that has none is judged as it is."""
     control = scenario.control
     assert isinstance(control, DigitalSettings)
-    if any(member.loops() for member in control.members):
+    if any(member.loops(scenario.plant) for member in control.members):
         return tune(scenario, machines, wanted)
     law = control.controller(scenario.plant, scenario.sensors)
     return replace(judged(control, law, scenario, machines, wanted), tuned=False)

@@ -24,7 +24,7 @@ WORTH: Final = 0.01
 
 
 def loop_drawings(spectra: xr.Dataset) -> dict[str, Drawing]:
-    """Gains and sensitivities of heave, roll and pitch on all machines, the others closed."""
+    """Gains and sensitivities of all motions on all machines, the others closed."""
     caption = (
         "Loop gain and sensitivity of each motion with the others closed: thick as designed, thin on the variations. "
         "Where the sensitivity lies below 0 dB the feedback quietens."

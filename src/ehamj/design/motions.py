@@ -32,7 +32,7 @@ from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import sampled_machine
-from ehamj.plant.levers import MOTIONS, plane, plane_fit
+from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 from ehamj.settings import NotNegative, Positive, Settings
 
@@ -95,9 +95,15 @@ class SynthesisSettings(SampledSettings):
         """The law for the linearised machine and the instruments of a scenario; ground and control play no part.
 
         Raises:
-            InputError: if no law exists for these weights, or it is unstable by itself.
+            InputError: if no law exists for these weights, it is unstable by itself, or the mounts drive other motions.
         """
         plant, sensors = scenario.plant, scenario.sensors
+        more = [motion for motion in plant.layout.motions if motion not in MOTIONS]
+        if more:
+            raise InputError(
+                f"design: the {self.kind} synthesis has weights for {', '.join(MOTIONS)}, and the mounts drive "
+                f"{', '.join(more)} as well; take --architecture combined, which has a loop for each"
+            )
         plants = motion_plants(scenario, model, self, self.plant_order).items()
         loops = {name: self.loop(own, getattr(self, name), scenario).sampled(self.period) for name, own in plants}
         try:
@@ -154,13 +160,14 @@ def motion_plants(scenario: Scenario, model: LinearModel, settings: SynthesisSet
         order: states that are kept.
     """
     plant, sensors = scenario.plant, scenario.sensors
-    at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+    at, layout, mounts = MountChannels.of(plant), plant.obeying.central, len(plant.obeying.mounts)
     machine = _with_inner(model, Loop.of(scenario, settings.modal().controller(plant, sensors)))
     blend = settings.blend.block(sensors.of(at.feet[0]), sensors.of(at.ground[0])).sampled(settings.period)
-    spread, fit, mean = volts(plant) @ plane(plant.positions), plane_fit(plant.positions), np.full(mounts, 1.0 / mounts)
+    valves = np.eye(len(plant.mounts))[:, list(plant.layout.active)]
+    spread, fit, mean = valves @ volts(plant) @ layout.spread, layout.fit, np.full(mounts, 1.0 / mounts)
     sideways = {"roll": np.kron([0.0, 1.0], mean), "pitch": np.kron([1.0, 0.0], mean)}
     found = {}
-    for k, motion in enumerate(MOTIONS):
+    for k, motion in enumerate(layout.motions):
         readings = np.vstack([np.kron(np.eye(2), fit[k]), np.zeros((1, 2 * mounts))])  # the ground stands still
         readings, after = np.pad(readings, ((0, 0), (0, 2 * mounts))), blend
         if motion in sideways:
@@ -227,8 +234,8 @@ def _with_inner(model: LinearModel, loop: Loop) -> Block:
 
     Outputs are what answers a command: vertical velocity of the feet, strokes, and the feet's velocity along x and y.
     """
-    (inner,), at, mounts = loop.law.parts, MountChannels.of(model.plant.mounts), len(model.plant.mounts)
-    names = (*at.feet, *at.strokes, *at.along, *at.across, *inner.inputs)
+    (inner,), at, mounts = loop.law.parts, MountChannels.of(model.plant), len(model.plant.mounts)
+    names = (*at.feet, *at.strokes, *at.ahead, *at.across, *inner.inputs)
     outputs = len(names) - len(inner.inputs)
     probe = replace(inner, inputs=names, B=np.zeros((inner.states, len(names))), D=np.zeros((mounts, len(names))))
     open_loop = sampled_machine(model, replace(loop, law=probe))

@@ -14,9 +14,8 @@ from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.margins import PATTERNS, grid, in_patterns
+from ehamj.linear.margins import grid, in_patterns
 from ehamj.pages.words import AXIS_NAMES, decibel
-from ehamj.plant.levers import MOTIONS
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
 
@@ -56,7 +55,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         drawings=drawings,
         notes=(
             "Margins are those of the sampled loop with computation delay, hold and sensors, broken at one place (a "
-            "valve, a motion, a reading) with the rest closed; the disk margin also at all four valves at once.",
+            "valve, a motion, a reading) with the rest closed; the disk margin also at all valves at once.",
             "The prediction takes the scenario's own floor at each mount and axis through the closed loop, with what "
             "turbulent flow, compressed oil and turning add along that motion, and with noise and rounding as they are "
             "on average; a run scatters by some tenths of a decibel about it where noise binds.",
@@ -150,16 +149,17 @@ def _predicted(limits: Budget) -> list[str]:
 def margin_table(design: Design) -> xr.Dataset:
     """Margins of each pattern of motion on each machine, and of all valves at once."""
     names = list(design.reports)
-    values = np.full((4, len(names), len(PATTERNS)), np.nan)
+    patterns = list(next(iter(design.reports.values())).motions)
+    values = np.full((4, len(names), len(patterns)), np.nan)
     together = np.array([one.disk for one in design.reports.values()])
     for row, one in enumerate(design.reports.values()):
-        for column, pattern in enumerate(PATTERNS):
+        for column, pattern in enumerate(patterns):
             m = one.motions[pattern]
             values[:, row, column] = m.gain, m.phase, m.disk, m.peak
     values[~np.isfinite(values)] = np.nan
     return table(
         "margins",
-        {"machine": (names, "", "machine"), "pattern": (list(PATTERNS), "", "pattern of motion")},
+        {"machine": (names, "", "machine"), "pattern": (patterns, "", "pattern of motion")},
         gain_margin=(values[0], "dB", "gain margin"),
         phase_margin=(values[1], "deg", "phase margin"),
         disk_margin=(values[2], "1", "disk margin"),
@@ -169,13 +169,13 @@ def margin_table(design: Design) -> xr.Dataset:
 
 
 def loop_table(scenario: Scenario, machines: Machines, law: LinearController) -> xr.Dataset:
-    """Loop gain and sensitivity of heave, roll and pitch over frequency, the others closed, on each machine [dB]."""
-    f, patterns = grid(law), MOTIONS
+    """Loop gain and sensitivity of each motion over frequency, the others closed, on each machine [dB]."""
+    f, patterns = grid(law), scenario.plant.central.motions
     f = f[(f >= 0.5) & (f <= 2000.0)]
     gain, sensitivity = np.zeros((2, len(machines), len(patterns), f.size))
     loop = Loop.of(scenario, law)
     for row, model in enumerate(machines.values()):
-        moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant.positions)
+        moved = in_patterns(opened(model, loop, f).sensitivity, scenario.plant)
         for column in range(len(patterns)):
             one = moved[:, column, column]
             gain[row, column] = 20 * np.log10(np.maximum(np.abs(1.0 / one - 1.0), 1e-12))

@@ -13,7 +13,6 @@ from ehamj.design.outcome import SHOWN
 from ehamj.design.tuning import Design
 from ehamj.isolator.actuator import Actuator
 from ehamj.judge.levels import SLAB
-from ehamj.linear.margins import PATTERNS
 from ehamj.pages import Page, Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, BAR, DASH, LITRE_PER_MINUTE, MICRO, decibel, exact, number, plain
 from ehamj.scenario.model import Scenario
@@ -100,8 +99,7 @@ def margins(design: Design) -> Table:
     for name, one in design.reports.items():
         stable = "" if one.stable else ", UNSTABLE"
         rows.append([f"{name}: disk margin of all valves at once {number(one.disk)}{stable}"])
-        for pattern in PATTERNS:
-            m = one.motions[pattern]
+        for pattern, m in one.motions.items():
             rows.append([pattern, f"{decibel(m.gain) if np.isfinite(m.gain) else number(m.gain)}",
                          number(m.phase), number(m.disk), number(m.peak)])  # fmt: skip
     head = ["motion", "gain [dB]", "phase [°]", "disk", "peak S"]

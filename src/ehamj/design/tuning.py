@@ -10,7 +10,7 @@ notch stays where it is, since it mostly makes good for the valve's lag: moved w
 machine that was tried slower (heave from 77 to below 60 Hz at 5200 kg).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -24,12 +24,11 @@ from ehamj.design.kinds import DESIGNABLE
 from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, report
+from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, of_active, report
 from ehamj.linear.modes import modes
-from ehamj.plant.levers import MOTIONS
+from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
-Positions = Sequence[Sequence[float]]
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
 
@@ -87,7 +86,7 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
     wanted = requirements or Requirements()
     control = scenario.control
     members = control.members if isinstance(control, DigitalSettings) else ()
-    tunable = [number for number, member in enumerate(members) if member.loops()]
+    tunable = [number for number, member in enumerate(members) if member.loops(scenario.plant)]
     if not isinstance(control, DigitalSettings) or len(tunable) != 1:
         able = [name for name, one in DESIGNABLE.items() if any(member.loops() for member in one.members)]
         raise InputError(
@@ -119,14 +118,14 @@ def _only(settings: DigitalSettings, name: str | None) -> DigitalSettings:
 
 def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, wanted: Requirements) -> DigitalSettings:
     trials = _trials(settings, scenario, machines)
-    positions = scenario.plant.positions
-    loops = dict(settings.loops())
+    plant, driven = scenario.plant, scenario.plant.central.motions
+    loops = dict(settings.loops(plant))
     crossings = {name: loop.crossing for name, loop in loops.items()}
     for turn in range(2):
         for name in loops:
-            places = [MOTIONS.index(name)] if name in MOTIONS else list(range(len(positions)))
+            places = [driven.index(name)] if name in driven else list(range(len(plant.obeying.mounts)))
             shapes = SLOWED if turn == 0 else (1.0,)
-            found = _highest(trials, name, loops[name], crossings, shapes, positions, wanted, places, settings.period)
+            found = _highest(trials, name, loops[name], crossings, shapes, plant, wanted, places, settings.period)
             if found is None:
                 raise InputError(
                     f"control: no crossing of the loop {name!r} from {STEPS[-1] * loops[name].crossing:.2g} to "
@@ -138,7 +137,9 @@ def _raised(settings: DigitalSettings, scenario: Scenario, machines: Machines, w
             if loop != loops[name]:
                 trials = [_reshaped(trial, name, loops[name], loop, settings.period) for trial in trials]
                 loops[name] = loop
-    while not all(disk_margin(_sensitivity(trial, crossings)) >= wanted.disk_margin for trial in trials):
+    while not all(
+        disk_margin(of_active(_sensitivity(trial, crossings), plant)) >= wanted.disk_margin for trial in trials
+    ):
         crossings = {name: value / STEP for name, value in crossings.items()}
         if max(crossings.values()) < 1.0:
             raise InputError(
@@ -153,7 +154,7 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
     plant, sensors = scenario.plant, scenario.sensors
     everything = settings.controller(plant, sensors)
     rest = _only(settings, None).controller(plant, sensors)
-    loops = settings.loops()
+    loops = settings.loops(plant)
     alone = {name: _only(settings, name).controller(plant, sensors) for name in loops}
     trials = []
     for model in machines.values():
@@ -167,7 +168,7 @@ def _trials(settings: DigitalSettings, scenario: Scenario, machines: Machines) -
 
 def _highest(
     trials: list[Trial], name: str, loop: MotionLoop, crossings: dict[str, float], shapes: tuple[float, ...],
-    positions: Positions, wanted: Requirements, places: list[int], period: float,
+    plant: Plant, wanted: Requirements, places: list[int], period: float,
 ) -> tuple[float, MotionLoop] | None:  # fmt: skip
     """The best crossing of a loop, and its shape: crossing times the root of what it is slowed by counts, since the
     attenuation is of the crossing above the integral's corner and of its product with the integral below."""
@@ -180,9 +181,7 @@ def _highest(
             if crossing * np.sqrt(by) <= least:
                 break
             tried = crossings | {name: crossing}
-            failed = next(
-                (k for k, trial in enumerate(own) if not _leaves(trial, tried, positions, wanted, places)), None
-            )
+            failed = next((k for k, trial in enumerate(own) if not _leaves(trial, tried, plant, wanted, places)), None)
             if failed is None:
                 best, least = (crossing, slower), crossing * np.sqrt(by)
                 break
@@ -206,11 +205,9 @@ def _sensitivity(trial: Trial, crossings: dict[str, float]) -> ComplexArray:
     return np.asarray(np.linalg.inv(np.eye(loop.shape[1]) + loop), complex)
 
 
-def _leaves(
-    trial: Trial, crossings: dict[str, float], positions: Positions, wanted: Requirements, places: list[int]
-) -> bool:
+def _leaves(trial: Trial, crossings: dict[str, float], plant: Plant, wanted: Requirements, places: list[int]) -> bool:
     """Whether crossings leave the margins at some patterns of motion, and go round −1 nowhere there (Nyquist)."""
-    moved = in_patterns(_sensitivity(trial, crossings), positions)
+    moved = in_patterns(_sensitivity(trial, crossings), plant)
     for k in places:
         difference = 1.0 / moved[:, k, k]
         if round(float(np.unwrap(np.angle(difference))[-1]) / (2 * np.pi)) != 0:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
+from ehamj.control.converter import check_mounts
 from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel
 from ehamj.scenario.model import Scenario
@@ -38,7 +39,10 @@ class Loop:
     @classmethod
     def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None:
         """A law with a scenario's instruments and seed; None where there is no law."""
-        return None if law is None else cls(law, scenario.sensors, scenario.seed)
+        if law is None:
+            return None
+        check_mounts(law.converter, scenario.plant.mounts)
+        return cls(law, scenario.sensors, scenario.seed)
 
     def mixtures(self, channels: Sequence[str] | None = None) -> tuple[tuple[str, ...], Array]:
         """All channels that reach the instruments at some channels (without: the law's), and their shares in each."""

@@ -10,7 +10,7 @@ them together and independently, since one loop at a time misleads.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,10 +21,7 @@ from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.unstable import UnstablePole, unstable_pole
-from ehamj.plant.levers import MOTIONS, plane, warp
-
-PATTERNS: Final = (*MOTIONS, "warp")
-"""The patterns in which four valves move together."""
+from ehamj.plant.plant import Plant
 
 
 @dataclass(frozen=True)
@@ -55,9 +52,9 @@ class Margins:
 class LoopReport:
     """What a closed loop has in hand.
 
-    ``unstable`` is the pole of the sampled loop that grows, None where it is stable. ``valves``, ``motions`` (heave,
-    roll, pitch, warp) and ``readings`` hold the margins at each place with the rest closed; ``disk`` is that of all
-    four valves at once.
+    ``unstable`` is the pole of the sampled loop that grows, None where it is stable. ``valves``, ``motions`` (of
+    the machine, and patterns that move nothing: `patterns_of`) and ``readings`` hold the margins at each place with the
+    rest closed; ``disk`` is that of all valves at once. Valves of passive mounts have no loop.
     """
 
     unstable: UnstablePole | None
@@ -101,16 +98,27 @@ def grid(law: LinearController, model: LinearModel | None = None, dense: int = 1
     return together[(together >= 0.02) & (together < half)]
 
 
-def in_patterns(sensitivity: ComplexArray, positions: Sequence[Sequence[float]]) -> ComplexArray:
-    """The sensitivity (f, valve, valve) as that of `PATTERNS` of valves at positions [m], (f, pattern, pattern)."""
-    basis = np.column_stack([plane(positions), warp(positions)])
-    return np.asarray(np.linalg.inv(basis) @ sensitivity @ basis, complex)
+def patterns_of(plant: Plant) -> tuple[str, ...]:
+    """The patterns in which the valves of active mounts move together: heave, roll, pitch and warp of four upright."""
+    return plant.central.patterns
+
+
+def of_active(sensitivity: ComplexArray, plant: Plant) -> ComplexArray:
+    """The sensitivity (f, valve, valve) at the valves of active mounts; the others get nothing."""
+    own = np.flatnonzero(plant.layout.active)
+    return sensitivity if own.size == sensitivity.shape[1] else sensitivity[:, own[:, None], own]
+
+
+def in_patterns(sensitivity: ComplexArray, plant: Plant) -> ComplexArray:
+    """The sensitivity (f, valve, valve) as that of `patterns_of` a plant's valves, (f, pattern, pattern)."""
+    basis = plant.obeying.central.pattern_basis
+    return np.asarray(np.linalg.inv(basis) @ of_active(sensitivity, plant) @ basis, complex)
 
 
 def loop_gains(model: LinearModel, loop: Loop, hertz: ArrayLike) -> dict[str, ComplexArray]:
-    """Loop gain of each of `PATTERNS` with the others closed, at frequencies below half the rate [Hz]."""
-    moved = in_patterns(opened(model, loop, hertz).sensitivity, model.plant.positions)
-    return {name: 1.0 / moved[:, k, k] - 1.0 for k, name in enumerate(PATTERNS)}
+    """Loop gain of each of `patterns_of` with the others closed, at frequencies below half the rate [Hz]."""
+    moved = in_patterns(opened(model, loop, hertz).sensitivity, model.plant)
+    return {name: 1.0 / moved[:, k, k] - 1.0 for k, name in enumerate(patterns_of(model.plant))}
 
 
 def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
@@ -130,13 +138,13 @@ def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> Lo
     f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
     cut = opened(model, loop, f)
     sensitivity = cut.sensitivity
-    moved = in_patterns(sensitivity, model.plant.positions)
+    moved, valves = in_patterns(sensitivity, model.plant), of_active(sensitivity, model.plant)
     at_readings = 1.0 + np.einsum("fki,fij,fjk->fk", cut.plant, sensitivity, cut.law, optimize=True)
     return LoopReport(
         unstable_pole(model, loop),
-        disk_margin(sensitivity),
-        {mount: margins(f, 1.0 / sensitivity[:, k, k] - 1.0) for k, mount in enumerate(model.plant.mounts)},
-        {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(PATTERNS)},
+        disk_margin(valves),
+        {mount: margins(f, 1.0 / valves[:, k, k] - 1.0) for k, mount in enumerate(model.plant.obeying.mounts)},
+        {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(patterns_of(model.plant))},
         {law.inputs[k]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k in own_readings(law)},
     )
 

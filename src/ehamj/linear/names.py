@@ -9,15 +9,19 @@ from scipy.optimize import linear_sum_assignment
 from ehamj.arrays import ComplexArray
 from ehamj.linear.shapes import at_cg, kinetic_of
 from ehamj.plant.axes import DOFS
-from ehamj.plant.levers import plane, warp
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
+
+SAME: Final = 1e-9
+"""Share of the largest stroke in a pattern below which a mount has no part in it."""
 
 MAINLY: Final = 0.9
 """Share of a pattern in the valves' motion from which they are named by it."""
 
-PATTERNS: Final = ("in heave", "about x", "about y", "in warp")
-"""How valves, or plates, move together."""
+PATTERNS: Final = {
+    "heave": "in heave", "roll": "about x", "pitch": "about y", "surge": "along x", "sway": "along y", "yaw": "about z",
+}  # fmt: skip
+"""How valves, or plates, move together that drive a motion of the machine; in others they are ``in warp``."""
 
 MOTIONS: Final = ("heave", "yaw", *(f"{what} about {axis}" for what in ("sway-rocking", "rocking") for axis in "xy"))
 """Names of the machine's own modes."""
@@ -34,17 +38,19 @@ def group_of(state: str) -> str:
 
 
 def pattern_name(kind: str, motion: ComplexArray, plant: Plant) -> str:
-    """What all valves or plates do together, (mount,): one alone, or one of `PATTERNS`; else only what they are."""
+    """What all valves or plates do together, (mount,): one alone, one of `PATTERNS`, or in warp; else no more."""
     size = float(np.sum(np.abs(motion) ** 2))
     if size == 0.0:
         return f"{kind}s"
     alone = np.abs(motion) ** 2 / size
     if alone.max() >= MAINLY:
         return f"{kind} {plant.mounts[int(np.argmax(alone))]}"
-    signs = np.sign(np.column_stack([plane(plant.positions), warp(plant.positions)]))
+    basis = plant.central.pattern_basis
+    signs = np.sign(np.where(np.abs(basis) > SAME * np.abs(basis).max(axis=0), basis, 0.0))
     shares = np.abs(signs.T @ motion) ** 2 / (np.sum(signs**2, axis=0) * size)
     best = int(np.argmax(shares))
-    return f"{kind}s {PATTERNS[best]}" if shares[best] >= MAINLY else f"{kind}s"
+    names = [PATTERNS.get(name, f"in {name}") for name in plant.central.patterns]
+    return f"{kind}s {names[best]}" if shares[best] >= MAINLY else f"{kind}s"
 
 
 def energy_shares(machine: Machine, shape: ComplexArray) -> dict[str, float]:

@@ -73,7 +73,7 @@ def sampled_plant(
 
 
 def _standard(scenario: Scenario) -> tuple[str, ...]:
-    at = MountChannels.of(scenario.plant.mounts)
+    at = MountChannels.of(scenario.plant)
     return (*at.feet, *at.strokes, *at.pressures)
 
 

@@ -41,6 +41,10 @@ class Layout:
         """`rows` of the active mounts, zero for the others."""
         return np.where(np.array(self.active)[:, None], self.rows, 0.0)
 
+    def raised(self, height: float) -> "Layout":
+        """The same mounts as seen from a point so far above the origin [m]."""
+        return Layout(self.positions.reshape(-1, 3) - [0.0, 0.0, height], self.directions, self.active)
+
     @cached_property
     def span(self) -> float:
         """Root mean square of the feet's distances from the origin [m], which makes angles lengths; 1 where all stand

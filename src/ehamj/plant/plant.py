@@ -57,6 +57,22 @@ class Plant:
         active = tuple(not actuator.passive for actuator in self.actuators)
         return Layout(np.array(self.positions), np.array(self.directions), active)
 
+    @cached_property
+    def central(self) -> Layout:
+        """`layout` with rotations about the height of the centre of gravity, above the mount plane's centre, where its
+        motions are hardly coupled; of upright mounts it is the same."""
+        return self.layout.raised(self.machine.cg[2])
+
+    @cached_property
+    def obeying(self) -> Self:
+        """The plant with its active mounts alone: what laws command."""
+        kept = [k for k, actuator in enumerate(self.actuators) if not actuator.passive]
+        if len(kept) == len(self.actuators):
+            return self
+        each = ("positions", "actuators", "mounts", "directions", "heights")
+        own: dict[str, Any] = {name: tuple(getattr(self, name)[k] for k in kept) for name in each}
+        return replace(self, **own)
+
     @property
     def flat(self) -> bool:
         """Whether all mounts are upright and in the mount plane: their strokes are then linear to third order."""

@@ -75,6 +75,7 @@ class Scenario(Installation, Course):
     def _observed(self) -> Self:
         if "points" not in self.model_fields_set:
             object.__setattr__(self, "points", default_points(self.machine))
+        self.control.commands([mount.name for mount in self.mount])
         check_points(self.points, self.machine, MOUNTS)
         check_relatives(self.relative, self.points, MOUNTS)
         check_forces(self.force, self.points)

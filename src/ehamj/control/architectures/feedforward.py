@@ -4,10 +4,15 @@ With the machine at rest the oil moves each plate by −x_g when the command is
 
     v = −b·(1 + c/s)·ẋ_g / valve(s)
 
-(`ehamj.control.inverse`). The valve's inverse is rolled off by a Butterworth low-pass; the delay T of roll-off,
-instrument, computation and hold is led by 1 + T s + T²s²/2 (or 1 + T s). The integrator leaks, 1/(s + ω_l), so that its
-gain is bounded: the leak alone costs ω_l c/(ω |jω + c|), −50 dB at 5 Hz for 0.02 Hz. The high-pass of the instrument is
-moved down to ``restore``.
+(`ehamj.control.inverse`), x_g along its mount. The valve's inverse is rolled off by a Butterworth low-pass; the delay T
+of roll-off, instrument, computation and hold is led by 1 + T s + T²s²/2 (or 1 + T s). The integrator leaks,
+1/(s + ω_l), so that its gain is bounded: the leak alone costs ω_l c/(ω |jω + c|), −50 dB at 5 Hz for 0.02 Hz. The
+high-pass of the instrument is moved down to ``restore``.
+
+The ground moves the machine through the lateral membranes of all mounts too, and through passive mounts: the wrench W
+that it exerts so on a machine at rest is shared by the actuators, P_L = [K_L s − (Jᵀ)⁺ W]/A_p. With that the law is a
+matrix from the ground's motion in all axes to the mounts; upright mounts in one plane bear none of W, and each reads
+its own ground alone.
 
 On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.control.lowend`).
 """
@@ -22,19 +27,21 @@ from ehamj.arrays import Array
 from ehamj.control.blocks import TWO_PI, Block, beside, joined
 from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
-from ehamj.control.inverse import Inverse, held, instrument_poles, lag, restoring, valve_poles
+from ehamj.control.inverse import Inverse, held, instrument_poles, lag, others, restoring, shares, valve_poles
 from ehamj.control.law import Controller
 from ehamj.control.lowend import isolating
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.axes import AXES
+from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive
 
 
 class FeedforwardSettings(DigitalSettings):
-    """Per-actuator ground-velocity feedforward with valve inversion."""
+    """Ground-velocity feedforward with valve inversion, of each mount and of what all share."""
 
     kind: Literal["feedforward"] = "feedforward"
     gain: float = Field(1.0, description="factor on the exact inverse")
@@ -56,11 +63,42 @@ class FeedforwardSettings(DigitalSettings):
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law for a plant, whose ground velocities are measured by ``sensors``."""
-        inputs = MountChannels.of(plant.mounts).ground
+        inputs, own = MountChannels.of(plant).ground, plant.obeying.actuators
         sensor = sensors.of(inputs[0])
-        mounts = beside([self.block(actuator, sensor) for actuator in plant.actuators]).sampled(self.period)
-        back = beside([held(actuator, self.recovery, self.period) for actuator in plant.actuators])
+        mounts = beside([self.block(actuator, sensor) for actuator in own])
+        back = beside([held(actuator, self.recovery, self.period) for actuator in own])
+        sideways, wrench = self._borne(plant)
+        if sideways:
+            inputs, mounts = inputs + sideways, wrench.then(mounts)
+        mounts = mounts.sampled(self.period)
         return self.digital(joined([mounts, back]), inputs, plant, anti_windup=AntiWindup.INPUTS)
+
+    def _borne(self, plant: Plant) -> tuple[tuple[str, ...], Block]:
+        """Ground velocities that move the machine through other membranes, and the velocities along the active mounts
+        that ask for the same commands, over their own and these [m/s].
+
+        Of P_L's two paths, oil that is compressed and oil that leaks, each has a gain per velocity, K_L's as `Inverse`
+        has it; of that damping which compresses the oil, C s/K_h, is left out as there.
+        """
+        own, low, by = plant.obeying.actuators, TWO_PI * self.leak, shares(plant)
+        names = [f"ground_velocity {mount} {axis}" for mount in plant.mounts for axis in AXES]
+        feet = [lever(position).T for position in plant.positions]
+        stiff, damped = (
+            by @ np.hstack([foot @ part for foot, part in zip(feet, parts, strict=True)])
+            for parts in zip(*others(plant), strict=True)
+        )
+        inverses = [Inverse.of(actuator) for actuator in own]
+        leaks = np.array([a.flow_pressure / (a.piston_area * a.flow_gain * a.valve_gain) for a in own])[:, None]
+        oil = np.array([a.chamber_volume / (4.0 * a.bulk_modulus * a.flow_pressure) for a in own])[:, None]
+        speed = np.array([inverse.volts for inverse in inverses])[:, None]
+        fast, slow = leaks * (oil * stiff + damped) / speed, leaks * stiff / speed
+        creep = np.array([inverse.creep for inverse in inverses])
+        read = np.flatnonzero(np.abs(stiff).max(axis=0) > 1e-9 * max(a.membrane_stiffness for a in own))
+        fast, slow = fast[:, read], slow[:, read]
+        return tuple(names[k] for k in read), Block(
+            -np.diag(low + creep), np.pad(slow - creep[:, None] * fast, ((0, 0), (len(own), 0))), np.eye(len(own)),
+            np.hstack([np.eye(len(own)), fast]),
+        )  # fmt: skip
 
     def block(self, actuator: Actuator, sensor: Instrument | None = None) -> Block:
         """Command [V] over measured ground velocity [m/s] of one mount."""

@@ -1,13 +1,15 @@
-"""Modal control: heave, roll and pitch of the machine held still in space, warp as a balance of pressures.
+"""Modal control: the motions that the mounts drive held still in space, warp as a balance of pressures.
 
-The four mounts measure and act together: feet, strokes and ground are turned into heave, roll and pitch by the plane
-that fits them, z + y·rx − x·ry; the loops' piston velocities (`ehamj.control.inertial`) are handed back the same
-way. The fourth pattern of four actuators (+ − − + on a rectangle) moves nothing and only builds pressure; its own loop
-keeps the load pressures balanced.
+The mounts measure and act together: feet, strokes and ground, each along its mount, are turned into the rigid motion
+that fits them; the loops' piston velocities (`ehamj.control.inertial`) are handed back the same way. Upright ones
+drive heave, roll and pitch, z + y·rx − x·ry; mounts in other directions surge, sway and yaw as well. Rotations turn
+about the height of the centre of gravity (`Plant.central`), so that with level mounts at that height surge and sway do
+not tilt the machine. What actuators can do beside (+ − − + of four on a rectangle) moves nothing and only builds
+pressure; a loop of its own keeps the load pressures balanced in every such pattern.
 
-Sway-rocking modes swing the centre of gravity sideways, where no actuator acts. Tilting the machine does act on it:
+Where nothing acts sideways, sway-rocking modes swing the centre of gravity there. Tilting the machine does act on it:
 with the feet turned by θ the mass feels m ẍ + c ẋ + k x = −m h θ̈, so θ = −g ẋ of the feet's sideways velocity ẋ adds
-h ω g/2 to the damping ratio.
+h ω g/2 to the damping ratio. Level mounts damp these modes directly, by their loops, and nothing is tilted.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +29,6 @@ from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
-from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
 
@@ -38,7 +39,7 @@ REFERENCE_HEIGHT = 0.75
 
 
 class SwayDamping(Settings):
-    """Damping of the sway-rocking mode of one plane by tilting the machine."""
+    """Damping of the sway-rocking mode of one plane by tilting the machine, where no mount acts along that axis."""
 
     gain: NotNegative = Field(description="g: angle per sideways velocity of the feet [rad s/m]; 0: none")
     centre: Positive = Field(description="centre of the band in which it acts [Hz]")
@@ -52,6 +53,8 @@ class SwayDamping(Settings):
 
 class ModalSettings(DigitalSettings):
     """Modal feedback of the machine's absolute motion, with pressure balance and damping of sway.
+
+    Loops of motions that the mounts do not drive are left out.
 
     The defaults were found for the default machine by differential evolution: as much attenuation from 5 to 50 Hz as
     leaves 6 dB, 45° and a disk margin of 0.5 with the mass ±30 %, half the oil's stiffness or 1.5 times the flow gain,
@@ -68,6 +71,15 @@ class ModalSettings(DigitalSettings):
     pitch: MotionLoop = MotionLoop(
         crossing=35.0, integral=16.4, lead=114.0, notch=646.0, notch_depth=0.93, notch_width=0.96, rolloff=17500.0
     )
+    surge: MotionLoop = MotionLoop(
+        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+    )
+    sway: MotionLoop = MotionLoop(
+        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+    )
+    yaw: MotionLoop = MotionLoop(
+        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+    )
     blend: Blend = Blend()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
     warp: WarpBalance = WarpBalance()
@@ -75,8 +87,10 @@ class ModalSettings(DigitalSettings):
     sway_y: SwayDamping = SwayDamping(gain=4.02e-4, centre=65.9, width=0.32)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        slow = creep(plant)
-        sampled = {motion: loop.block(slow).sampled(self.period) for motion, loop in self.loops().items()}
+        layout, sampled = plant.obeying.central, {}
+        for motion, loop in self.loops(plant).items():
+            strokes = layout.spread[:, layout.motions.index(motion)]
+            sampled[motion] = loop.block(creep(plant, strokes)).sampled(self.period)
         return self.with_loops(plant, sensors, sampled)
 
     def asked(self, motion: str, s: complex, creep: float) -> complex:
@@ -101,21 +115,20 @@ class ModalSettings(DigitalSettings):
         velocity [m/s, rad/s]; those of roll and pitch may have the feet's mean sideways velocity [m/s] as a second
         input.
         """
-        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
-        # A positive pitch moves what stands above the mounts along x, a positive roll against y.
-        sideways = {"pitch": (at.along, self.sway_x, 1.0), "roll": (at.across, self.sway_y, -1.0)}
+        at, layout, mounts = MountChannels.of(plant), plant.obeying.central, len(plant.obeying.mounts)
+        sideways = self._sideways(plant)
         wide = [motion for motion, loop in loops.items() if loop.B.shape[1] > 1]
         names = (*at.feet, *at.strokes, *at.ground) if loops else ()
         for motion, (group, sway, _) in sideways.items():
             names += group if sway.gain or motion in wide else ()
         names += at.pressures if self.warp.crossing else ()
-        spread = volts(plant) @ plane(plant.positions)
+        spread = volts(plant) @ layout.spread
         mean = np.full(mounts, 1.0 / mounts)
         blocks = []
         seen = self._seen(plant, sensors) if loops else None
-        for k, motion in enumerate(MOTIONS):
+        for k, motion in enumerate(layout.motions):
             if motion in loops and seen is not None:
-                fit = plane_fit(plant.positions)[k]
+                fit = layout.fit[k]
                 rows = block_diag(np.vstack([_picked(names, group, fit) for group in at[:3]]), fit)
                 own = seen
                 if motion in wide:
@@ -125,7 +138,7 @@ class ModalSettings(DigitalSettings):
                 blocks.append(own.then(loops[motion]).between(rows, spread[:, [k]]))
         for motion, (group, sway, sign) in sideways.items():
             if sway.gain:
-                tilts = sign * spread[:, [MOTIONS.index(motion)]]
+                tilts = sign * spread[:, [layout.motions.index(motion)]]
                 blocks.append(
                     sway.block().sampled(self.period).between(_picked(names, group, mean), tilts).padded(0, mounts)
                 )
@@ -134,13 +147,23 @@ class ModalSettings(DigitalSettings):
         law = added(blocks) if blocks else Block.gain(np.zeros((mounts, mounts)))
         return self.digital(law, names, plant, anti_windup=AntiWindup.INPUTS)
 
+    def _sideways(self, plant: Plant) -> dict[str, tuple[tuple[str, ...], SwayDamping, float]]:
+        """By the motion that damps sway where nothing else does: the feet's sideways velocities, its damping, and sign.
+
+        A positive pitch moves what stands above the mounts along x, a positive roll against y.
+        """
+        at, driven = MountChannels.of(plant), plant.layout.motions
+        found = {"pitch": (at.ahead, self.sway_x, 1.0), "roll": (at.across, self.sway_y, -1.0)}
+        own = {"pitch": "surge", "roll": "sway"}
+        return {name: one for name, one in found.items() if name in driven and own[name] not in driven}
+
     def _seen(self, plant: Plant, sensors: Sensors) -> Block:
         """Sampled: displacement of a motion from inertial velocity, stroke, ground velocity, and what valves lost."""
-        at = MountChannels.of(plant.mounts)
+        at = MountChannels.of(plant)
         foot = sensors.of(at.feet[0])
         blend = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from)
         late = self.hold + lag(instrument_poles(foot)[1])
-        owed = lost(plant.actuators[0], late, self.recovery, self.period).times(-1.0)
+        owed = lost(plant.obeying.actuators[0], late, self.recovery, self.period).times(-1.0)
         return joined([blend.sampled(self.period), owed])
 
 

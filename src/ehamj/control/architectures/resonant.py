@@ -1,6 +1,6 @@
 """Narrow-band feedback of the machine's motion at the lines of motors and fans.
 
-For each line a resonator on the velocities of heave, roll and pitch,
+For each line a resonator on the velocities of heave, roll and pitch, and of what else the mounts drive,
 
     ẋ_p = −g·2ζω·(s cos φ − ω sin φ)/(s² + 2ζωs + ω²)·v,
 
@@ -17,13 +17,12 @@ from pydantic import Field
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
-from ehamj.control.inverse import Inverse, instrument_poles, valve_poles, volts
+from ehamj.control.inverse import Inverse, carried_in, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.isolator.actuator import Actuator
-from ehamj.plant.levers import MOTIONS, plane, plane_fit
 from ehamj.plant.plant import Plant
 from ehamj.settings import Positive
 
@@ -41,21 +40,22 @@ class ResonantSettings(DigitalSettings):
 
     def beside(self, others: Sequence[DigitalSettings], plant: Plant, sensors: Sensors) -> Controller:
         """The law with the phases that it needs beside others."""
-        inputs = MountChannels.of(plant.mounts).feet
-        actuator, sensor = plant.actuators[0], sensors.of(inputs[0])
+        inputs, layout = MountChannels.of(plant).feet, plant.obeying.central
+        actuator, sensor = plant.obeying.actuators[0], sensors.of(inputs[0])
         loops = []
-        for motion in MOTIONS:
-            answers = [self._answer(line, motion, actuator, sensor, others) for line in self.lines]
+        for k, motion in enumerate(layout.motions):
+            slow = Inverse.of(actuator, carried_in(plant, layout.spread[:, k])).creep
+            answers = [self._answer(line, motion, actuator, slow, sensor, others) for line in self.lines]
             loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
-        law = beside(loops).between(plane_fit(plant.positions), volts(plant) @ plane(plant.positions))
+        law = beside(loops).between(layout.fit, volts(plant) @ layout.spread)
         return self.digital(law.sampled(self.period), inputs, plant, anti_windup=AntiWindup.NONE)
 
     def _answer(
-        self, line: float, motion: str, actuator: Actuator, sensor: Instrument | None, others: Sequence[DigitalSettings]
-    ) -> complex:
+        self, line: float, motion: str, actuator: Actuator, creep: float, sensor: Instrument | None,
+        others: Sequence[DigitalSettings],
+    ) -> complex:  # fmt: skip
         """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with broadband loops closed."""
         s = 2j * np.pi * line
-        creep = Inverse.of(actuator).creep
         poles = valve_poles(actuator)
         lag = np.exp(-s * self.hold) * np.prod(poles) / np.prod(s - poles)
         slow, fast = instrument_poles(sensor)

@@ -6,8 +6,8 @@ A servo does not isolate by itself: at rest in its cylinder, the plate goes with
 is the ground's displacement, taken negative. Merritt (1967): a position loop is stable for 2π f_c < 2 δ_h ω_h, which
 the dynamic feedback of load pressure raises; it is a high-pass, so that static stiffness is kept.
 
-Four servos on three motions are one too many. Where their sensors disagree they press against each other through the
-machine; ``balance`` gives the warp pattern to the pressures.
+Servos that are more than the motions which they drive, as four on three, are too many. Where their sensors disagree
+they press against each other through the machine; ``balance`` gives the patterns that move nothing to the pressures.
 """
 
 from typing import Literal
@@ -19,7 +19,7 @@ from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import TWO_PI, Block, added, beside, joined
 from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import Blend, MotionLoop
-from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
+from ehamj.control.inverse import creeps_of, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings
@@ -58,18 +58,19 @@ class StrokeServoSettings(DigitalSettings):
     balance: WarpBalance = WarpBalance()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+        at, own = MountChannels.of(plant), plant.obeying.actuators
+        mounts, creeps = len(own), creeps_of(plant)
         late = self.hold + lag(instrument_poles(sensors.of(at.strokes[0]))[1])
         parts, names = [Block.gain(np.eye(mounts))], at.strokes
         if self.reference == "ground":
             moved = self.blend.ground(sensors.of(at.ground[0])).sampled(self.period)
             parts.append(beside([moved] * mounts))
             names += at.ground
-        parts.append(beside([lost(one, late, self.recovery, self.period).times(-1.0) for one in plant.actuators]))
-        loops = beside([self.loop.block(Inverse.of(one).creep).sampled(self.period) for one in plant.actuators])
+        parts.append(beside([lost(one, late, self.recovery, self.period).times(-1.0) for one in own]))
+        loops = beside([self.loop.block(one).sampled(self.period) for one in creeps])
         # What the servos would do in the warp pattern is left to the balance.
         total = joined(parts).then(loops.between(self.balance.spared(plant), volts(plant)))
-        damping = beside([self.pressure.block(actuator) for actuator in plant.actuators]).sampled(self.period)
+        damping = beside([self.pressure.block(actuator) for actuator in own]).sampled(self.period)
         pressures = added([damping, self.balance.block(plant)])
         law = added([total.inserted(len(names), mounts), pressures.padded(len(names), mounts)])
         return self.digital(law, names + at.pressures, plant, anti_windup=AntiWindup.INPUTS)

@@ -1,8 +1,9 @@
 """Per-actuator inertial (sky-hook) feedback: each mount holds its own foot still in space.
 
-The decentralised sibling of `ehamj.control.architectures.modal`: the same blended measurement and the same loop at each
-mount, but four loops on three motions. Above the blending corner the rigid machine keeps their warp pattern at zero;
-below it the strokes' warp would build pressure, which ``balance`` leaves to the pressures.
+The decentralised sibling of `ehamj.control.architectures.modal`: the same blended measurement and the same loop at
+each mount, but four loops on three motions, or eight on six. Above the blending corner the rigid machine keeps the
+patterns that move nothing at zero; below it those of the strokes would build pressure, which ``balance`` leaves to the
+pressures.
 """
 
 from typing import Literal
@@ -14,7 +15,7 @@ from ehamj.control.balance import WarpBalance
 from ehamj.control.blocks import added, beside, joined
 from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import Blend, MotionLoop
-from ehamj.control.inverse import Inverse, instrument_poles, lag, lost, volts
+from ehamj.control.inverse import creeps_of, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
@@ -35,14 +36,14 @@ class SkyhookSettings(DigitalSettings):
     balance: WarpBalance = WarpBalance()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        at, mounts = MountChannels.of(plant.mounts), len(plant.mounts)
+        at, mounts = MountChannels.of(plant), len(plant.obeying.mounts)
         foot = sensors.of(at.feet[0])
         late = self.hold + lag(instrument_poles(foot)[1])
         measured = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from).sampled(self.period)
         each = []
-        for actuator in plant.actuators:
+        for actuator, slow in zip(plant.obeying.actuators, creeps_of(plant), strict=True):
             owed = lost(actuator, late, self.recovery, self.period).times(-1.0)
-            loop = self.loop.block(Inverse.of(actuator).creep).sampled(self.period)
+            loop = self.loop.block(slow).sampled(self.period)
             each.append(joined([measured, owed]).then(loop))
         # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
         order = np.eye(4 * mounts).reshape(4, mounts, 4 * mounts).transpose(1, 0, 2).reshape(4 * mounts, 4 * mounts)
