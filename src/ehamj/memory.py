@@ -9,7 +9,7 @@ first row, and every table has one record per mount.
 - ``mjData.act``: an `ISOLATOR_STATE` per mount, then the states of valve options (only of isolators that have them),
   the supply's, the ledger's (`OIL` per mount, then `LEDGER`).
 - ``mjData.userdata``: a `STEP`, a `CUBIC` per degree of freedom for the force [N] and moment [N m] at the machine's CG,
-  then a `MOUNT` per mount.
+  then a `MOUNT` per mount and a `SLIDE` per slide.
 """
 
 from collections.abc import Iterator
@@ -38,9 +38,10 @@ def record(*fields: str | tuple[str, np.dtype[Any]]) -> np.dtype[Any]:
 PLACES: Final = {option: f"{option.__name__.lower()}_at" for option in STATEFUL}
 """Field that says where the states of an isolator's option begin among the activations; 0: it has none."""
 
-HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at")
+HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "flat", "slides")
 """What the first row says of the whole model: how many mounts, actuators and activations it has; the row of the shared
-supply, and where its states and the ledger's begin among the activations (0: there is none)."""
+supply, and where its states and the ledger's begin among the activations (0: there is none); whether all mounts are
+upright in the mount plane (1), so that strokes are linear; how many slides it has."""
 
 ISOLATOR: Final = record(
     *HEAD,
@@ -48,9 +49,11 @@ ISOLATOR: Final = record(
     *(name for component in COMPONENTS for name in component.Values._fields),
     *PLACES.values(),
     "connected",  # 1: fed by the supply; 0: its branch is cut off
-    "mount_x",  # [m]
-    "mount_y",
-    "weight",  # constant force on the stroke coordinate, up positive [N]
+    *(f"mount_{axis}" for axis in AXES),  # [m]
+    *(f"along_{axis}" for axis in AXES),  # unit vector of its action, towards the machine
+    "height",  # shim below it [m]
+    "plate_weight",  # of its plate along its action [N]
+    "weight",  # what of it the engine does not put on the plate itself [N]
 )
 """An isolator as the compiled code knows it: values of its components, of its place, and of what it is fed with."""
 
@@ -91,8 +94,10 @@ STEP: Final = record(
 MOUNT: Final = record(
     *((f"ground_{axis}", CUBIC) for axis in AXES),  # [m]
     ("open_loop", CUBIC),  # command beside the controller's [V]
-    "ground",  # height at the current stage [m]
+    "ground",  # along the action at the current stage, with shim and turn: length − ground is the stroke [m]
     "ground_rate",  # [m/s]
+    "turn",  # what the finite rotation of the foot adds to the length at the current stage [m]
+    "turn_rate",  # [m/s]
     "command",  # open-loop command at the current stage [V]
     "into_1",  # flow into the chambers at the current stage [m³/s]
     "into_2",
@@ -101,6 +106,15 @@ MOUNT: Final = record(
     "metering",  # where the metering edges stood at the last step [mA]
 )
 """What a step hands to a mount, and what the callbacks hand back."""
+
+SLIDE: Final = record(
+    "start",  # force of its drive at the start of the step [N]
+    "middle",
+    "end",
+    "place",  # of its joint at the end of the step [m]
+    "speed",  # [m/s]
+)
+"""What a step hands to a slide."""
 
 LOADS_SIZE: Final = len(DOFS) * CUBIC.itemsize
 
@@ -125,9 +139,9 @@ def size(dtype: np.dtype[Any]) -> int:
     return dtype.itemsize // DOUBLE
 
 
-def userdata_size(mounts: int) -> int:
+def userdata_size(mounts: int, slides: int = 0) -> int:
     """Numbers in the userdata of a model."""
-    return (STEP.itemsize + LOADS_SIZE + mounts * MOUNT.itemsize) // DOUBLE
+    return (STEP.itemsize + LOADS_SIZE + mounts * MOUNT.itemsize + slides * SLIDE.itemsize) // DOUBLE
 
 
 # What Python code reads and writes, by name. All are views.
@@ -136,6 +150,11 @@ def userdata_size(mounts: int) -> int:
 def mounts_of(model: mujoco.MjModel) -> int:
     """Number of mounts."""
     return int(model.actuator_user[0, 0])
+
+
+def slides_of(model: mujoco.MjModel) -> int:
+    """Number of slides."""
+    return int(isolators(model)["slides"][0])
 
 
 def isolators(model: mujoco.MjModel) -> Any:
@@ -214,7 +233,8 @@ def step(data: mujoco.MjData) -> Any:
 
 def exchange(data: mujoco.MjData, mounts: int) -> Any:
     """Records of the mounts in the userdata, (mount,)."""
-    return data.userdata[-mounts * size(MOUNT) :].view(MOUNT)
+    first = (STEP.itemsize + LOADS_SIZE) // DOUBLE
+    return data.userdata[first : first + mounts * size(MOUNT)].view(MOUNT)
 
 
 # What the model's builder fills in.
@@ -228,21 +248,34 @@ class Row(NamedTuple):
     values: list[float]
 
 
+def _place(plant: Plant, mount: int) -> dict[str, float]:
+    """Where a mount stands, along what it acts, and what its plate weighs there."""
+    place, along = plant.positions[mount], plant.directions[mount]
+    weight = -plant.actuators[mount].plate_mass * plant.gravity * along[AXES.index("z")]
+    return {
+        **{f"mount_{axis}": entry for axis, entry in zip(AXES, place, strict=True)},
+        **{f"along_{axis}": entry for axis, entry in zip(AXES, along, strict=True)},
+        "height": plant.heights[mount],
+        "plate_weight": weight,
+        # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.
+        "weight": weight if plant.plates == "tied" else 0.0,
+    }
+
+
 def rows(plant: Plant) -> list[Row]:
     """The model's actuators: the isolators, then those that carry the states of options, supply and ledger."""
     n = len(plant.mounts)
     table = np.zeros(n, ISOLATOR)
-    for mount, (actuator, (x, y, _)) in enumerate(zip(plant.actuators, plant.positions, strict=True)):
+    for mount, actuator in enumerate(plant.actuators):
         connected = plant.mounts[mount] not in plant.cut_off
         pressure = plant.supply.pressure if connected else plant.supply.tank_pressure
         values = {
             **Feed(pressure, plant.supply.tank_pressure, plant.supply.rating_pressure)._asdict(),
             **actuator.record(),
             "connected": float(connected),
-            "mount_x": x,
-            "mount_y": y,
-            # A tendon's armature has inertia but no weight; a plate on its own joint gets both from the engine.
-            "weight": -actuator.plate_mass * plant.gravity if plant.plates == "tied" else 0.0,
+            **_place(plant, mount),
+            "flat": float(plant.flat),
+            "slides": float(len(plant.slides)),
         }
         for name, value in values.items():
             table[name][mount] = value

@@ -22,7 +22,8 @@ from ehamj.memory import states_of
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
 from ehamj.mujoco.model import build_model, reduced
-from ehamj.plant.axes import AXES, DOFS, JOINTS
+from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
+from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import Given, as_scenario
@@ -136,7 +137,7 @@ def linear_model(
         A = jacobian(model, data, state, held)
         B = _input_matrix(model, data, state, held)
     states, inputs = _state_names(model, plant.mounts), inputs_of(plant.mounts)
-    return LinearModel(plant, states, A, B, _signal_matrices(plant, states, A, B), state, inputs)
+    return LinearModel(plant, states, A, B, _signal_matrices(plant, states, A, B, state), state, inputs)
 
 
 def _finite(name: str, values: ArrayLike, size: int) -> Array:
@@ -227,8 +228,8 @@ def _input_matrix(model: mujoco.MjModel, data: mujoco.MjData, state: Array, held
     return np.array(columns).T
 
 
-def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) -> tuple[Array, Array]:
-    """The vector of signals (`ehamj.control.channels`) from state and input."""
+def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, state: Array) -> tuple[Array, Array]:
+    """The vector of signals (`ehamj.control.channels`) from state and input, about an operating point ``state``."""
     at = {name: k for k, name in enumerate(states)}
     n, layout = len(plant.mounts), Layout.of(len(plant.mounts))
     C, D = np.zeros((layout.size, A.shape[0])), np.zeros((layout.size, B.shape[1]))
@@ -240,9 +241,20 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array) ->
     D[layout.ground : layout.ground + size, n : n + size] = np.eye(size)
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
+    own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))
+    shares = own + (0.0 if plant.flat else turned_rows(plant, state) - plant.layout.rows)
     for order, what in enumerate(("displacement", "velocity")):
-        for mount, (name, (x, y, _)) in enumerate(zip(plant.mounts, plant.positions, strict=True)):
-            height = {f"plate {name}": 1.0} if plant.plates == "sliding" else {"z": 1.0, "rx": y, "ry": -x}
-            for joint, share in height.items():
-                C[layout.plate + n * order + mount, at[f"{what} {joint}"]] = share
+        for mount, name in enumerate(plant.mounts):
+            plate = layout.plate + n * order + mount
+            if plant.plates == "sliding":
+                C[plate, at[f"{what} plate {name}"]] = 1.0
+            C[plate, [at[f"{what} {dof}"] for dof in DOFS]] = shares[mount]
     return C, D
+
+
+def turned_rows(plant: Plant, state: Array) -> Array:
+    """Stroke of each mount per motion of the machine [m, rad] as it is turned at an operating point, (mount, 6)."""
+    n = len(DOFS)
+    displacement = np.tile(state[list(DOF_OF_JOINT)], (n, 1))
+    moved = points_motion(displacement, np.eye(n), np.zeros((n, n)), plant.positions)
+    return np.array([velocity @ along for (_, velocity, _), along in zip(moved, plant.directions, strict=True)])

@@ -13,10 +13,11 @@ from numba import types
 from ehamj.compiled import compiled_here, kernel
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance, isolator_rates
-from ehamj.isolator.membrane import pull
 from ehamj.isolator.supply import Feed, supply_rates
 from ehamj.memory import LEDGER, MACHINE_BODY, OIL, SUPPLY, SUPPLY_STATE, size
+from ehamj.mujoco.feet import turned_stage, upright_stage
 from ehamj.mujoco.offsets import offsets
+from ehamj.mujoco.slides import push_slides
 from ehamj.mujoco.unpacking import (
     cubic_of,
     feed_of,
@@ -31,27 +32,7 @@ from ehamj.mujoco.unpacking import (
 from ehamj.mujoco.views import N_LOADS, machine_of, mounts_at, numbers_at, part, row_at
 from ehamj.plant.axes import JOINTS
 
-X, Y, RZ = JOINTS.index("x"), JOINTS.index("y"), JOINTS.index("rz")
 OIL_SIZE = size(OIL)
-
-
-@kernel
-def stage_inputs(machine, s, force):  # type: ignore[no-untyped-def]
-    """Evaluate ground and command at the fraction ``s`` of a step; add the ground's lateral pull to ``force``."""
-    rate = machine.step[0].rate
-    for k in range(machine.mounts.size):
-        mount, isolator = machine.mounts[k], machine.isolators[k]
-        own = isolator_of(isolator).membrane
-        x, x_slope = hermite(cubic_of(mount.ground_x), s)
-        y, y_slope = hermite(cubic_of(mount.ground_y), s)
-        z, z_slope = hermite(cubic_of(mount.ground_z), s)
-        mount.ground = z
-        mount.ground_rate = z_slope * rate
-        mount.command = hermite(cubic_of(mount.open_loop), s)[0]
-        pull_x, pull_y = pull(x, x_slope, rate, own), pull(y, y_slope, rate, own)
-        force[X] += pull_x
-        force[Y] += pull_y
-        force[RZ] += isolator.mount_x * pull_y - isolator.mount_y * pull_x
 
 
 @kernel
@@ -66,10 +47,10 @@ def feed_from(machine, k):  # type: ignore[no-untyped-def]
 
 @kernel
 def plate_of(machine, k):  # type: ignore[no-untyped-def]
-    """Motion of a plate over its ground."""
+    """Motion of a plate over its ground; the engine's membranes have the shims."""
     mount = machine.mounts[k]
     stroke, speed = machine.length[k] - mount.ground, machine.velocity[k] - mount.ground_rate
-    return Plate(stroke, speed, mount.ground, mount.ground_rate)
+    return Plate(stroke, speed, mount.ground - machine.isolators[k].height, mount.ground_rate)
 
 
 @kernel
@@ -139,12 +120,14 @@ def callbacks() -> Callbacks:
     at, joints, loads_at = offsets(), len(JOINTS), N_LOADS * MACHINE_BODY
 
     def passive(model, data):  # type: ignore[no-untyped-def]
-        machine = machine_of(model, data, at, 0, 0)
-        step = machine.step[0]
-        if step.rate == 0.0:  # no inputs: the ground rests, and only ctrl commands
-            return
-        s = (machine.time[0] - step.start) * step.rate
-        stage_inputs(machine, s, numbers_at(data, at.qfrc_passive, joints))
+        machine = machine_of(model, data, at, joints, joints)
+        step, force = machine.step[0], numbers_at(data, at.qfrc_passive, joints + machine.slides.size)
+        s = (machine.time[0] - step.start) * step.rate  # a rate of zero: the ground rests, and only ctrl commands
+        if machine.isolators[0].flat > 0.0:
+            upright_stage(machine, s, force)
+        else:
+            turned_stage(machine, s, force)
+        push_slides(machine, s, force)
         if step.loaded != 0.0:  # the engine adds it to the accelerations after its passive forces
             applied = numbers_at(data, at.xfrc_applied, loads_at + N_LOADS)
             for dof in range(N_LOADS):

@@ -12,7 +12,8 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.supply import Supply, SupplyState, middle
-from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
+from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, slides_of, step, supply
+from ehamj.mujoco.slides import FIRST
 from ehamj.plant.axes import AXES
 
 
@@ -114,7 +115,7 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     error = residual(state)
     for _ in range(60):
         if np.abs(error).max() <= 1.0:
-            _check_strokes(model, data, inputs)
+            _check_strokes(model, data)
             return state
         matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
         change = np.linalg.lstsq(matrix, -error, rcond=1e-10)[0] * unit
@@ -143,6 +144,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     nq, nv, own = model.nq, model.nv, isolators(model)
     state = np.zeros(nq + nv + model.na)
     parts = activations(model, state[nq + nv :])
+    moves = np.delete(np.arange(nq), FIRST + np.arange(slides_of(model)))  # slides stand where they are
     number = activations(model, np.arange(nq + nv, state.size, dtype=float))
     mid = 0.5 * (own["supply_pressure"] + own["tank_pressure"])
     limit = own["voltage_limit"]
@@ -153,7 +155,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     pressures = np.column_stack([number.isolators["pressure_1"], number.isolators["pressure_2"]]).ravel()
     # For each kind of unknown: which, what balances it, its unit, and the tolerance of that balance.
     kinds = [
-        (np.arange(nq), nq + np.arange(nv), np.full(nq, 1e-5), np.full(nv, 1e-7)),
+        (moves, nq + moves, np.full(moves.size, 1e-5), np.full(moves.size, 1e-7)),
         (pressures, pressures, np.repeat(np.maximum(mid, own["rated_pressure"]), 2), np.repeat(fine, 2)),
     ]
     if number.options.size:
@@ -169,9 +171,9 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     return state, unknown.astype(int), balance.astype(int), unit, tolerance
 
 
-def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> None:
+def _check_strokes(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Raise EquilibriumError where the balance found lies beyond the end of a cylinder."""
-    stroke = data.actuator_length[: mounts_of(model)] - inputs.displacement[:, AXES.index("z")]
+    stroke = data.actuator_length[: mounts_of(model)] - exchange(data, mounts_of(model))["ground"]
     volume = np.minimum(*chamber_volumes.py_func(stroke, isolators(model).view(np.recarray)))
     worst = int(np.argmin(volume))
     if volume[worst] <= 0.0:

@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from ehamj.mujoco.model import PAD_HALF_HEIGHT, PAD_HEIGHT, build_spec
+from ehamj.mujoco.drawing import PAD_DEPTH, PAD_HALF_HEIGHT
+from ehamj.mujoco.model import build_spec
 from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
@@ -25,7 +26,7 @@ POSE_RATE = 200.0
 POSES_PER_PERIOD = 20.0
 MOST_POSES = 120_000
 
-FLOOR = PAD_HEIGHT - PAD_HALF_HEIGHT
+FLOOR = -PAD_DEPTH - PAD_HALF_HEIGHT
 """Height of the floor in the drawing [m]."""
 
 GHOST = (235, 240, 245, 70)

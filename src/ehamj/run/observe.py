@@ -10,10 +10,9 @@ from ehamj.arrays import Array
 from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
+from ehamj.mujoco.slides import FIRST
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.kinematics import points_motion
-from ehamj.plant.levers import lever
-from ehamj.plant.plant import Plant
 from ehamj.result import make_dataset
 from ehamj.run.faults import Struck
 from ehamj.run.prepare import Prepared
@@ -38,14 +37,17 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
         channels[f"cg_{motion}"] = each[mounts]
         if scenario.points:
             channels[f"point_{motion}"] = np.stack(each[mounts + 1 :], axis=1)
-    channels |= _strokes(plant, rows, channels)
+    channels |= _strokes(prepared, rows, channels)
     channels |= _oil(prepared, rows, channels["stroke"])
     for one in struck:
         if set(one.plant.cut_off) == set(plant.mounts):  # a constant supply that is lost
             channels["supply_pressure"][times >= one.time - 1e-9] = plant.supply.tank_pressure
     channels |= _relative(scenario, channels)
     if not prepared.load.absent:
-        channels["external_force"] = prepared.load.sample(times)[0]
+        channels["external_force"] = scenario.load().sample(times)[0]
+    if plant.slides:
+        begins = [slide.begins for slide in plant.slides]
+        channels["slide"] = rows.qpos[:, FIRST : FIRST + len(begins)] + begins
     if prepared.loop.sensing.channels:
         channels["measured"] = rows.readings
     if prepared.loop.states:
@@ -55,6 +57,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     labels: dict[str, Sequence[Any]] = {
         "mount": plant.mounts,
         "point": list(scenario.points),
+        "slide_name": [slide.name for slide in plant.slides],
         "relative": [relative.name for relative in scenario.relative],
         "sensor": law.inputs if law is not None else (),
         "law_state": range(law.states) if law is not None else (),
@@ -64,17 +67,21 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     )
 
 
-def _strokes(plant: Plant, rows: Rows, channels: Channels) -> Channels:
-    """Plates relative to the ground: joints of their own if they slide, the machine's plane if they are tied."""
-    if plant.plates == "sliding":
-        plate, velocity = (part[:, len(DOF_OF_JOINT) :] for part in (rows.qpos, rows.qvel))
-    else:
-        heights = np.array([lever(position)[2] for position in plant.positions])
-        plate, velocity = (channels[f"machine_{motion}"] @ heights.T for motion in MOTIONS[:2])
-    return {
-        "stroke": plate - channels["ground_displacement"][:, :, 2],
-        "stroke_velocity": velocity - channels["ground_velocity"][:, :, 2],
-    }
+def _strokes(prepared: Prepared, rows: Rows, channels: Channels) -> Channels:
+    """Plates relative to the ground along their actions: joints of their own if they slide, the machine's feet if they
+    are tied; where the machine's turns count, with what they add to the linear motion of a foot."""
+    plant, model = prepared.scenario.plant, prepared.model
+    J, along = plant.layout.rows, np.array(plant.directions)
+    found: Channels = {}
+    for name, motion, own in (("stroke", "displacement", rows.qpos), ("stroke_velocity", "velocity", rows.qvel)):
+        plate = linear = channels[f"machine_{motion}"] @ J.T
+        if plant.plates == "sliding":
+            plate = own[:, [model.jnt_qposadr[model.joint(f"plate {mount}").id] for mount in plant.mounts]]
+        if not plant.flat:
+            plate = plate + ((channels[f"foot_{motion}"] * along).sum(axis=2) - linear)
+        found[name] = plate - (channels[f"ground_{motion}"] * along).sum(axis=2)
+    found["stroke"] -= np.array(plant.heights)
+    return found
 
 
 def _oil(prepared: Prepared, rows: Rows, stroke: Array) -> Channels:

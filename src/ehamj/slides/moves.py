@@ -42,7 +42,7 @@ class Moves(Profile):
         for k, move in enumerate(self.moves):
             if move.time < ended - 1e-9:
                 raise ValueError(
-                    f"moves.{k}.time = {move.time:g} s: the move before takes until {ended:.6g} s; begin it then or later"
+                    f"moves.{k}.time = {move.time:g} s: it must be at least {ended:.6g} s, when the move before ends"
                 )
             if move.to != at:
                 pieces = seven_pieces(abs(move.to - at), move.speed, move.acceleration, move.jerk)

@@ -1,0 +1,48 @@
+"""What the model looks like: the machine at its size, feet, plates and the ground's pads, each along its action."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.mujoco.plates import HALF_HEIGHT, below
+from ehamj.plant.plant import Plant
+from ehamj.settings import Vector3
+
+FOOT_HEIGHT = 0.08
+PAD_HALF_HEIGHT = 0.12
+PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
+"""Lengths of the drawing, along a mount's action [m]."""
+
+
+def upright_to(along: Vector3) -> list[float]:
+    """The quaternion that turns up into a direction."""
+    found = np.zeros(4)
+    mujoco.mju_quatZ2Vec(found, np.array(along))
+    return [float(entry) for entry in found]
+
+
+def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
+    """Stretch the drawing to the machine's size; add feet, plates and ground pads that can be moved."""
+    machine = spec.body("machine")
+    stretch: NDArray[np.float64] = np.array(plant.machine.size) / (2.2, 1.6, 1.9)
+    for geom in machine.geoms:
+        geom.pos = geom.pos * stretch
+        geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
+    floor = spec.geom("floor")
+    floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
+        turned = upright_to(along)
+        machine.add_geom(
+            spec.find_default("steel"),
+            name=f"foot {name}",
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            size=[0.06, FOOT_HEIGHT / 2, 0.0],
+            pos=below(place, along, -FOOT_HEIGHT / 2),
+            quat=turned,
+        )
+        tied = plant.plates == "tied"
+        carrier = machine if tied else spec.body(f"plate {name}")
+        offset = below(place, along, HALF_HEIGHT) if tied else [0.0, 0.0, 0.0]
+        carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset, quat=turned)
+        pad = spec.worldbody.add_body(name=f"pad {name}", pos=below(place, along, PAD_DEPTH), quat=turned, mocap=True)
+        pad.add_geom(spec.find_default("pad"), name=f"pad {name}")

@@ -1,0 +1,75 @@
+"""Lateral membranes of all mounts together, as joint properties and fixed tendons."""
+
+from typing import Final
+
+import mujoco
+import numpy as np
+
+from ehamj.arrays import Array
+from ehamj.plant.axes import DOFS
+from ehamj.plant.levers import lever
+from ehamj.plant.plant import Plant
+
+NOTHING: Final = 1e-12
+"""Share of the largest stiffness below which a direction has none."""
+
+
+def put(element: object, **linear: float) -> None:
+    """Set linear coefficients of the polynomials of stiffness or damping."""
+    for kind, value in linear.items():
+        polynomial = getattr(element, kind).copy()
+        polynomial[0] = value
+        setattr(element, kind, polynomial)
+
+
+def add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
+    """Stiffness and damping of the membranes across the mounts' actions, about the machine at rest."""
+    for kind in ("stiffness", "damping"):
+        k = np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators])
+        if k.sum() == 0.0:
+            continue
+        if plant.flat:
+            _add_level(spec, plant, kind, k)
+        else:
+            _add_general(spec, plant, kind, k)
+
+
+def _add_level(spec: mujoco.MjSpec, plant: Plant, kind: str, k: Array) -> None:
+    """Of upright mounts in the mount plane, about their elastic centre (exact for small yaw).
+
+    Σk[(x − y_i·rz)² + (y + x_i·rz)²] = K(x − ȳ·rz)² + K(y + x̄·rz)² + (Σk r_i² − K r̄²)·rz²
+    """
+    r, total = np.array(plant.positions)[:, :2], float(k.sum())
+    centre = k @ r / total
+    yaw = float(k @ (r**2).sum(axis=1)) - total * float(centre @ centre)
+    put(spec.joint("rz"), **{kind: yaw})
+    if np.abs(centre).max() < 1e-12:
+        for axis in "xy":
+            put(spec.joint(axis), **{kind: total})
+        return
+    for axis, share in (("x", -centre[1]), ("y", centre[0])):
+        tendon = spec.add_tendon(name=f"lateral {kind} {axis}")
+        tendon.wrap_joint(axis, 1.0)
+        tendon.wrap_joint("rz", float(share))
+        put(tendon, **{kind: total})
+
+
+def lateral(plant: Plant, k: Array) -> Array:
+    """Σ k (1 − d dᵀ) of all mounts as seen by the machine's motion, in the order of `DOFS`, (6, 6)."""
+    total = np.zeros((len(DOFS), len(DOFS)))
+    for each, place, along in zip(k, plant.positions, plant.directions, strict=True):
+        total += each * lever(place).T @ (np.eye(3) - np.outer(along, along)) @ lever(place)
+    return total
+
+
+def _add_general(spec: mujoco.MjSpec, plant: Plant, kind: str, k: Array) -> None:
+    """A tendon per eigenvector of the 6 × 6, which has rotations times a length: at most six."""
+    scale = np.repeat([1.0, plant.layout.span], 3)
+    sizes, vectors = np.linalg.eigh(lateral(plant, k) / np.outer(scale, scale))
+    for number, (size, vector) in enumerate(zip(sizes, vectors.T, strict=True), start=1):
+        if size <= NOTHING * sizes[-1]:
+            continue
+        tendon = spec.add_tendon(name=f"lateral {kind} {number}")
+        for joint, share in zip(DOFS, vector * scale, strict=True):
+            tendon.wrap_joint(joint, float(share))
+        put(tendon, **{kind: float(size)})
