@@ -304,7 +304,15 @@ def test_what_has_no_closed_form_is_refused(table: dict[str, Any]) -> None:
 
 def test_every_option_is_known_or_refused() -> None:
     """A new option of the isolator is refused until its closed form is there; these have none."""
-    known = {*ACTUATOR_VALUES, "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit"}
+    known = {
+        *ACTUATOR_VALUES,
+        "moving_volume",
+        "flow_curve",
+        "spool_drive_limit",
+        "end_stops",
+        "voltage_limit",
+        "passive",
+    }
     changed = {"overlap": (0.1,) * 4, "null_offset": 0.1, "hysteresis": 0.1, "threshold": 0.1}
     changed |= {"outside_leakage_1": 1e-12, "outside_leakage_2": 1e-12, "check_valve": True, "spool_stuck": True}
     changed |= {"spool_stuck_at": 0.1, "null_drift_from": 1.0, "null_drift_limit": 0.1}

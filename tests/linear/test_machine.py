@@ -223,9 +223,9 @@ def expected_channel(name: str, value: dict[str, float], of: linear.LinearMachin
         return moved(motion, (*of.mounts[MOUNTS.index(mount)], 0.0))
 
     if what == "ground":
-        return value[name]
+        return value[name.replace("along", "z")]
     if what == "foot":
-        return float(foot(order, labels[0])[AXES.index(labels[1])])
+        return float(foot(order, labels[0])[AXES.index(labels[1].replace("along", "z"))])
     if what == "cg":
         return float(moved(order, of.cg)[AXES.index(labels[0])])
     if what == "tip":

@@ -66,8 +66,8 @@ def newton_euler(plant: Plant, model: mujoco.MjModel, state: Array, inputs: Inpu
     u, speed, turned, _, spin = motion(state, model)
     oil = activations(model, state[model.nq + model.nv :]).isolators
     machine = plant.machine
-    centre = turned @ machine.cg
-    force, moment = np.array([0, 0, -machine.mass * plant.gravity]), np.zeros(3)
+    centre = turned @ machine.body.cg
+    force, moment = np.array([0, 0, -machine.body.mass * plant.gravity]), np.zeros(3)
     for k, own in enumerate(plant.actuators):
         r, d = turned @ plant.positions[k], np.array(plant.directions[k])
         left = u + r - plant.positions[k] - inputs.displacement[k]
@@ -78,10 +78,10 @@ def newton_euler(plant: Plant, model: mujoco.MjModel, state: Array, inputs: Inpu
         lateral = own.lateral_stiffness * left + own.lateral_damping * rate
         f = axial * d - (lateral - d * (d @ lateral))
         force, moment = force + f, moment + np.cross(r - centre, f)
-    inertia = turned @ np.diag(machine.inertia) @ turned.T
+    inertia = turned @ machine.body.tensor @ turned.T
     bent = np.linalg.solve(inertia, moment - np.cross(spin, inertia @ spin))
     return np.concatenate(
-        [force / machine.mass - np.cross(bent, centre) - np.cross(spin, np.cross(spin, centre)), bent]
+        [force / machine.body.mass - np.cross(bent, centre) - np.cross(spin, np.cross(spin, centre)), bent]
     )
 
 

@@ -18,6 +18,7 @@ from ehamj.mujoco.advance import DONE, advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
+from ehamj.plant.mounts import UP
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
 
@@ -28,6 +29,8 @@ def ring(mounts: int) -> Plant:
     return replace(
         parse_scenario({"plates": "tied"}).plant,
         positions=tuple((float(np.cos(angle)), float(np.sin(angle)), 0.0) for angle in angles),
+        directions=(UP,) * mounts,
+        heights=(0.0,) * mounts,
         actuators=(Actuator(),) * mounts,
         supply=Supply(dynamic=True),
         mounts=tuple(f"m{k}" for k in range(mounts)),

@@ -1,12 +1,11 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ehamj.control.settings import ControlSettings
-from ehamj.errors import InputError
 from ehamj.settings import Positive, Settings, SineSum
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
 
@@ -86,21 +85,14 @@ class OpenLoop(ControlSettings):
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
 
     def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
-        """One signal per mount [V].
-
-        Raises:
-            InputError: if a signal is for a mount that there is not.
-        """
-        for k, setting in enumerate(self.signals):
-            for place, name in enumerate(setting.mounts or ()):
-                if name not in mounts:
-                    raise InputError(
-                        f"control.signals.{k}.mounts.{place} = {name!r}: must be one of {', '.join(map(repr, mounts))}"
-                    )
+        """One signal per mount [V]."""
         found = []
         for mount in mounts:
-            own = tuple(
-                setting.signal() for setting in self.signals if setting.mounts is None or mount in setting.mounts
-            )
+            driving = (one for one in self.signals if one.mounts is None or mount in one.mounts)
+            own = tuple(setting.signal() for setting in driving)
             found.append(Total(own) if own else Zero())
         return tuple(found)
+
+    def named_mounts(self) -> Iterator[tuple[str, str]]:
+        for k, signal in enumerate(self.signals):
+            yield from ((f"signals.{k}.mounts", mount) for mount in signal.mounts or ())

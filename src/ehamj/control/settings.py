@@ -1,7 +1,7 @@
 """What a control is: what a scenario, a sum of laws and a design may ask of it."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
@@ -52,6 +52,10 @@ class ControlSettings(Settings):
     def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
         """Open-loop command of each mount [V]; beside a digital law there is none."""
         return tuple(Zero() for _ in mounts)
+
+    def named_mounts(self) -> Iterable[tuple[str, str]]:
+        """Mounts that it calls by name, each with the key within [control] that does."""
+        return ()
 
     def controller(self, plant: Plant, sensors: "Sensors") -> "LinearController | None":
         """The digital law for a plant that is measured by ``sensors``, if there is one."""

@@ -20,11 +20,14 @@ from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.elements import ACTUATOR_VALUES, Values, body_of, of_body
+from ehamj.plant.axes import AXES
 from ehamj.plant.bodies import joined
 from ehamj.scenario.model import Scenario
 
-_WITHOUT_EFFECT: Final = ("moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit")
-"""Settings of an actuator that nobody can vary here: two are taken as they are, the others are limits."""
+_WITHOUT_EFFECT: Final = (
+    "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit", "passive",
+)  # fmt: skip
+"""Settings of an actuator that nobody can vary here: taken as they are, limits, or a matter of laws."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Designs:
         Args:
             scenario: the machine that everything else is taken from.
             vary: values by key, as in ``ehamj run --set``: ``machine.mass``, ``machine.cg.2``, ``gravity``,
-                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.0``, ``supply.pressure``; and ``footprint.x``,
+                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.2``, ``supply.pressure``; and ``footprint.x``,
                 ``footprint.y`` (`FOOTPRINT`). A plain 1-D array gets a dimension of its own, named by the key; give a
                 ``xarray.DataArray`` with dimensions to let keys vary together (the same name) or to name them. Values
                 count as they are: a CG may lie outside the drawn outline.
@@ -72,7 +75,7 @@ class Designs:
             _put(scenario, common, mounts, key, joint[key].transpose(*dims).values.astype(float))
         if scenario.others:
             common |= of_body(joined([body_of(common), *scenario.others]))
-        return cls(dims, _coordinates(scenario, given), Values(common, mounts), scenario.plant.mounts)
+        return cls(dims, _coordinates(scenario, given), Values(common, mounts, base.frames), scenario.plant.mounts)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -130,4 +133,4 @@ def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array],
         mounts[quantity][..., chosen] = value[..., None]
     else:
         index, _, coordinate = rest.partition(".")
-        mounts["xy"[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value
+        mounts[AXES[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value

@@ -126,7 +126,8 @@ def floor_response(
         dynamic = dynamic + np.einsum("...in,...i,...im->...nm", plate, impedance, plate)
         drive = stiff + s * damp
         drive[..., 2 * len(designs.mounts) :] += np.swapaxes(plate, -1, -2) * impedance[..., None, :]
-        amplitude = np.swapaxes(ground[..., k, :, :], -1, -2).reshape(*ground.shape[:-3], -1)
+        own = np.einsum("mkx,...mx->...km", designs.values.frames, ground[..., k, :, :])
+        amplitude = own.reshape(*ground.shape[:-3], -1)
         force = np.einsum("...nk,...k->...n", drive, amplitude)
         found[..., k, :] = np.einsum("...on,...n->...o", to_outputs, np.linalg.solve(dynamic, force[..., None])[..., 0])
     found[_without_rest(designs, oil)] = np.nan
@@ -142,8 +143,8 @@ def floor_response(
 
 def _assembled(designs: Designs) -> tuple[Elements, Oil, Array]:
     """What the designs are made of, their oil, and their strokes at rest."""
-    elements, strokes = Elements.at_rest(designs.values)
-    return elements, Oil.of(designs.values, strokes), strokes
+    elements = Elements.at_rest(designs.values)
+    return elements, Oil.of(designs.values, elements.stroke), elements.stroke
 
 
 def _without_rest(designs: Designs, oil: Oil) -> NDArray[np.bool_]:
@@ -177,7 +178,8 @@ def _oil_motion(elements: Elements, oil: Oil) -> tuple[Array, Array]:
 
 
 def _mount_loads(elements: Elements, kind: str) -> list[Array]:
-    """Generalised force (…, n, mount) of the ground at each mount, per axis; ``kind`` stiffness or damping."""
+    """Generalised force (…, n, mount) of the ground at each mount, per axis of its frame; ``kind`` stiffness or
+    damping."""
     return [np.swapaxes(motion, -1, -2) * own[..., None, :] for _, motion, own in elements.supports(kind)[: len(AXES)]]
 
 
@@ -205,10 +207,9 @@ def _floor(elements: Elements, motion: ArrayLike | str, frequencies: int) -> Com
     if isinstance(motion, str):
         if motion not in DOFS:
             raise InputError(f"motion = {motion!r}: must be one of {', '.join(DOFS)}, or displacements of the mounts")
-        column = JOINTS.index(motion)
-        up = elements.plate + elements.foot
-        array = np.stack([part[..., column] for part in (elements.along, elements.across, up)], axis=-1).astype(complex)
-        array = array[..., None, :, :]
+        places = np.stack(np.broadcast_arrays(*(elements.values.mounts[axis] for axis in AXES)), axis=-1)
+        shift, turn = np.split(np.eye(len(DOFS))[DOFS.index(motion)], 2)
+        array = (shift + np.cross(turn, places)).astype(complex)[..., None, :, :]
     else:
         array = np.asarray(motion, complex)
         if array.ndim < 2 or array.shape[-2:] != (mounts, len(AXES)):
@@ -223,11 +224,12 @@ def _floor(elements: Elements, motion: ArrayLike | str, frequencies: int) -> Com
 def _tipping_margin(elements: Elements) -> Array:
     """1 − the largest eigenvalue of K⁻¹G: stiffness K of the membranes and feet, G what gravity takes of it.
 
-    Heave and rocking (and plates) decide; sideways motion does not meet gravity. NaN where nothing carries.
+    Of upright mounts in the mount plane heave and rocking (and plates) decide; sideways motion does not meet gravity.
+    NaN where nothing carries.
     """
-    sideways = [JOINTS.index(dof) for dof in ("x", "y", "rz")]
-    upright = [k for k in range(elements.mass.shape[-1]) if k not in sideways]
-    own, taken = (part[..., upright, :][..., upright] for part in (elements.stiffness, elements.toppling))
+    sideways = [JOINTS.index(dof) for dof in ("x", "y", "rz")] if elements.values.flat.all() else []
+    deciding = [k for k in range(elements.mass.shape[-1]) if k not in sideways]
+    own, taken = (part[..., deciding, :][..., deciding] for part in (elements.stiffness, elements.toppling))
     ratio = solve(own + taken, taken)
     lost = np.asarray(~np.isfinite(ratio).all(axis=(-2, -1)))
     share = np.linalg.eigvals(np.where(lost[..., None, None], 0.0, ratio)).real.max(axis=-1)

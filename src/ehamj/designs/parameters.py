@@ -10,6 +10,7 @@ from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.linear.elements import ACTUATOR_VALUES, MACHINE_VALUES
+from ehamj.plant.axes import AXES
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import changed
@@ -19,6 +20,7 @@ from ehamj.settings import Settings
 FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
 """Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""
 
+_PLACES: Final = {f"position.{k}": axis for k, axis in enumerate(AXES)}
 _SUPPLY: Final = ("pressure", "tank_pressure")
 _UNLIMITED: Final = ("wall_modulus", "foot_stiffness")
 """Values that may be infinite."""
@@ -43,11 +45,11 @@ def quantity_of(scenario: Scenario, key: str) -> tuple[str, str]:
     name, _, value = rest.partition(".")
     if first == "actuators" and name in scenario.actuators and value in ACTUATOR_VALUES:
         return Actuator.quantities()[value][0], f"{value.replace('_', ' ')} of {name}"
-    if first == "mount" and name in map(str, range(len(scenario.mount))) and value in ("position.0", "position.1"):
-        return "m", f"{'x' if value[-1] == '0' else 'y'} of the mount {scenario.mount[int(name)].name}"
+    if first == "mount" and name in map(str, range(len(scenario.mount))) and value in _PLACES:
+        return "m", f"{_PLACES[value]} of the mount {scenario.mount[int(name)].name}"
     raise InputError(
         f"vary: {key!r} must be gravity, {', '.join(FOOTPRINT)}, machine.({', '.join(MACHINE_VALUES)}), "
-        f"supply.({', '.join(_SUPPLY)}), mount.(0 to {len(scenario.mount) - 1}).position.(0, 1) or "
+        f"supply.({', '.join(_SUPPLY)}), mount.(0 to {len(scenario.mount) - 1}).position.(0, 1, 2) or "
         f"actuators.({', '.join(scenario.actuators)}).({', '.join(ACTUATOR_VALUES)})"
     )
 
@@ -81,6 +83,10 @@ def value_of(scenario: Scenario, key: str) -> float:
     quantity_of(scenario, key)
     if key in FOOTPRINT:
         return footprint(scenario.plant, key)
+    first, _, rest = key.partition(".")
+    if first == "mount":
+        index, _, value = rest.partition(".")
+        return scenario.mount[int(index)].place[int(value[-1])]
     place: Any = scenario
     for part in key.split("."):
         if isinstance(place, tuple):
@@ -98,6 +104,12 @@ def with_value(scenario: Scenario, key: str, value: float) -> Scenario:
         InputError: if there is no such parameter, or the value is impossible.
     """
     quantity_of(scenario, key)
+    first, _, rest = key.partition(".")
+    if first == "mount":
+        index, _, coordinate = rest.partition(".")
+        place = list(scenario.mount[int(index)].place)
+        place[int(coordinate[-1])] = value
+        return changed(scenario, {f"mount.{index}.position": place})
     if key not in FOOTPRINT:
         kept = {"machine.inertia": scenario.machine.inertia} if key == "machine.mass" else {}  # which would follow
         *of, entry = key.split(".")

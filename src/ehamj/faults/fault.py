@@ -5,7 +5,7 @@ which the linear model is made; `reading` says what a sensor still tells. The la
 """
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pydantic import Field
@@ -57,10 +57,13 @@ class FaultSettings(Settings):
         """Gain and offset of a struck channel, which read ``last`` before."""
         return 1.0, 0.0
 
+    def named_mounts(self) -> Iterator[tuple[str, str]]:
+        """Mounts that it calls by name, each with the key that does."""
+        if self.mount is not None:
+            yield "mount", self.mount
+
     def check(self, mounts: Sequence[str]) -> None:
-        """Raise ValueError where it names what does not exist."""
-        if self.mount is not None and self.mount not in mounts:
-            raise ValueError(f"mount = {self.mount!r} must be one of {', '.join(mounts)}")
+        """Raise ValueError where it names what does not exist beside these mounts."""
 
     def check_beside(self, other: "FaultSettings") -> None:
         """Raise ValueError where it cannot strike in the same run as another."""

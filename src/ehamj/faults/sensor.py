@@ -1,6 +1,6 @@
 """Sensors that fail: which readings are struck, and what they then say."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from ehamj.control.channels import check_channel
 from ehamj.control.sensors import Sensors, class_of
 from ehamj.faults.fault import FaultSettings
+from ehamj.plant.axes import DOFS
 
 CLASSES = tuple(Sensors.model_fields)
 """Classes of sensors, as the tables in [sensors]."""
@@ -43,6 +44,12 @@ class SensorFault(FaultSettings):
             return tuple(name for name in channels if name == self.sensor)
         found = [name for name in channels if self.mount in name.split(" ")]
         return tuple(name for name in found if class_of(name.partition(" ")[0]) == self.sensor)
+
+    def named_mounts(self) -> Iterator[tuple[str, str]]:
+        yield from super().named_mounts()
+        _, *labels = self.sensor.split(" ")
+        if labels and labels[0] not in DOFS:
+            yield "sensor", labels[0]
 
     def check(self, mounts: Sequence[str]) -> None:
         super().check(mounts)

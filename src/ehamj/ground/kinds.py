@@ -1,5 +1,6 @@
 """The kinds of ground there are."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -41,6 +42,10 @@ class SumGround(GroundSettings):
 
     def motion(self, start: Start) -> Motion:
         return Combined(tuple(part.motion(replace(start, part=(k,))) for k, part in enumerate(self.parts)))
+
+    def named_mounts(self) -> Iterator[tuple[str, str]]:
+        for k, part in enumerate(self.parts):
+            yield from ((f"parts.{k}.{key}", mount) for key, mount in part.named_mounts())
 
 
 if not TYPE_CHECKING:

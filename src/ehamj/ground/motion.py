@@ -1,6 +1,7 @@
 """What ground motion is: a function of time that gives every mount its motion."""
 
 from abc import abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -67,6 +68,10 @@ class GroundSettings(Settings):
     """What a user writes in [ground] of some ``kind``; ``ehamj.ground.kinds`` lists them."""
 
     kind: str
+
+    def named_mounts(self) -> Iterable[tuple[str, str]]:
+        """Mounts that it calls by name, each with the key within [ground] that does."""
+        return ()
 
     @abstractmethod
     def motion(self, start: Start) -> Motion:

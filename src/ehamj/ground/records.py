@@ -1,6 +1,6 @@
 """Ground motion from a record in any format that `ehamj.records.readers` knows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Literal, Self
 
@@ -15,6 +15,7 @@ from ehamj.ground.waves import spread
 from ehamj.plant.axes import AXES
 from ehamj.records.channel import USABLE, Record
 from ehamj.records.choices import Choices
+from ehamj.records.components import toml_key
 from ehamj.records.readers import READERS, check_used, reader_of
 from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
@@ -51,6 +52,11 @@ class RecordGround(Choices, GroundSettings, Treatment):
     @property
     def _ending(self) -> str:
         return Path(self.file).suffix.lower()
+
+    def named_mounts(self) -> Iterator[tuple[str, str]]:
+        for name, place in (self.axes or {}).items():
+            if " " in place:
+                yield f"axes.{toml_key(name)}", place.partition(" ")[0]
 
     def read(self) -> Record:
         """The raw record."""

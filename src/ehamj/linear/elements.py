@@ -1,26 +1,32 @@
 """Mass, springs, dampers and oil of the machine as matrices from closed forms, for many designs at once.
 
 Every array may have leading axes, one element per design. Coordinates are the model's joints
-(`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet; deviations from a static
-equilibrium at small rotations.
+(`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet along their mounts; deviations
+from a static equilibrium. Feet turn with the machine, and their strokes are projections on the mounts' directions;
+those of upright mounts in the mount plane are linear, as they are simulated.
 Sources: docs/physics.md, sections 2 and 3.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
 from ehamj.isolator.fluid import ATMOSPHERE
-from ehamj.plant.axes import JOINTS
+from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.bodies import Body
+from ehamj.plant.kinematics import rotations
+from ehamj.plant.mounts import UPRIGHT
 from ehamj.plant.plant import Plant
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""
 
-_X, _Y, _Z, _RX, _RY, _RZ = (JOINTS.index(dof) for dof in ("x", "y", "z", "rx", "ry", "rz"))
+_SHIFTS = [JOINTS.index(dof) for dof in DOFS[:3]]
+_TURNS = [JOINTS.index(dof) for dof in DOFS[3:]]
+"""Columns of x, y, z and of rx, ry, rz."""
 
 MACHINE_VALUES = ("mass", "inertia.0", "inertia.1", "inertia.2", "cg.0", "cg.1", "cg.2")
 """Values of the machine (`ehamj.plant.machine.Machine`), entries of vectors by number; of a tensor its moments."""
@@ -43,12 +49,14 @@ class Values:
     """Physical values, each an array over the designs; those of the mounts with a last axis (mount,).
 
     ``common`` holds `MACHINE_VALUES`, `PRODUCTS` [kg m²], ``gravity``, ``pressure`` and ``tank_pressure``;
-    ``mounts`` holds `ACTUATOR_VALUES`, the positions ``x`` and ``y`` [m] and ``moving_volume`` (0 or 1). SI, spools in
-    mA.
+    ``mounts`` holds `ACTUATOR_VALUES`, the positions ``x``, ``y`` and ``z``, the shims ``height`` [m] and
+    ``moving_volume`` (0 or 1). SI, spools in mA.
     """
 
     common: Mapping[str, Array]
     mounts: Mapping[str, Array]
+    frames: Array
+    """Axes of each mount in rows, two across it and the one along it, (mount, 3, 3): x, y, z of upright ones."""
 
     @classmethod
     def of(cls, plant: Plant) -> "Values":
@@ -56,18 +64,37 @@ class Values:
         common = {"gravity": np.asarray(plant.gravity), **of_body(plant.machine.body)}
         common["pressure"] = np.asarray(plant.supply.pressure)
         common["tank_pressure"] = np.asarray(plant.supply.tank_pressure)
-        mounts = {name: [getattr(a, name) for a in plant.actuators] for name in ACTUATOR_VALUES}
-        mounts["x"], mounts["y"] = ([position[k] for position in plant.positions] for k in range(2))
-        mounts["moving_volume"] = [float(a.moving_volume) for a in plant.actuators]
+        own = plant.actuators
+        mounts: dict[str, Sequence[float]] = {name: [getattr(a, name) for a in own] for name in ACTUATOR_VALUES}
+        mounts |= {axis: [position[k] for position in plant.positions] for k, axis in enumerate(AXES)}
+        mounts |= {"height": plant.heights, "moving_volume": [float(a.moving_volume) for a in own]}
         return cls(
             {name: np.asarray(value, float) for name, value in common.items()},
             {name: np.asarray(value, float) for name, value in mounts.items()},
+            np.array([_frame(direction) for direction in plant.directions]),
         )
 
     @property
     def middle(self) -> Array:
         """Pressure of all chambers at rest, (P_s + P_t)/2 [Pa]: both edges of a port leak alike."""
         return 0.5 * (self.common["pressure"] + self.common["tank_pressure"])
+
+    @property
+    def flat(self) -> Array:
+        """Designs (…,) whose mounts are all upright and in the mount plane (`ehamj.plant.plant.Plant.flat`)."""
+        upright = bool((self.frames[:, 2, 2] > 1.0 - UPRIGHT).all())
+        return np.asarray((self.mounts["z"] == 0.0).all(axis=-1) & upright)
+
+
+def _frame(direction: ArrayLike) -> Array:
+    """Two unit vectors across a direction and the direction itself, (3, 3); x, y, z of the upright one."""
+    along = np.asarray(direction, float)
+    if along[2] > 1.0 - UPRIGHT:
+        return np.eye(3)
+    first = np.eye(3)[int(np.argmin(np.abs(along)))]
+    first = first - along * float(along @ first)
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(along, first), along])
 
 
 def of_body(body: Body) -> dict[str, Array]:
@@ -92,69 +119,77 @@ def body_of(common: Mapping[str, Array]) -> Body:
 class Elements:
     """What the machine is made of; n coordinates, leading axes are designs.
 
-    Motions per coordinate: ``along``, ``across`` (…, mount, n) of each foot in x and y, ``plate`` (…, mount, n) of each
-    plate in z, ``foot`` (…, mount, n) of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of
-    the centre of gravity and the machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in
-    those of the machine, which stands tilted where its centre of gravity is off the centre.
+    Motions per coordinate: ``along`` and ``across`` (…, mount, n) of each foot in the two directions across its mount,
+    which are x and y of an upright one; ``plate`` (…, mount, n) of each plate along its mount, ``foot`` (…, mount, n)
+    of each machine foot over its plate (zero where it is rigid), ``cg`` (…, 6, n) of the centre of gravity and the
+    machine's rotation, in the axes of the ground; ``spin`` (…, 3, n) the rotation in those of the machine, which stands
+    tilted where its centre of gravity is off the centre.
     """
 
     values: Values
     mass: Array
     """Mass matrix (…, n, n)."""
     toppling: Array
-    """What gravity takes from the stiffness (…, n, n): m g h on rocking."""
+    """What gravity takes from the stiffness (…, n, n): m g h on rocking, and loads of mounts off the mount plane."""
     along: Array
     across: Array
     plate: Array
     foot: Array
     cg: Array
     spin: Array
+    load: Array
+    """Generalised force (…, n) of gravity, membranes and the oil's mean pressure here: zero at rest."""
+    stroke: Array
+    """Stroke of each mount here [m], (…, mount)."""
 
     @classmethod
-    def of(cls, values: Values, tilt: Array | None = None) -> "Elements":
-        """Build them about a ``tilt`` (…, 2), rx and ry at rest [rad]; level without.
+    def of(cls, values: Values, place: Array | None = None) -> "Elements":
+        """Build them about a ``place`` (…, n), the coordinates there [m, rad]; level and unloaded without.
 
         A foot is flexible where its stiffness is finite, which must be so in all designs or in none.
         """
         common, at = values.common, values.mounts
         shape = np.broadcast_shapes(*(value.shape for value in common.values()), *(v.shape[:-1] for v in at.values()))
-        mounts = at["foot_stiffness"].shape[-1]
-        flexible = np.isfinite(at["foot_stiffness"]).reshape(-1, mounts)
-        if (flexible != flexible[0]).any():
-            raise ValueError("foot_stiffness: must be finite in all designs, or infinite in all")
-        soft = np.flatnonzero(flexible[0])
+        soft = _flexible(at["foot_stiffness"])
         n = len(JOINTS) + soft.size
-        along, across, up, plate = np.zeros((4, *shape, mounts, n))
-        x, y = (np.broadcast_to(at[name], (*shape, mounts)) for name in "xy")
-        along[..., _X], along[..., _RZ] = 1.0, -y
-        across[..., _Y], across[..., _RZ] = 1.0, x
-        up[..., _Z], up[..., _RX], up[..., _RY] = 1.0, y, -x
-        plate[...] = up
+        q = np.zeros((*shape, n)) if place is None else np.broadcast_to(place, (*shape, n))
+        angles = np.nan_to_num(q[..., _TURNS], nan=0.0, posinf=0.0, neginf=0.0)
+        feet, moved, curved = _feet(values, shape, q, angles)
+        along, across, own = np.moveaxis(np.einsum("mkx,...mxn->...mkn", values.frames, feet), -2, 0)
+        shifts = np.einsum("mkx,...mx->...mk", values.frames, moved)
+        plate, height = own.copy(), shifts[..., 2].copy()
         plate[..., soft, :] = 0.0
         plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
-        cg, spin, lift = _turning(common, shape, n, np.zeros((*shape, 2)) if tilt is None else tilt)
-        own = body_of(common)
-        carried = np.broadcast_to(own.mass[..., None], (*shape, 3))
-        mass = _quadratic(cg[..., :3, :], carried) + np.swapaxes(spin, -1, -2) @ own.tensor @ spin
-        mass = mass + _quadratic(plate, at["plate_mass"])
+        height[..., soft] = q[..., len(JOINTS) :]
+        stroke = height - at["height"]
+        cg, spin, lift = _turning(common, shape, n, angles)
+        mass = _quadratic(plate, at["plate_mass"]) + _inertia(common, shape, cg, spin)
+        oil = at["piston_area"] * (1.0 - at["area_ratio"]) * values.middle[..., None]
+        push = oil - at["plate_mass"] * common["gravity"][..., None] * values.frames[:, 2, 2]
+        push = push - at["membrane_stiffness"] * stroke
+        rigid = np.isinf(at["foot_stiffness"])
+        squeeze = -np.where(rigid, 0.0, at["foot_stiffness"]) * (shifts[..., 2] - height)
+        on_foot = -at["lateral_stiffness"][..., None] * shifts
+        on_foot[..., 2] = np.where(rigid, push, squeeze)
+        weight = -common["mass"] * common["gravity"]
         toppling = np.zeros((*shape, n, n))
-        rocking = np.array([_RX, _RY])
-        toppling[..., rocking[:, None], rocking] = -(common["mass"] * common["gravity"])[..., None, None] * lift
-        return cls(values, mass, toppling, along, across, plate, up - plate, cg, spin)
+        hanging = np.einsum("...mk,mkx,...mxij->...ij", on_foot, values.frames, curved)
+        toppling[..., np.array(_TURNS)[:, None], _TURNS] = weight[..., None, None] * lift + hanging
+        load = weight[..., None] * cg[..., 2, :]
+        sideways = (along, on_foot[..., 0]), (across, on_foot[..., 1])
+        for motion, force in (*sideways, (plate, push), (own - plate, squeeze)):
+            load = load + np.einsum("...in,...i->...n", motion, force)
+        return cls(values, mass, toppling, along, across, plate, own - plate, cg, spin, load, stroke)
 
     @classmethod
-    def at_rest(cls, values: Values) -> tuple["Elements", Array]:
-        """About the static equilibrium under gravity, and the stroke of each mount there, (…, mount) [m].
-
-        Level, and NaN, where the stiffness is singular.
-        """
+    def at_rest(cls, values: Values) -> "Elements":
+        """About the static equilibrium under gravity; level, with strokes NaN, where the stiffness is singular."""
         found = cls.of(values)
-        rest = found._rest(np.zeros(found.mass.shape[:-1]))
+        rest = np.zeros(found.load.shape)
         for _ in range(NEWTON_STEPS):
-            tilt = np.nan_to_num(rest[..., [_RX, _RY]], nan=0.0, posinf=0.0, neginf=0.0)
-            found = cls.of(values, tilt)
-            rest = found._rest(rest)
-        return found, np.asarray(np.einsum("...in,...n->...i", found.plate, rest))
+            rest = rest + solve(found.stiffness, found.load[..., None])[..., 0]
+            found = cls.of(values, rest)
+        return found
 
     def supports(self, kind: str) -> tuple[tuple[str, Array, Array], ...]:
         """Membranes and feet: what resists which motion (…, mount, n), and how much (…, mount) [N/m or N s/m];
@@ -163,7 +198,7 @@ class Elements:
         return (
             ("lateral membranes", self.along, at[f"lateral_{kind}"]),
             ("lateral membranes", self.across, at[f"lateral_{kind}"]),
-            ("vertical membranes", self.plate, at[f"membrane_{kind}"]),
+            ("axial membranes", self.plate, at[f"membrane_{kind}"]),
             ("feet", self.foot, np.where(np.isfinite(at["foot_stiffness"]), at[f"foot_{kind}"], 0.0)),
         )
 
@@ -177,38 +212,58 @@ class Elements:
         """Damping (…, n, n) of membranes and feet."""
         return np.asarray(sum(_quadratic(motion, own) for _, motion, own in self.supports("damping")))
 
-    def _rest(self, near: Array) -> Array:
-        """Static equilibrium under gravity and the oil's mean pressure, (…, n): one step of Newton's from ``near``, at
-        whose tilt these elements are."""
-        at, common = self.values.mounts, self.values.common
-        oil = at["piston_area"] * (1.0 - at["area_ratio"]) * self.values.middle[..., None]
-        load = np.einsum("...in,...i->...n", self.plate, oil - at["plate_mass"] * common["gravity"][..., None])
-        load = load - (common["mass"] * common["gravity"])[..., None] * self.cg[..., 2, :]
-        return solve(self.stiffness, (load - np.einsum("...nm,...m->...n", self.toppling, near))[..., None])[..., 0]
+
+def _flexible(stiffness: Array) -> NDArray[np.intp]:
+    """Mounts whose feet are flexible."""
+    finite = np.isfinite(stiffness).reshape(-1, stiffness.shape[-1])
+    if (finite != finite[0]).any():
+        raise ValueError("foot_stiffness: must be finite in all designs, or infinite in all")
+    return np.flatnonzero(finite[0])
 
 
-def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, tilt: Array) -> tuple[Array, Array, Array]:
-    """``cg`` and ``spin`` of `Elements` at a tilt, and the CG's height over rx and ry in second order, (…, 2, 2).
+def _feet(values: Values, shape: tuple[int, ...], q: Array, angles: Array) -> tuple[Array, Array, Array]:
+    """Motion of the machine's feet at coordinates ``q``, angles (…, 3) among them.
 
-    The joints turn in the order rz, rx, ry, each about an axis that those before have turned; rz is zero at rest.
+    Returns:
+        Per coordinate (…, mount, 3, n); displacement (…, mount, 3) [m]; and second derivatives over the rotations
+        (…, mount, 3, 3, 3). Where a design is flat its feet move as when it is level.
     """
-    sx, sy = np.sin(tilt[..., 0]), np.sin(tilt[..., 1])
-    qx, qy = np.cos(tilt[..., 0]), np.cos(tilt[..., 1])
-    one, zero = np.ones(shape), np.zeros(shape)
-    cx, cy, cz = (np.broadcast_to(common[f"cg.{k}"], shape) for k in range(3))
-    across, up = qy * cx + sy * cz, qy * cz - sy * cx  # after ry
-    place = np.stack([across, qx * cy - sx * up, sx * cy + qx * up], axis=-1)
-    axes = {_RZ: (zero, zero, one), _RX: (one, zero, zero), _RY: (zero, qx, sx)}
-    turned = {_RZ: (-qx * sy, sx, qx * qy), _RX: (qy, zero, sy), _RY: (zero, one, zero)}  # in the machine's axes
+    places = np.stack([np.broadcast_to(values.mounts[axis], (*shape, len(values.frames))) for axis in AXES], axis=-1)
+    flat = np.broadcast_to(values.flat, shape)
+    excess, first, second = rotations(np.where(flat[..., None], 0.0, angles))
+    motion = np.zeros((*places.shape, q.shape[-1]))
+    motion[..., range(3), _SHIFTS] = 1.0
+    motion[..., _TURNS] = np.einsum("...jxy,...my->...mxj", first, places)
+    linear = np.einsum("...mxj,...j->...mx", motion[..., _TURNS], angles)
+    turned = np.where(flat[..., None, None], linear, np.einsum("...xy,...my->...mx", excess, places))
+    curved = np.einsum("...jkxy,...my->...mxjk", second, places) * np.logical_not(flat)[..., None, None, None, None]
+    return motion, q[..., None, _SHIFTS] + turned, curved
+
+
+def _inertia(common: Mapping[str, Array], shape: tuple[int, ...], cg: Array, spin: Array) -> Array:
+    """Mass matrix (…, n, n) of the machine."""
+    own = body_of(common)
+    carried = np.broadcast_to(own.mass[..., None], (*shape, 3))
+    return np.asarray(_quadratic(cg[..., :3, :], carried) + np.swapaxes(spin, -1, -2) @ own.tensor @ spin)
+
+
+def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, angles: Array) -> tuple[Array, Array, Array]:
+    """``cg`` and ``spin`` of `Elements` at angles (…, 3), and the second derivatives of the CG's height over them,
+    (…, 3, 3)."""
+    place = np.stack([np.broadcast_to(common[f"cg.{k}"], shape) for k in range(3)], axis=-1)
+    excess, first, second = rotations(angles)
+    turned = np.swapaxes(np.eye(3) + excess, -1, -2)[..., None, :, :]
     cg, spin = np.zeros((*shape, 6, n)), np.zeros((*shape, 3, n))
-    cg[..., range(3), [_X, _Y, _Z]] = 1.0
-    for joint, axis in axes.items():
-        about = np.stack(axis, axis=-1)
-        cg[..., :3, joint], cg[..., 3:, joint] = np.cross(about, place), about
-        spin[..., joint] = np.stack(turned[joint], axis=-1)
-    mixed = -sx * -across
-    lift = np.stack([np.stack([-place[..., 2], mixed], -1), np.stack([mixed, -qx * up], -1)], -2)
-    return cg, spin, lift
+    cg[..., range(3), _SHIFTS] = 1.0
+    cg[..., :3, _TURNS] = np.einsum("...jxy,...y->...xj", first, place)
+    cg[..., 3:, _TURNS] = np.swapaxes(_axis(first @ turned), -1, -2)
+    spin[..., _TURNS] = np.swapaxes(_axis(turned @ first), -1, -2)
+    return cg, spin, np.einsum("...jky,...y->...jk", second[..., 2, :], place)
+
+
+def _axis(rate: Array) -> Array:
+    """Vector (…, 3) whose cross product a skew matrix (…, 3, 3) is."""
+    return np.stack([rate[..., 2, 1], rate[..., 0, 2], rate[..., 1, 0]], axis=-1)
 
 
 @dataclass(frozen=True)

@@ -118,9 +118,9 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     """
     values = Values.of(plant)
     index = {name: k for k, name in enumerate(states)}
-    parts = Elements.of(values, equilibrium[[index["displacement rx"], index["displacement ry"]]])
     joints = [*JOINTS, *(f"plate {m}" for m, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)]
     at = [index[f"displacement {joint}"] for joint in joints]
+    parts = Elements.of(values, equilibrium[at])
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]
     spring: dict[str, Array] = {}
     lost: dict[str, Array] = {}
@@ -130,7 +130,7 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     if f"pressure_1 {plant.mounts[0]}" in index:
         columns = [[index[f"pressure_{chamber} {mount}"] for mount in plant.mounts] for chamber in (1, 2)]
         one, two = (vector[column] for column in columns)
-        oil = Oil.of(values, parts.plate @ equilibrium[at], (equilibrium[columns[0]], equilibrium[columns[1]]))
+        oil = Oil.of(values, parts.stroke, (equilibrium[columns[0]], equilibrium[columns[1]]))
         # Where walls give way a piston sweeps w times its area: what the oil takes up counts over w.
         spring["oil"] = (oil.compliances[0] * np.abs(one) ** 2 + oil.compliances[1] * np.abs(two) ** 2) / oil.stretch
         leaks = 2.0 * oil.edge * (np.abs(one) ** 2 + np.abs(two) ** 2) + oil.cross * np.abs(one - two) ** 2

@@ -112,23 +112,33 @@ def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> A
     def residual(at: Array) -> Array:
         return rates(model, data, at, still)[balance] / tolerance
 
-    error = residual(state)
-    for _ in range(60):
-        if np.abs(error).max() <= 1.0:
+    def solution(state: Array, levelled: bool) -> Array | None:
+        """By Newton's method; ``levelled`` weighs all balances alike, where soft mounts would count for rounding."""
+        error = residual(state)
+        for _ in range(60):
+            if np.abs(error).max() <= 1.0:
+                return state
+            matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
+            sizes = np.linalg.norm(matrix, axis=1) if levelled else np.ones(error.size)
+            sizes[sizes == 0.0] = 1.0
+            change = np.linalg.lstsq(matrix / sizes[:, None], -error / sizes, rcond=1e-10)[0] * unit
+            for _ in range(30):  # halve the step until the balance improves
+                trial = state.copy()
+                trial[unknown] += change
+                trial_error = residual(trial)
+                if np.linalg.norm(trial_error) < np.linalg.norm(error):
+                    break
+                change = 0.5 * change
+            else:
+                return None
+            state, error = trial, trial_error
+        return None
+
+    for levelled in (False, True):
+        found = solution(state, levelled)
+        if found is not None:
             _check_strokes(model, data)
-            return state
-        matrix = jacobian(model, data, state, still)[np.ix_(balance, unknown)] / tolerance[:, None] * unit
-        change = np.linalg.lstsq(matrix, -error, rcond=1e-10)[0] * unit
-        for _ in range(30):  # halve the step until the balance improves
-            trial = state.copy()
-            trial[unknown] += change
-            trial_error = residual(trial)
-            if np.linalg.norm(trial_error) < np.linalg.norm(error):
-                break
-            change = 0.5 * change
-        else:
-            break
-        state, error = trial, trial_error
+            return found
     raise EquilibriumError("no static equilibrium: the machine cannot stand under these loads and commands")
 
 

@@ -23,6 +23,29 @@ def _turn(axis: int, angle: Array) -> tuple[Array, Array, Array]:
     return excess, first, second
 
 
+def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
+    """The machine's rotation R at angles (…, 3), rx, ry, rz [rad], in the order of `points_motion`, and how it changes.
+
+    Returns:
+        R − 1 (…, 3, 3); its derivatives (…, 3, 3, 3) and second derivatives (…, 3, 3, 3, 3), the angles first.
+    """
+    given = np.asarray(angles, float)
+    turns = [_turn(axis, given[..., axis].ravel()) for axis in range(3)]
+    whole = [np.eye(3) + turns[axis][0] for axis in range(3)]
+    factors = [(whole[axis], *turns[axis][1:]) for axis in range(3)]
+
+    def product(*derivatives: int) -> Array:
+        times = [derivatives.count(axis) for axis in range(3)]
+        return np.asarray(factors[2][times[2]] @ factors[0][times[0]] @ factors[1][times[1]])
+
+    a, b, c = (turns[axis][0] for axis in (2, 0, 1))
+    excess = a + b + c + a @ b + a @ c + b @ c + a @ b @ c
+    first = np.stack([product(j) for j in range(3)], axis=1)
+    second = np.stack([np.stack([product(j, k) for k in range(3)], axis=1) for j in range(3)], axis=1)
+    lead = given.shape[:-1]
+    return excess.reshape(*lead, 3, 3), first.reshape(*lead, 3, 3, 3), second.reshape(*lead, 3, 3, 3, 3)
+
+
 def points_motion(
     displacement: Array, velocity: Array, acceleration: Array, points: Sequence[ArrayLike]
 ) -> list[tuple[Array, Array, Array]]:

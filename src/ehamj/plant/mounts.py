@@ -5,6 +5,7 @@ from typing import Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from ehamj.plant.points import NAME, RESERVED
 from ehamj.settings import Position2, Settings, Vector3
 
 MOUNTS: Final = ("front-left", "front-right", "rear-left", "rear-right")
@@ -30,6 +31,15 @@ class Mount(Settings):
     direction: Vector3 = Field(UP, description="along which it acts, towards the machine: x, y, z (any length); up")
     height: float = Field(0.0, description="shim below the isolator, along its direction [m]")
     actuator: str = Field("isolator", description="name of a table [actuators.NAME]")
+
+    @field_validator("name")
+    @classmethod
+    def _callable(cls, name: str) -> str:
+        if name in RESERVED or not NAME.fullmatch(name):
+            raise ValueError(
+                f"must consist of at most 32 letters, digits, - and _, and not be one of {', '.join(RESERVED)}"
+            )
+        return name
 
     @field_validator("direction")
     @classmethod

@@ -3,21 +3,27 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import ceil
-from typing import TYPE_CHECKING, Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator
 
 from ehamj.plant.axes import AXES
-from ehamj.plant.mounts import MOUNTS
+from ehamj.plant.points import NAME
 from ehamj.records.units import Quantity
 from ehamj.signals import Array
 
-if TYPE_CHECKING:
-    Place = str
-else:
-    Place = Literal[(*AXES, *(f"{mount} {axis}" for mount in MOUNTS for axis in AXES))]
-"""What a component moves: an axis of all mounts, or of one of them."""
+
+def _place(text: str) -> str:
+    mount, _, axis = text.rpartition(" ")
+    if axis not in AXES or (mount and not NAME.fullmatch(mount)):
+        raise ValueError(f"must be one of {', '.join(AXES)}, or that of one mount by its name, such as 'front-left z'")
+    return text
+
+
+Place = Annotated[str, AfterValidator(_place)]
+"""What a component moves: an axis of all mounts, or of one of them by its name, ``NAME z``."""
 Response = Callable[[Array], NDArray[np.complex128]]
 
 USABLE = 0.8

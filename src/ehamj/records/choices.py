@@ -41,7 +41,7 @@ class Choices(Settings):
         description="axis of each component, by its name or its number in the file, of a table its column's (E, EHE, "
         "BW.RJOB..EHE, CSV column, "
         "UFF direction z or node 12:+Z, WAV channel 1, MATLAB variable z or data.z, TDMS or IDE group/channel), or "
-        "axis of one mount ('front-left z'); the others are left out; default: E, N, Z to x, y, z",
+        "axis of one mount, by its name ('front-left z'); the others are left out; default: E, N, Z to x, y, z",
     )
     gaps: GapChoice = Field(
         "error", description="what to do about gaps: refuse the record, or fill with straight lines"

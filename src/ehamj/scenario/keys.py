@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from ehamj.errors import InputError
+from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.plain.text import toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
 
@@ -65,6 +66,10 @@ def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], v
         for name in [name for name, source in sources.items() if source != "given"]:
             at.pop(name, None)
             del sources[name]
+        former = ACTUATOR_PRESETS.get(str(at.get("preset")))
+        for name in [name for name in at if name not in (*FROM_PRESET, *sources, "sources")]:  # without a source
+            if last == "preset" and former is not None and at[name] == getattr(former, name, None):
+                at.pop(name)
     if parents[-1:] == ["machine"] and last in ("mass", "size") and sources.get("inertia") == "assumed":
         at.pop("inertia", None)
         del sources["inertia"]

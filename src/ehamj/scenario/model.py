@@ -22,10 +22,10 @@ from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
-from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
 from ehamj.scenario.keys import merge, plain
+from ehamj.scenario.named import check_named
 from ehamj.scenario.variation import LawChoice, varied
 from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
@@ -75,11 +75,12 @@ class Scenario(Installation, Course):
     def _observed(self) -> Self:
         if "points" not in self.model_fields_set:
             object.__setattr__(self, "points", default_points(self.machine))
-        self.control.commands([mount.name for mount in self.mount])
-        check_points(self.points, self.machine, MOUNTS)
-        check_relatives(self.relative, self.points, MOUNTS)
+        mounts = tuple(mount.name for mount in self._mounts)
+        check_named(self, mounts)
+        check_points(self.points, self.machine, mounts)
+        check_relatives(self.relative, self.points, mounts)
         check_forces(self.force, self.points)
-        check_faults(self.fault, MOUNTS, self.duration)
+        check_faults(self.fault, mounts, self.duration)
         spectrum = self.criteria.response_spectrum
         if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:
             raise ValueError(
