@@ -259,7 +259,7 @@ def rows(plant: Plant) -> list[Row]:
             **actuator.record(),
             "connected": float(connected),
             **_place(plant, mount),
-            "flat": float(plant.flat),
+            "flat": float(plant.level_enough),
         }
         for name, value in values.items():
             table[name][mount] = value
