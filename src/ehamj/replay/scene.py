@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 import rerun as rr
 
-from ehamj.mujoco.drawing import PAD_DEPTH, PAD_HALF_HEIGHT
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
+from ehamj.plant.slide import Slide
 from ehamj.replay.recording import TIMELINE, Array, entity, fixed, moving
 from ehamj.result import Result
 
@@ -26,9 +26,6 @@ POSE_RATE = 200.0
 POSES_PER_PERIOD = 20.0
 MOST_POSES = 120_000
 
-FLOOR = -PAD_DEPTH - PAD_HALF_HEIGHT
-"""Height of the floor in the drawing [m]."""
-
 GHOST = (235, 240, 245, 70)
 
 
@@ -37,6 +34,8 @@ class Pose(NamedTuple):
 
     translation: Array
     quaternion: Array | None = None
+    below: tuple[str, ...] = ()
+    """Bodies whose motion it shares, the outermost first; its own is relative to the last of them."""
 
 
 def exaggeration_for(results: Iterable[Result]) -> float:
@@ -81,13 +80,19 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
     log_poses(recording, label, poses(result, model, factor, rows), result.dataset.time.values[rows])
 
 
+def body_path(model: mujoco.MjModel, body: str) -> tuple[str, ...]:
+    """Parts of a body's path below the world: what stands on the machine moves with it."""
+    parent = model.body(int(model.body(body).parentid[0])).name
+    return (body,) if parent == "world" else (*body_path(model, parent), body)
+
+
 def log_poses(
     recording: rr.RecordingStream, label: str, found: Mapping[str, Pose], time: Array, timeline: str = TIMELINE
 ) -> None:
     """Log the poses of bodies at each time [s]."""
     for body, pose in found.items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
-        moving(recording, entity(label, "world", body), time, columns, timeline)
+        moving(recording, entity(label, "world", *pose.below, body), time, columns, timeline)
 
 
 def drawn_model(result: Result) -> mujoco.MjModel:
@@ -99,7 +104,8 @@ def drawn_model(result: Result) -> mujoco.MjModel:
 
 
 def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray) -> dict[str, Pose]:
-    """Pose of every drawn body at some rows: rest position plus ``factor`` times the motion about the equilibrium."""
+    """Pose of every drawn body at some rows: rest position plus ``factor`` times the motion about the equilibrium;
+    slides go along their rails as far as they do."""
 
     def moved(name: str) -> Array:
         values = result.dataset[name].values
@@ -114,14 +120,29 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
     }
-    for mount, name in enumerate(plant.mounts):
-        found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount])
+    for mount, (name, direction) in enumerate(zip(plant.mounts, plant.directions, strict=True)):
+        found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount], pad_turn(model, name, len(rows)))
         if plant.plates == "sliding":
             # The model's plate has its stroke only; drawn, it goes sideways with the foot that stands on it.
-            height = ground[:, mount, 2] + stroke[:, mount]
-            plate = np.column_stack([foot[:, mount, :2], height])
+            along = np.array(direction)
+            ahead = ground[:, mount] @ along + stroke[:, mount] - foot[:, mount] @ along
+            plate = foot[:, mount] + ahead[:, None] * along
             found[f"plate {name}"] = Pose(model.body(f"plate {name}").pos + plate)
+    for number, slide in enumerate(plant.slides):
+        coordinate = result.dataset["slide"].values[rows, number]
+        found[f"slide {slide.name}"] = Pose(_on_rail(slide, coordinate), below=("machine",))
     return found
+
+
+def _on_rail(slide: Slide, coordinate: Array) -> Array:
+    """Places of a slide's body on the machine at coordinates (n,), (n, 3) [m]."""
+    return np.array(slide.place(0.0)) + coordinate[:, None] * np.array(slide.along)
+
+
+def pad_turn(model: mujoco.MjModel, mount: str, rows: int) -> Array | None:
+    """Quaternion xyzw (rows, 4) of a pad that stands on its side; None of an upright one."""
+    turn = model.body(f"pad {mount}").quat[[1, 2, 3, 0]]
+    return None if turn[3] == 1.0 else np.tile(turn, (rows, 1))
 
 
 def quaternion(angles: Array) -> Array:
@@ -178,7 +199,8 @@ def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel)
         name = model.geom(geom).name or f"geom {geom}"
         body = model.body(model.geom_bodyid[geom]).name
         owner = name if body == "world" else body  # what stands on the world, the floor, moves as a body of its own
-        path = entity(label, "world", owner, "geoms", name)
+        parts = (owner,) if body == "world" else body_path(model, body)
+        path = entity(label, "world", *parts, "geoms", name)
         color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
         fixed(recording, path, _shape(model, geom, color, "solid"))
         if owner in ("machine", "floor") and not name.startswith(("plate", "foot")):  # no ghost of what the bed hides
