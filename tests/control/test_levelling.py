@@ -1,4 +1,4 @@
-"""Levelling: what a slide has tilted is back in the stated time, and the isolation of the feedforward beside it stays."""
+"""Levelling: what a slide has tilted is back in the stated time, and the feedforward beside it isolates as it did."""
 
 from typing import Any
 
