@@ -10,6 +10,7 @@ from ehamj.control import Controller, ControllerBank, PythonController, load_con
 from ehamj.errors import DerivedAnew, InputError, SimulationFailed
 from ehamj.linear.machine import linearise
 from ehamj.linear.seen import sampled_plant
+from ehamj.linear.statics import static_loads
 from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate, simulate_many
 from ehamj.scenario.load import load_scenario, parse_scenario
@@ -34,5 +35,6 @@ __all__ = [
     "sampled_plant",
     "simulate",
     "simulate_many",
+    "static_loads",
     "study",
 ]

@@ -58,9 +58,9 @@ def test_tipping_height_of_a_symmetric_machine() -> None:
 
 def test_a_foot_in_series_counts_and_sealed_oil_does() -> None:
     soft = FIRST_GENERATION.with_values({"foot_stiffness": 6.8e8})
-    assert study.static_stiffness(soft) == pytest.approx(3.4e8)
+    assert soft.static_stiffness == pytest.approx(3.4e8)
     sealed = FIRST_GENERATION.with_values({"flow_pressure": 0.0})
-    assert study.static_stiffness(sealed) == pytest.approx(6.8e8 + FIRST_GENERATION.hydraulic_stiffness)
+    assert sealed.static_stiffness == pytest.approx(6.8e8 + FIRST_GENERATION.hydraulic_stiffness)
 
 
 def turned(angle: float) -> Scenario:

@@ -11,7 +11,7 @@ from ehamj.errors import DerivedAnew, InputError, SimulationFailed
 
 # Imported for their commands, which `ehamj --help` lists in this order.
 from ehamj.cli import (  # noqa: F401  # isort: skip
-    run, scenarios, design, modes, paper, transmissibility, study, stored, bench, verify,
+    run, scenarios, design, modes, statics, paper, transmissibility, study, stored, bench, verify,
 )  # fmt: skip
 
 __all__ = ["app", "main"]

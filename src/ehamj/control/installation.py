@@ -15,6 +15,7 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, FEWEST, MOST, MOUNTS, UP, Mount
 from ehamj.plant.part import Part, check_parts
 from ehamj.plant.plant import Plant
+from ehamj.plant.statics import check_standing
 from ehamj.scenario_files import scenario_path, scenario_table
 from ehamj.settings import SCENARIO, Settings
 
@@ -44,19 +45,20 @@ class Installation(Settings):
         if twice:
             raise ValueError(f"mount names {twice} appear more than once; each must be unique")
         check_parts(self.part, self.machine)
-        half_x, half_y = self.machine.size[0] / 2, self.machine.size[1] / 2
+        half_x, half_y, high = self.machine.size[0] / 2, self.machine.size[1] / 2, self.machine.size[2]
         for mount in self.mount:
-            x, y, *_ = mount.position
-            if abs(x) > half_x or abs(y) > half_y:
+            x, y, z = mount.place
+            if abs(x) > half_x or abs(y) > half_y or abs(z) > high:
                 raise ValueError(
-                    f"mount {mount.name}: position = [{x:g}, {y:g}] lies outside the machine, "
-                    f"which covers ±{half_x:g} by ±{half_y:g} m (machine.size)"
+                    f"mount {mount.name}: position = {list(mount.position)} lies outside the machine, "
+                    f"which covers ±{half_x:g} by ±{half_y:g} m, and ±{high:g} m in height (machine.size)"
                 )
             if mount.actuator not in self.actuators:
                 raise ValueError(
                     f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
                     f"[actuators.NAME]: {', '.join(self.actuators)}"
                 )
+        check_standing(self.plant, gravity=False)
         if set(names) != set(MOUNTS) or any(mount.along != UP for mount in self.mount):
             return self
         at = {mount.name: mount.position for mount in self.mount}

@@ -2,11 +2,11 @@
 
 from typing import Final
 
-import numpy as np
 import xarray as xr
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import modes_of
+from ehamj.designs.parameters import FOOTPRINT, footprint
 from ehamj.scenario.model import Scenario
 
 LOWER: Final = ("lower about x", "lower about y")
@@ -31,8 +31,8 @@ def rocking_modes(scenario: Scenario, height: xr.DataArray, width: xr.DataArray)
     Raises:
         InputError: if the machine has no linear model in closed form.
     """
-    own = np.ptp(np.array(scenario.plant.positions)[:, :2], axis=0)
-    vary = {"machine.cg.2": height, "footprint.x": own[0] * width, "footprint.y": own[1] * width}
+    spread = {key: footprint(scenario.plant, key) * width for key in FOOTPRINT}
+    vary = {"machine.cg.2": height, **spread}
     found = modes_of(Designs.of(scenario, vary))[["frequency", "damping_ratio", "growth_rate", "tipping_margin"]]
     found["frequency"] = found["frequency"].where(found["frequency"] > STILL)
     return found.reset_coords(drop=True).assign_attrs(title="modes of the designs")

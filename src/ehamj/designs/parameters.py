@@ -61,8 +61,14 @@ def footprint_sides(plant: Plant, key: str) -> NDArray[np.bool_]:
 
 
 def footprint(plant: Plant, key: str) -> float:
-    """Distance of the mounts, front to rear or left to right (their means) [m]."""
+    """Distance of the mounts, front to rear or left to right (their means) [m].
+
+    Raises:
+        InputError: if all of them stand in one line across it.
+    """
     along, ahead = np.array(plant.positions)[:, "xy".index(FOOTPRINT[key])], footprint_sides(plant, key)
+    if not ahead.any():
+        raise InputError(f"{key}: all mounts have {FOOTPRINT[key]} = {along[0]:g} m, there is no distance to vary")
     return float(along[ahead].mean() - along[~ahead].mean())
 
 

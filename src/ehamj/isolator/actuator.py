@@ -77,6 +77,18 @@ class Actuator(
         """Stiffness of the trapped oil, K_h = 4βA_p²/V_t [N/m]."""
         return 4.0 * self.bulk_modulus * self.piston_area**2 / self.chamber_volume
 
+    @property
+    def static_stiffness(self) -> float:
+        """Stiffness along the isolator against a load that stays [N/m]: the membrane, oil only where nothing leaks, and
+        the foot in series."""
+        spring = self.membrane_stiffness + (self.hydraulic_stiffness if self.flow_pressure == 0.0 else 0.0)
+        return spring if self.rigid_foot else spring * self.foot_stiffness / (spring + self.foot_stiffness)
+
+    @property
+    def foot_share(self) -> float:
+        """Share of a constant force on the plate that reaches a machine at rest: all of it through a rigid foot."""
+        return 1.0 if self.rigid_foot else self.foot_stiffness / (self.membrane_stiffness + self.foot_stiffness)
+
 
 COMPONENTS: Final[tuple[type[Component], ...]] = Actuator.__bases__[::-1]
 """Components that take part in the equations, in order."""

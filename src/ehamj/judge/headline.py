@@ -5,7 +5,6 @@ that is better says nothing of what stands elsewhere on the machine.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 from pydantic import Field
 
@@ -16,13 +15,6 @@ from ehamj.judge.decisive import Decisive, open_in_words
 from ehamj.judge.levels import Levels
 from ehamj.judge.places import AtPlace
 from ehamj.judge.scatter import scatter
-
-DIRECTIONS: Final = {"vertical": ("z",), "horizontal": ("x", "y")}
-"""Axes of each direction that is judged apart from the other."""
-ACTUATED: Final = {"vertical": "actuated", "horizontal": "actuated by tilting only"}
-"""How valves that are commanded reach each direction: they act vertically."""
-PASSIVE: Final = "passive"
-"""What a machine is whose valves nothing commands."""
 
 
 class Direction(Finding):
@@ -39,19 +31,15 @@ class Direction(Finding):
     floor_bands: int
     floor_undecided: tuple[str, ...] = Field(alias="floor_undecided_bands_hz")
 
-    def classes(self, name: str, commanded: bool) -> str:
-        """The classes of floor and machine in words, and how many bands they leave open.
-
-        Args:
-            name: of the direction.
-            commanded: whether anything commands the valves.
-        """
+    def classes(self, actuated: str) -> str:
+        """The classes of floor and machine in words, and how many bands they leave open; ``actuated`` says how the
+        machine is."""
         sides = ((self.floor, self.floor_bands, self.floor_undecided), (self.worst, self.bands, self.undecided))
         floor, machine = (one.class_in_words(missing) for one, _, missing in sides)
         of_floor, left = (open_in_words(bands, missing) for _, bands, missing in sides)
         if of_floor != left:  # each by itself
             floor, machine, left = _beside(floor, of_floor), _beside(machine, left), ""
-        said = f"floor {floor}, machine {machine} ({ACTUATED[name] if commanded else PASSIVE})"
+        said = f"floor {floor}, machine {machine} ({actuated})"
         return f"{said}: {left}" if left else said
 
     def details(self) -> str:

@@ -1,6 +1,6 @@
 """Third-octave levels of floor, feet, machine and points, from the recorded velocities."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -14,6 +14,7 @@ from ehamj.estimate.counted import Counted, by_column
 from ehamj.estimate.reading import Reading, band_rms
 from ehamj.estimate.sliding import TIMES, statistics
 from ehamj.findings import finite
+from ehamj.judge.actuation import PASSIVE, actuation
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
@@ -50,8 +51,8 @@ class Levels:
     mounts: tuple[str, ...]
     seconds: float
     """How long is counted [s]."""
-    commanded: bool = False
-    """Whether any valve was commanded at any time."""
+    actuated: Mapping[str, str] = field(default_factory=dict)
+    """Directions that are judged, see `ehamj.judge.actuation`, and how the run's commands reach each."""
 
     def row(self, band: str | None) -> int | None:
         """Where a band lies, by its name; None where it is not known."""
@@ -93,7 +94,8 @@ def levels_of(
     slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
     seconds = Counted(len(dataset["time"]), rate).length
     commanded = "valve_command" in dataset and bool(np.any(dataset["valve_command"].values))
-    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds, commanded)
+    actuated = {name: words if commanded else PASSIVE for name, words in actuation(plant.layout).items()}
+    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds, actuated)
 
 
 def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:

@@ -7,7 +7,6 @@ from pydantic import Field
 from ehamj.estimate.statistics import WORDS
 from ehamj.findings import Finding
 from ehamj.judge.faults import WHOLE, FaultFound, Phase
-from ehamj.judge.headline import DIRECTIONS
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
@@ -118,6 +117,11 @@ class Summary(Isolation, Head):
     """What went wrong, of a run that is not complete."""
 
     @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the directions that are judged apart, the one that is the verdict first."""
+        return tuple(self.criterion.verdict)
+
+    @property
     def broken(self) -> list[FaultFound]:
         """The faults that changed something."""
         return [one for one in self.fault if not one.idle]
@@ -145,7 +149,9 @@ class Summary(Isolation, Head):
         """The headline, see `ehamj.judge.verdicts.Criterion.lines`; where something failed, of the parts before and
         after, since levels of the whole run are those of no machine that there was."""
         parts = self.parts()
-        found = {f"{name} {when}": part.criterion.lines()[name] for when, part in parts.items() for name in DIRECTIONS}
+        found = {
+            f"{name} {when}": part.criterion.lines()[name] for when, part in parts.items() for name in self.directions
+        }
         if not found:
             mixed = f", {self.mixed}" if self.mixed else ""
             return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()} | self.unsettled()

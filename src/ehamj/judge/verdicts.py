@@ -13,7 +13,8 @@ from ehamj.estimate.counted import settled
 from ehamj.estimate.sliding import least_length
 from ehamj.estimate.statistics import SHORT, WORDS, Statistic
 from ehamj.findings import Finding
-from ehamj.judge.headline import DIRECTIONS, Direction, direction
+from ehamj.judge.actuation import DIRECTIONS
+from ehamj.judge.headline import Direction, direction
 from ehamj.judge.levels import Levels
 from ehamj.judge.peaks import Peaks
 from ehamj.judge.places import PEAKS_TO, AtPlace, at_place
@@ -24,26 +25,35 @@ OLDER: Final = ", of the centre of gravity alone (an earlier version's result: r
 
 
 class InWords(Finding):
-    """The verdict of floor and machine at its worst place in words, along z and across."""
+    """The verdict of floor and machine at its worst place in words: along z, across, and of all axes together."""
 
+    overall: str | None = None
+    """Only of machines that are actuated in all six motions, whose verdict it is."""
     vertical: str
     horizontal: str
 
 
 class Directions(Finding):
-    """What decides along z and across."""
+    """What decides along z, across, and of all axes together."""
 
+    overall: Direction | None = None
+    """Only of machines that are actuated in all six motions."""
     vertical: Direction
     horizontal: Direction
+
+    @property
+    def verdict(self) -> Direction:
+        """The one that is the machine's verdict: of all axes where all are actuated, else the vertical."""
+        return self.overall or self.vertical
 
     @classmethod
     def of(cls, places: Mapping[str, AtPlace], norm: Norm, levels: Levels) -> Self:
         """Of all places; arguments as of `ehamj.judge.headline.direction`."""
-        return cls(**{name: direction(places, axes, norm, levels) for name, axes in DIRECTIONS.items()})
+        return cls(**{name: direction(places, DIRECTIONS[name], norm, levels) for name in levels.actuated})
 
-    def in_words(self, commanded: bool) -> InWords:
-        """The classes of floor and machine, whose valves something does or does not command."""
-        return InWords(**{name: getattr(self, name).classes(name, commanded) for name in DIRECTIONS})
+    def in_words(self, actuated: Mapping[str, str]) -> InWords:
+        """The classes of floor and machine, and how each direction is ``actuated``."""
+        return InWords(**{name: getattr(self, name).classes(words) for name, words in actuated.items()})
 
 
 class ByNorm(Finding):
@@ -84,13 +94,14 @@ class Criterion(Finding):
     def lines(self) -> dict[str, str]:
         """The headline: the verdict of each direction with place, margin and band, and by which rule and levels.
 
-        The keys are ``vertical``, ``horizontal``, ``judged by``, and ``by the largest 1 s RMS`` where a norm has it.
+        The keys are ``vertical``, ``horizontal``, ``judged by``, and ``by the largest 1 s RMS`` where a norm has it;
+        before them ``overall`` of a machine that is actuated in all six motions, whose verdict that is.
         """
-        found = {name: self._line(name) for name in DIRECTIONS}
+        found = {name: self._line(name) for name in self.verdict}
         if said := self.judged_by():
             found["judged by"] = said
         if self.max_1s is not None and "max_1s" not in self._statistics():
-            beside = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in DIRECTIONS)
+            beside = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in self.max_1s.verdict)
             found[f"by the {SHORT['max_1s']}"] = "; ".join(beside)
         return found
 
@@ -102,15 +113,18 @@ class Criterion(Finding):
     def briefly(self) -> dict[str, str]:
         """Of each direction the machine's class at its worst place, with margin and band."""
         if self.decisive is None:
-            return {name: self._line(name) for name in DIRECTIONS}
-        return {name: getattr(self.decisive, name).machine() for name in DIRECTIONS}
+            return {name: self._line(name) for name in self.verdict}
+        return {name: getattr(self.decisive, name).machine() for name in self.verdict}
 
     def _line(self, name: str) -> str:
         said = str(getattr(self.verdict, name))
         if self.decisive is None:
             told = [one for place in (self.floor, self.machine) for one in place.along(DIRECTIONS[name])]
             return f"{said}{OLDER}" if any(one.deciding_band for one in told) else "not judged: no band is decided"
-        details = getattr(self.decisive, name).details()
+        if self.decisive.overall is not None and name != "overall":
+            details = f"Machine worst: {getattr(self.decisive, name).worst.briefly()}"
+        else:
+            details = getattr(self.decisive, name).details()
         return f"{said}. {details}" if details else said
 
     def _statistics(self) -> list[Statistic]:
@@ -127,7 +141,7 @@ def criterion(norm: Norm, judged: ByNorm, levels: Levels, peaks: Peaks | None = 
     found: dict[str, Any] = {}
     if beside := strongest_second(norm):
         loudest = {place: at_place(beside, levels, place, peaks) for place in judged.places}
-        words = Directions.of(loudest, beside, levels).in_words(levels.commanded)
+        words = Directions.of(loudest, beside, levels).in_words(levels.actuated)
         found["max_1s"] = Beside(floor=loudest["floor"], machine=loudest["machine"], places=loudest, verdict=words)
     return Criterion(
         title=norm.title,
@@ -148,7 +162,7 @@ def by_norm(norm: Norm, levels: Levels, peaks: Peaks | None = None, usable_to: f
     """Title of the norm, what it says of each place, and the verdict in words; see `at_place`."""
     places = {place: at_place(norm, levels, place, peaks, usable_to) for place in levels.places}
     own = {"own_limits": norm.stated} if isinstance(norm, OwnNorm) else {}
-    verdict = Directions.of(places, norm, levels).in_words(levels.commanded)
+    verdict = Directions.of(places, norm, levels).in_words(levels.actuated)
     return ByNorm(title=norm.title, places=places, verdict=verdict, **own)
 
 

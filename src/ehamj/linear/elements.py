@@ -97,6 +97,12 @@ def _frame(direction: ArrayLike) -> Array:
     return np.array([first, np.cross(along, first), along])
 
 
+def coordinates(plant: Plant) -> tuple[str, ...]:
+    """Names of the coordinates of a plant's `Elements`, as states of the linear model have them."""
+    soft = (name for name, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)
+    return (*JOINTS, *(f"plate {name}" for name in soft))
+
+
 def of_body(body: Body) -> dict[str, Array]:
     """Values of the machine, by name, of its mass properties (…,)."""
     moments = {f"inertia.{k}": body.tensor[..., k, k] for k in range(3)}

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.linear.elements import Elements, Oil, Values
-from ehamj.plant.axes import AXES, DOFS, JOINTS
+from ehamj.linear.elements import Elements, Oil, Values, coordinates
+from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import lever
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
@@ -118,7 +118,7 @@ def energies(plant: Plant, equilibrium: Array, states: Sequence[str], vector: Co
     """
     values = Values.of(plant)
     index = {name: k for k, name in enumerate(states)}
-    joints = [*JOINTS, *(f"plate {m}" for m, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)]
+    joints = coordinates(plant)
     at = [index[f"displacement {joint}"] for joint in joints]
     parts = Elements.of(values, equilibrium[at])
     q, qd = vector[at], vector[[index[f"velocity {joint}"] for joint in joints]]

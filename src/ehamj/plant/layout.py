@@ -64,6 +64,11 @@ class Layout:
         """How many of the machine's six motions are actuated: the rank of J of the active mounts."""
         return round(float(np.trace(self._reached)))
 
+    def share(self, dof: str) -> float:
+        """How much of a motion along one of the six degrees of freedom active mounts drive: 1 all, 0 nothing of it."""
+        k = DOFS.index(dof)
+        return float(self._reached[k, k])
+
     @cached_property
     def _named(self) -> dict[str, Array]:
         """A motion of the machine (6,) for each that is actuated, in the order heave, roll, pitch, surge, sway, yaw.

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.judge.headline import DIRECTIONS
 from ehamj.replay.marks import length_text
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
@@ -56,7 +55,7 @@ def _verdicts(results: Mapping[str, Result]) -> str:
     for label, result in results.items():
         lines, verdict = result.summary.lines(), result.summary.criterion.verdict
         if said and not result.summary.broken:
-            lines = {name: f"{getattr(verdict, name)}" for name in DIRECTIONS}
+            lines = {name: f"{getattr(verdict, name)}" for name in verdict}
         said += [f"- {label}, {what}: {text}" for what, text in lines.items()]
     return "\n".join(said)
 

@@ -30,7 +30,7 @@ class Window(NamedTuple):
 def clipped_when_it_counts(
     dataset: xr.Dataset, plant: Plant, rate: float, criterion: Criterion, law: LinearController | None
 ) -> list[str]:
-    """In words: mounts whose command was clipped in the second that decides the machine's vertical verdict.
+    """In words: mounts whose command was clipped in the second that decides the machine's verdict.
 
     Args:
         dataset: of a result.
@@ -41,15 +41,16 @@ def clipped_when_it_counts(
     """
     if criterion.decisive is None or not dataset.time.size:
         return []
-    worst = criterion.decisive.vertical.worst
+    worst = criterion.decisive.verdict.worst
+    axis, which = AXES.index(worst.axis), "overall" if criterion.decisive.overall else "vertical"
     band = worst.verdict.deciding_band
     if band is None:
         return []
     velocity = motions_of(dataset, "velocity")[worst.place]
     if velocity.ndim > 2:  # one per mount
         mounts = range(len(plant.mounts)) if worst.mount is None else [plant.mounts.index(worst.mount)]
-        velocity = max((velocity[:, k] for k in mounts), key=lambda one: float(np.abs(one[:, AXES.index("z")]).max()))
-    window = deciding(velocity[:, AXES.index("z")], rate, band)
+        velocity = max((velocity[:, k] for k in mounts), key=lambda one: float(np.abs(one[:, axis]).max()))
+    window = deciding(velocity[:, axis], rate, band)
     if window is None:
         return []
     limit = np.array([actuator.voltage_limit for actuator in plant.actuators])
@@ -63,7 +64,7 @@ def clipped_when_it_counts(
     where = "the peak" if band == WHOLE else f"the band at {band} Hz"
     return [
         f"the command was clipped when it counted: at {plant.mounts[k]} for {100 * share[k]:.3g} % of the time from "
-        f"{window.begin:.4g} to {window.end:.4g} s, where {where} is loudest that decides the machine's vertical "
+        f"{window.begin:.4g} to {window.end:.4g} s, where {where} is loudest that decides the machine's {which} "
         f"verdict (range ±{limit[k]:g} V); there the valve sets the class, and not the law"
     ]
 

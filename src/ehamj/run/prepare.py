@@ -16,6 +16,7 @@ from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
+from ehamj.plant.statics import check_standing
 from ehamj.run.faults import shorter_step, unread
 from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
@@ -78,6 +79,14 @@ class Prepared:
         )
 
 
+def _check_standing(scenario: Scenario) -> None:
+    """Raise InputError for a machine that gravity turns over, unless it may fall."""
+    try:
+        check_standing(scenario.plant, gravity=not scenario.may_fall)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
 def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
 
@@ -88,6 +97,7 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
+    _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
     if controller is None:

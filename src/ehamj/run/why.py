@@ -11,6 +11,7 @@ import xarray as xr
 from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band
+from ehamj.judge.actuation import PART, TILTING, WHOLE
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, rms_in_bands
 from ehamj.judge.summary import ByMount
@@ -24,6 +25,8 @@ from ehamj.plant.levers import lever, levers
 from ehamj.run.limits import WORDS
 from ehamj.run.prepare import Prepared
 
+UPRIGHT_MOTIONS: Final = ("heave", "roll", "pitch")
+"""What upright mounts drive."""
 PER_BAND: Final = 7
 """Frequencies of a band at which the linear machine answers."""
 EXPLAINED: Final = 4.0
@@ -79,10 +82,21 @@ class Reasons:
                 return (
                     f"{excited}{by}; with the valves held it would be {_over(one, level, held)}, {held_db:.0f} dB more"
                 )
-            tilts = one.axis in ("x", "y")
-            reach = "; the valves act vertically, and reach it only by tilting the machine" if tilts else ""
-            return f"{excited}{by}, with the valves held as well ({_over(one, level, held)}){reach}"
+            return f"{excited}{by}, with the valves held as well ({_over(one, level, held)}){self._reach(one.axis)}"
         return f"{excited}{by} by the law: with the valves held it is {_over(one, level, held)}{self._late(one)}"
+
+    def _reach(self, axis: str) -> str:
+        """That the valves do not drive a motion, where they do not, and what they drive of it."""
+        layout = self.scenario.plant.layout
+        driven = layout.share(axis)
+        if driven > PART:
+            return "" if driven > WHOLE else "; the valves drive that motion in part only"
+        upright = layout.motions == UPRIGHT_MOTIONS
+        acting = (
+            "the valves act vertically" if upright else f"the valves drive {', '.join(layout.motions) or 'nothing'}"
+        )
+        tilts = axis in TILTING and layout.share(TILTING[axis]) > PART
+        return f"; {acting}, and {'reach it only by tilting the machine' if tilts else 'do not reach it'}"
 
     @cached_property
     def model(self) -> LinearModel | None:

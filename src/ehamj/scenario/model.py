@@ -52,6 +52,9 @@ class Course(Settings):
         "auto", description="integration step [s]; auto resolves the fastest mode"
     )
     record_rate: float = Field(1000.0, gt=0, description="rows of the result per second [Hz]")
+    may_fall: bool = Field(
+        False, description="simulate a machine that its mounts do not hold against gravity, to see how it falls"
+    )
     compare: tuple[VariantName, ...] = Field((), description="variants to run beside it, into folders of their names")
 
 

@@ -63,7 +63,7 @@ def lateral_stiffness(scenario: Scenario, settings: LateralSettings, progress: P
     return Outcome(
         title="Lateral stiffness of the mounts",
         question="What does the lateral stiffness of the mounts do to sway, rocking and yaw?",
-        answers=_answers(modes, slope, _quietest(sway)),
+        answers=_answers(modes, slope, _quietest(sway), "surge" in scenario.plant.layout.motions),
         tables={"modes": modes, "sway": sway.to_dataset().assign_attrs(title="a floor that sways along x")},
         drawings={
             "modes": Drawing(
@@ -80,7 +80,7 @@ def lateral_stiffness(scenario: Scenario, settings: LateralSettings, progress: P
     )
 
 
-def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, float]) -> tuple[str, ...]:
+def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, float], driven: bool) -> tuple[str, ...]:
     here = modes.sel(factor=1.0, method="nearest")["frequency"]
     soft, stiff = (modes.isel(factor=end)["frequency"] for end in (0, -1))
     told = [
@@ -89,12 +89,13 @@ def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, floa
         for mode in ("lower about x", "lower about y", "yaw")
     ]
     factor, least, own = quietest
+    why = "With valves held" if driven else "Since the valves do not reach the horizontal"
     return (
         "Sway and yaw follow the lateral stiffness k as √k: ten times slower needs 100 times less. "
         f"{'; '.join(told)} for {modes['factor'].values[0]:g} to {modes['factor'].values[-1]:g} times today's.",
         f"Here the lower mode about x rises as k to the power {slope:.2f}; below 0.5 it also "
         "rocks on the vertical stiffness.",
-        f"Since the valves do not reach the horizontal, soft is what isolates it: at 20 Hz, {factor:.2g} times today's "
+        f"{why}, soft is what isolates it: at 20 Hz, {factor:.2g} times today's "
         f"stiffness lets {decibel(20 * np.log10(least))} dB of a swaying floor through, today's "
         f"{decibel(20 * np.log10(own))} dB.",
     )

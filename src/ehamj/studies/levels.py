@@ -18,7 +18,6 @@ from ehamj.criteria.vc import CLASSES
 from ehamj.findings import finite
 from ehamj.labels import table
 from ehamj.pages.words import decibel
-from ehamj.plant.levers import plane, plane_fit
 from ehamj.plots import Figure, Line, lines_chart, style
 from ehamj.result import Result
 from ehamj.run.simulate import simulate_many
@@ -65,7 +64,7 @@ def levels(scenario: Scenario, settings: LevelSettings, progress: Progress) -> O
     return Outcome(
         title="Attenuation against the floor's level",
         question="How strong a floor can this machine be isolated from, and what happens beyond?",
-        answers=tuple(_answers(found)),
+        answers=tuple(_answers(found, scenario.plant.layout.stress_names)),
         tables={"levels": found},
         drawings={
             "attenuation": Drawing(
@@ -134,11 +133,11 @@ def level_table(laws: Sequence[str], chosen: Sequence[str], runs: Sequence[Resul
 
 
 def warp_share(run: Result, part: xr.Dataset) -> float:
-    """Largest load pressure in patterns that move nothing (warp), over the supply pressure [-]."""
+    """Largest load pressure in patterns that move nothing (warp), over the supply pressure [-]; 0 without any."""
     pressure = (part["chamber_pressure"].sel(chamber=1) - part["chamber_pressure"].sel(chamber=2)).values
-    places = run.scenario.plant.positions
-    moving = pressure @ (plane(places) @ plane_fit(places)).T
-    return float(np.abs(pressure - moving).max() / run.scenario.supply.pressure)
+    patterns = run.scenario.plant.layout.stresses
+    still = pressure @ (patterns @ np.linalg.pinv(patterns))
+    return float(np.abs(still).max() / run.scenario.supply.pressure)
 
 
 def _numbers(one: xr.Dataset) -> dict[str, Any]:
@@ -151,7 +150,7 @@ def _numbers(one: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _answers(levels_over: xr.Dataset) -> list[str]:
+def _answers(levels_over: xr.Dataset, patterns: Sequence[str]) -> list[str]:
     found = []
     for name in levels_over.law.values:
         one = levels_over.sel(law=name)
@@ -169,7 +168,10 @@ def _answers(levels_over: xr.Dataset) -> list[str]:
         )
         found.append(f"Isolating {name}: {until}. At 10 Hz (share of time clipped): {words}.")
     worst = float(levels_over.warp.max())
-    found.append(f"The pressure balance holds: warp pressure stays below {100 * worst:.2g} % of the supply pressure.")
+    holds = f"The pressure balance holds: warp pressure stays below {100 * worst:.2g} % of the supply pressure"
+    if patterns:
+        many = "" if len(patterns) == 1 else f" in all {len(patterns)} patterns that move nothing"
+        found.append(f"{holds}{many}.")
     return found
 
 

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from ehamj.control import Controller
+from ehamj.control.channels import MountChannels
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
@@ -22,17 +23,22 @@ UNLIMITED: Final = 1e4
 
 
 def inertial_position(plant: Plant, crossover: float) -> Controller:
-    """Feedback of each foot's absolute velocity, integrated, to its own valve: u = −2πf_c A_p/(K_Q K_v) ∫v dt.
+    """Feedback of each foot's absolute velocity along its mount, integrated, to its own valve:
+    u = −2πf_c A_p/(K_Q K_v) ∫v dt. Passive mounts have none.
 
     The valve integrates its command into stroke, K_Q K_v/A_p, so each loop crosses at f_c = ``crossover`` [Hz].
+
+    Raises:
+        InputError: if all mounts are passive.
     """
     pole = float(np.exp(-2 * np.pi * LEAK * PERIOD))
-    gains = [-2 * np.pi * crossover * a.piston_area / (a.flow_gain * a.valve_gain) for a in plant.actuators]
+    inputs, own = MountChannels.of(plant).feet, plant.obeying.actuators
+    gains = [-2 * np.pi * crossover * a.piston_area / (a.flow_gain * a.valve_gain) for a in own]
     identity = np.eye(len(gains))
-    inputs = tuple(f"foot_velocity {mount} z" for mount in plant.mounts)
     half = 0.5 * PERIOD  # trapezoidal rule
-    gain = np.diag(gains)
-    return Controller(pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain, inputs, PERIOD)
+    gain = np.eye(len(plant.mounts))[:, list(plant.layout.active)] * gains
+    law = (pole * identity, PERIOD * identity, 0.5 * (1.0 + pole) * gain, half * gain)
+    return Controller(*law, inputs, PERIOD, mounts=plant.mounts)
 
 
 def scaled(loop: Loop, factor: float) -> Loop:

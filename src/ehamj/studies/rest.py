@@ -7,18 +7,17 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.labels import table
+from ehamj.linear.elements import Elements, Values, coordinates
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
-from ehamj.plant.levers import plane
 
 
 def static_forces(model: LinearModel) -> dict[str, Array]:
-    """What mounts carry at rest: ``stroke`` [m], ``oil`` and ``membrane``, forces on the plate, up [N], (mount,)."""
+    """What mounts carry at rest: ``stroke`` [m], ``oil`` and ``membrane``, forces on the plate along the mount, towards
+    the machine [N], (mount,)."""
     plant, rest = model.plant, dict(zip(model.states, model.equilibrium.tolist(), strict=True))
-    moved = plane(plant.positions) @ [rest[f"displacement {joint}"] for joint in ("z", "rx", "ry")]
-    stroke = np.array(
-        [rest.get(f"displacement plate {name}", at) for name, at in zip(plant.mounts, moved, strict=True)]
-    )
+    place = np.array([rest[f"displacement {name}"] for name in coordinates(plant)])
+    stroke = Elements.of(Values.of(plant), place).stroke
     pressure = np.array([[rest[f"pressure_{k} {mount}"] for k in (1, 2)] for mount in plant.mounts])
     area = np.array([[a.piston_area, a.piston_area * a.area_ratio] for a in plant.actuators])
     stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])

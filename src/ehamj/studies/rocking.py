@@ -120,8 +120,8 @@ def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -
         title="Rocking over CG height and footprint",
         question="How slowly does the machine sway and rock, and which designs stand?",
         answers=(
-            f"Of {slow.size} designs the slowest sway-rocking mode lies between {low:.1f} Hz (CG highest, "
-            f"mounts closest) and {high:.1f} Hz (lowest, widest); this machine has {float(here[0]):.1f} Hz.",
+            f"Of {slow.size} designs the slowest sway-rocking mode lies between {_hertz(low)} (CG highest, "
+            f"mounts closest) and {_hertz(high)} (lowest, widest); this machine has {_hertz(float(here[0]))}.",
             f"On {kind}s, {tips} of {slow.size} designs tip over: those above the red line, where m g h "
             "exceeds Σ k y².",
             f"{settings.confirmed} random designs, run and identified from their ring-down, agree within "
@@ -151,6 +151,10 @@ def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -
         ),
         numbers={"designs": int(slow.size), "largest_deviation": worst, "tipping_designs": tips},
     )
+
+
+def _hertz(frequency: float) -> str:
+    return "no frequency (it creeps or tips)" if np.isnan(frequency) else f"{frequency:.1f} Hz"
 
 
 def _slowest_chart(scenario: Scenario, modes: xr.Dataset, title: str, runs: xr.Dataset | None = None) -> Figure:

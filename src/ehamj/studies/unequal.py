@@ -1,6 +1,6 @@
 """Unequal loads: the centre of gravity beside the middle of the mounts."""
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -31,6 +31,10 @@ class UnequalSettings(Settings):
     confirmed: int = Field(
         20, ge=1, description="random offsets whose loads are computed by the simulator's own equilibrium"
     )
+
+
+CARRIES: Final = 0.5
+"""z of a mount's direction from which it is one that carries the machine [-]."""
 
 
 def _middle(scenario: Scenario) -> tuple[Array, Array]:
@@ -110,11 +114,15 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
     plant = scenario.plant
     weight = plant.total_mass * plant.gravity
     off = float(np.abs(runs["simulated"] - runs["load"]).max()) / weight
-    least = offsets["load"].min("mount") / (weight / len(plant.mounts))
-    x, y = plant.machine.cg[:2]
-    here = offsets.sel(x=x, y=y, method="nearest")
+    carry = np.array(plant.directions)[:, 2] > CARRIES
+    equal = weight / max(int(carry.sum()), 1)
+    least = offsets["load"].isel(mount=np.flatnonzero(carry)).min("mount") / equal
+    front = int(np.argmax(np.where(carry, np.array(plant.positions)[:, 0], -np.inf)))
+    x, y = scenario.machine.cg[:2]
     tenth = 0.1 * float(_middle(scenario)[1][0])
-    aside = offsets.sel(x=x + tenth, y=y, method="nearest")
+    places = (xr.DataArray(values, dims="design") for values in ([x, x + tenth], [y, y]))
+    own = _offsets(scenario, settings, *places).assign_coords(mount=list(plant.mounts))
+    here, aside = own.isel(design=0), own.isel(design=1)
     shares = ", ".join(f"{name} {1e-3 * float(here['load'].sel(mount=name)):.1f}" for name in plant.mounts)
     low, high = settings.frequency
     return Outcome(
@@ -122,8 +130,8 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         question="What does a centre of gravity beside the middle of the mounts do?",
         answers=(
             f"At rest this machine's mounts carry (kN): {shares}.",
-            f"A CG {1e3 * tenth:.0f} mm further front changes the front mounts' load to "
-            f"{1e-3 * float(aside['load'][0]):.1f} kN and makes a heaving floor turn the machine by up to "
+            f"A CG {1e3 * tenth:.0f} mm further front changes the load of {plant.mounts[front]} to "
+            f"{1e-3 * float(aside['load'][front]):.1f} kN and makes a heaving floor turn the machine by up to "
             f"{float(aside['turn']):.2g} rad per m between {low:g} and {high:g} Hz; here it is "
             f"{float(here['turn']):.2g}.",
             f"{100 * float((least < 0).mean()):.0f} % of the offsets shown lift a foot: its membrane would have "
@@ -134,8 +142,8 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         tables={"offsets": offsets, "confirmed": runs},
         drawings={
             "loads": Drawing(
-                "Load of the least loaded mount over a quarter of the weight; red: a foot would lift off.",
-                lambda: _chart(scenario, "Least loaded mount", ("load over a quarter [%]", 100 * least), -least),
+                "Load of the least loaded mount over an equal share of the weight; red: a foot would lift off.",
+                lambda: _chart(scenario, "Least loaded mount", ("load over an equal share [%]", 100 * least), -least),
             ),
             "turn": Drawing(
                 "Largest rotation that a heaving floor causes, valves held: a CG beside the middle couples heave "

@@ -32,18 +32,20 @@ def positions(scenario: Scenario) -> NDArray[np.float64]:
 
 
 def resized(scenario: Scenario, cg: Sequence[float] | None = None, places: np.ndarray | None = None) -> dict[str, Any]:
-    """The tables ``machine`` and ``mount`` for another centre of gravity [m] or other mounts (mount, 2) [m].
+    """The tables ``machine`` and ``mount`` for another centre of gravity [m] or other x and y of mounts (mount, 2) [m].
 
-    The outline, which is drawn only, grows where it must; mass and inertia about the CG stay.
+    The outline, which is drawn only, grows where it must; mass and inertia about the CG stay, and z of the mounts.
     """
     machine = scenario.machine
     own_cg = tuple(machine.cg if cg is None else map(float, cg))
-    at = positions(scenario) if places is None else np.asarray(places, float)
+    at = positions(scenario) if places is None else np.asarray(places, float)[:, :2]
     half = np.maximum(np.abs(at).max(axis=0) + 0.1, np.abs(own_cg[:2]))
     size = (*(max(have, 2.0 * need) for have, need in zip(machine.size[:2], half, strict=True)),
             max(machine.size[2], 1.6 * own_cg[2]))  # fmt: skip
     place = dict(zip(scenario.plant.mounts, at.tolist(), strict=True))
-    mounts = tuple(mount.model_dump() | {"position": tuple(place[mount.name])} for mount in scenario.mount)
+    mounts = tuple(
+        mount.model_dump() | {"position": (*place[mount.name], *mount.position[2:])} for mount in scenario.mount
+    )
     return {"machine": machine.with_values({"cg": own_cg, "size": size}).model_dump(), "mount": mounts}
 
 

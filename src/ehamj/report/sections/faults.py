@@ -7,7 +7,6 @@ from typing import Final
 from ehamj import plots
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.faults import NOTHING, FaultFound, Phase
-from ehamj.judge.headline import DIRECTIONS
 from ehamj.judge.levels import ByBand
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import BAR, MICRO, decibel, measured, number, scaled
@@ -69,8 +68,9 @@ def _tables(title: str, one: FaultFound, end: float) -> Iterator[Table]:
     """What each part of the run that there is came to: in words, and in numbers; the run ended at a time [s]."""
     phases: dict[str, Phase] = {name: own for name in PHASES if (own := getattr(one, name)) is not None}
     head = ["", *(f"{PHASES[name]}, {own.from_s:.4g} to {own.to_s:.4g} s" for name, own in phases.items())]
+    judged = next((tuple(phase.criterion.verdict) for phase in phases.values()), ())
     classes = [
-        [direction, *(phase.criterion.briefly()[direction] for phase in phases.values())] for direction in DIRECTIONS
+        [direction, *(phase.criterion.briefly()[direction] for phase in phases.values())] for direction in judged
     ]
     missing = "" if one.after else f"After: {one.unsettled(end)}."
     if not phases:

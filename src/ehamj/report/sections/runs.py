@@ -8,7 +8,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ehamj.control.settings import DigitalSettings
-from ehamj.judge.headline import DIRECTIONS
+from ehamj.judge.actuation import DIRECTIONS
 from ehamj.pages import Section, Table
 from ehamj.pages.words import DASH, exact, plain
 from ehamj.report.sections.inputs import named
@@ -37,6 +37,8 @@ def runs(shown: Shown) -> Section | None:
 def _each(shown: Shown) -> Table:
     """Name, description, duration, floor, control and verdict of each run."""
     columns = []
+    known = {name for result in shown.results.values() for name in result.summary.directions}
+    judged = [name for name in DIRECTIONS if name in known]
     for result in shown.results.values():
         scenario, simulated = result.scenario, result.summary.timing.simulated_s
         cut = "" if result.complete else f" of {exact(scenario.duration)} s, incomplete"
@@ -46,7 +48,7 @@ def _each(shown: Shown) -> Table:
                 "simulated": f"{exact(round(simulated, 6))} s{cut}",
                 "floor": floor_in_words(scenario),
                 "control": control_in_words(scenario),
-                **{f"verdict, {name}": verdict_in_words(result, name) for name in DIRECTIONS},
+                **{f"verdict, {name}": verdict_in_words(result, name) for name in judged},
                 "judged by": result.summary.judged_by() or DASH,
             }
         )
@@ -58,9 +60,9 @@ def _each(shown: Shown) -> Table:
 def verdict_in_words(result: Result, direction: str) -> str:
     """The machine's class along a direction; where something failed, of each part of the run by itself."""
     summary = result.summary
-    found = {when: phase.criterion.briefly()[direction] for when, phase in summary.parts().items()}
+    found = {when: phase.criterion.briefly().get(direction, DASH) for when, phase in summary.parts().items()}
     if not found:
-        said = summary.criterion.briefly()[direction]
+        said = summary.criterion.briefly().get(direction, DASH)
         return f"{summary.mixed}: {said}" if summary.mixed else said
     found |= dict.fromkeys(summary.unsettled(), "not settled")
     return ". ".join(f"{when}: {said}" for when, said in found.items())

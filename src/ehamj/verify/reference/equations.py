@@ -29,8 +29,9 @@ OF_ISOLATOR: Final = (
 )  # fmt: skip
 """Settings of an isolator that the model has as they stand, beside its ``flow_curve``."""
 
-WITHOUT_EFFECT: Final = ("rated_drop", "foot_damping")
-"""Settings that only count with one that the model does not have; a plant has no rated_flow but the flow_gain of it."""
+WITHOUT_EFFECT: Final = ("rated_drop", "foot_damping", "passive")
+"""Settings that only count with one that the model does not have, or for laws; a plant has no rated_flow but the
+flow_gain of it."""
 
 OF_SUPPLY: Final = (
     "pressure", "tank_pressure", "dynamic", "pump_flow", "pump_droop", "accumulator_volume", "accumulator_precharge",
