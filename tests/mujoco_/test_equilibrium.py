@@ -1,5 +1,6 @@
 """Static equilibrium and linearisation against closed forms, the nonlinear oracle and its linear sibling."""
 
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -170,8 +171,10 @@ def test_a_tall_machine_on_soft_mounts_falls_as_fast_as_the_oracle_says() -> Non
 
 def test_a_machine_without_membranes_cannot_stand() -> None:
     # Leaking oil carries no static load.
+    plant = parse_scenario({}).plant
+    loose = tuple(actuator.with_values({"membrane_stiffness": 0.0}) for actuator in plant.actuators)
     with pytest.raises(EquilibriumError, match="cannot stand"):
-        solved(model_of(membrane_stiffness=0.0), command(0.0))
+        solved(build_model(replace(plant, actuators=loose), 1e-4), command(0.0))
 
 
 @pytest.mark.parametrize("plates", TOPOLOGIES)
@@ -179,3 +182,15 @@ def test_a_machine_that_sags_to_the_end_of_its_strokes_cannot_stand(plates: str)
     # 9.94 mm, where 8.475 mm empty the lower chamber.
     with pytest.raises(EquilibriumError, match="cannot stand"):
         solved(model_of(plates, membrane_stiffness=1e6), command(0.0))
+
+
+def test_a_machine_that_hangs_beside_its_mounts_has_tipped_over() -> None:
+    # Three soft mounts behind the centre of gravity balance it where it has turned by 0.96 rad.
+    table = [
+        {"name": name, "position": [x, y], "actuator": "soft"}
+        for name, x, y in (("a", -0.9, 0.6), ("b", -0.9, -0.6), ("c", -0.2, 0.0))
+    ]
+    given = {"plates": "tied", "mount": table, "actuators": {"soft": {"preset": "pneumatic-mount"}}}
+    model = build_model(parse_scenario(given).plant, 1e-4)
+    with pytest.raises(EquilibriumError, match=r"turned by 0\.96 rad"):
+        solved(model, Inputs.rest(model))
