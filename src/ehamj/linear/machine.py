@@ -111,7 +111,7 @@ def linear_model(
     """Linearise a machine about its static equilibrium.
 
     Args:
-        plant: what is linearised.
+        plant: what is linearised; its slides stand where they start, see `Plant.locked`.
         commands: held commands, one per valve [V]; zero without.
         load: held force and moment at the centre of gravity, (6,) [N, N m].
         feet: keep sliding plates as states of their own even where all feet are rigid (the constraint's poles with
@@ -120,7 +120,7 @@ def linear_model(
     Raises:
         InputError: if there is no such operating point.
     """
-    plant = replace(plant if feet else reduced(plant), bookkeeping=False)
+    plant = replace(plant.locked() if feet else reduced(plant.locked()), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
     force = _finite("load", load, len(DOFS))
@@ -242,7 +242,7 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, st
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
     own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))
-    shares = own + (0.0 if plant.flat else turned_rows(plant, state) - plant.layout.rows)
+    shares = own + (0.0 if plant.level_enough else turned_rows(plant, state) - plant.layout.rows)
     for order, what in enumerate(("displacement", "velocity")):
         for mount, name in enumerate(plant.mounts):
             plate = layout.plate + n * order + mount

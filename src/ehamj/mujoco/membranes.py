@@ -29,7 +29,7 @@ def add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
     """Stiffness and damping of the membranes across the mounts' actions, about the machine at rest."""
     values = {kind: np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators]) for kind in KINDS}
     there = {kind: k for kind, k in values.items() if k.sum() > 0.0}
-    if plant.flat:
+    if plant.level_enough:
         for kind, k in there.items():
             _add_level(spec, plant, kind, k)
     elif there:
