@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller
+from ehamj.control.channels import axis_of
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, opened
 from ehamj.linear.machine import LinearModel, grounds
@@ -164,9 +165,11 @@ def _held(model: LinearModel, hertz: Array, channels: Sequence[str]) -> ComplexA
         found[:, moving] = both[:, :, : len(places)] + s[:, None, None] * both[:, :, len(places) :]
     for k, name in enumerate(channels):
         if k not in moving:
-            variable, _, where = name.partition(" ")
+            variable, mount, label = name.split(" ")
             order = ("displacement", "velocity", "acceleration").index(variable.removeprefix("ground_"))
-            found[:, k, places.index(where)] = s**order
+            axis = axis_of(label, np.array(model.plant.directions[model.plant.mounts.index(mount)]))
+            for share, of in zip(axis, AXES, strict=True):
+                found[:, k, places.index(f"{mount} {of}")] = share * s**order
     return found
 
 

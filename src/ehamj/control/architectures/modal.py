@@ -58,7 +58,8 @@ class ModalSettings(DigitalSettings):
 
     The defaults were found for the default machine by differential evolution: as much attenuation from 5 to 50 Hz as
     leaves 6 dB, 45° and a disk margin of 0.5 with the mass ±30 %, half the oil's stiffness or 1.5 times the flow gain,
-    and raises the damping of the sway-rocking modes threefold. `ehamj design` fits the crossings to other machines.
+    and raises the damping of the sway-rocking modes threefold; those of surge, sway and yaw for the same machine with
+    four level isolators beside (scenario ``six-directions``). `ehamj design` fits the crossings to other machines.
     """
 
     kind: Literal["modal"] = "modal"
@@ -72,13 +73,13 @@ class ModalSettings(DigitalSettings):
         crossing=35.0, integral=16.4, lead=114.0, notch=646.0, notch_depth=0.93, notch_width=0.96, rolloff=17500.0
     )
     surge: MotionLoop = MotionLoop(
-        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+        crossing=41.0, integral=39.0, lead=92.0, notch=225.0, notch_depth=0.55, notch_width=0.476, rolloff=18700.0
     )
     sway: MotionLoop = MotionLoop(
-        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+        crossing=40.5, integral=39.0, lead=90.0, notch=227.0, notch_depth=0.545, notch_width=0.5, rolloff=19000.0
     )
     yaw: MotionLoop = MotionLoop(
-        crossing=30.0, integral=12.0, lead=100.0, notch=400.0, notch_depth=0.5, notch_width=1.0, rolloff=10000.0
+        crossing=48.0, integral=39.5, lead=130.0, notch=227.0, notch_depth=0.727, notch_width=0.259, rolloff=17300.0
     )
     blend: Blend = Blend()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
