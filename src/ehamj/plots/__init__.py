@@ -34,8 +34,8 @@ from ehamj.plots.style import (  # isort: skip
 
 __all__ = [
     "BAND_COLOR", "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE",
-    "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Branch", "Figure", "Foot", "Levels", "Limit", "Line", "Mark",
-    "Moment", "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart",
+    "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Branch", "Figure", "Foot", "Levels", "Limit", "Line",
+    "Mark", "Moment", "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart",
     "envelope", "finite", "history", "inline", "levels", "lines_chart", "locus_chart", "loop_figures", "machine_plan",
     "machine_side", "map_chart", "mount_styles", "nichols", "nyquist", "quieter", "response", "response_matrix",
     "shown", "spectrogram", "svg", "thinned", "view_of",

@@ -21,7 +21,8 @@ BODY: Final = "#F3F4F6"
 
 UP: Final = (0.0, 0.0, 1.0)
 NAME_SIZE: Final = 9.5
-"""Of the mounts' names [pt]."""
+SMALL: Final = 7.5
+"""Of the mounts' names, where there is room, and where there is little [pt]."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def machine_plan(
     colors = _foot_colors(feet)
     for foot in feet:
         _isolator(axes, foot, side, (0, 1), colors[foot.kind])
-    _names(axes, feet, side)
+    _names(axes, feet, size)
     across, along = ([getattr(foot, name) for foot in feet] for name in "xy")
     _dimension(axes, (min(across), max(across)), -width / 2 - side, "x")
     _dimension(axes, (min(along), max(along)), length / 2 + side, "y")
@@ -142,11 +143,13 @@ def _isolator(axes: Axes, foot: Foot, side: float, seen: tuple[int, int], color:
     arrow along which it acts and the wall that it stands on."""
     from matplotlib.patches import Polygon
 
-    along, foot_at = np.array(foot.along), np.array([foot.x, foot.y, foot.z])
-    long, wide = (side, side) if foot.upright else (1.5 * side, 0.6 * side)
-    across = np.linalg.svd(along[None])[2][1:]
     if foot.upright:
-        across = np.eye(3)[:2]
+        low = foot.z - side if seen[1] == 2 else foot.y - side / 2
+        _box(axes, (foot.x - side / 2, low), side, side, color=color)
+        return
+    along, foot_at = np.array(foot.along), np.array([foot.x, foot.y, foot.z])
+    long, wide = 1.5 * side, 0.6 * side
+    across = np.linalg.svd(along[None])[2][1:]
     ends = [foot_at - share * long * along for share in (0.0, 1.0)]
     corners = [
         end + 0.5 * wide * (a * across[0] + b * across[1])
@@ -154,7 +157,7 @@ def _isolator(axes: Axes, foot: Foot, side: float, seen: tuple[int, int], color:
     ]  # fmt: skip
     axes.add_patch(Polygon(_hull(np.array(corners)[:, seen]), facecolor=color, edgecolor=color, zorder=2))
     flat = along[list(seen)]
-    if foot.upright or np.hypot(*flat) < 0.3:
+    if np.hypot(*flat) < 0.3:
         return
     base, tip = ends[1][list(seen)], (foot_at + 0.8 * side * along)[list(seen)]
     wall = 0.5 * side * np.array([-flat[1], flat[0]]) / np.hypot(*flat)
@@ -171,29 +174,62 @@ def _hull(points: Array) -> Array:
     return np.asarray(points[ConvexHull(points).vertices])
 
 
-def _names(axes: Axes, feet: Sequence[Foot], side: float) -> None:
-    """The feet's names beside them, or, where these would lie on each other, their numbers in the table of mounts."""
-    from matplotlib.transforms import Bbox
-
+def _names(axes: Axes, feet: Sequence[Foot], outline: Vector) -> None:
+    """The feet's names beside them; where there is no room for all, their numbers in the table of mounts."""
     scale = ACROSS / float(np.ptp(axes.get_xlim()))
-    for size, words in ((NAME_SIZE, [foot.name for foot in feet]), (7.5, [foot.name for foot in feet]),
-                        (7.5, [str(k) for k in range(1, len(feet) + 1)])):  # fmt: skip
+    names, numbers = [foot.name for foot in feet], [str(k) for k in range(1, len(feet) + 1)]
+    for size, words in ((NAME_SIZE, names), (SMALL, names), (NAME_SIZE, numbers), (SMALL, numbers)):
         width, height = 0.62 * size / scale, 1.2 * size / scale
-        boxes, looks = [], []
-        for foot, word in zip(feet, words, strict=True):
-            inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
-            at = (foot.x + outer * side / 2, foot.y + inward * 0.7 * side)
-            long = width * len(word)
-            x, y = (at[0] - long if outer > 0 else at[0]), (at[1] - height if inward < 0 else at[1])
-            boxes.append(Bbox.from_bounds(x, y, long, height))
-            looks.append((at, "right" if outer > 0 else "left", "top" if inward < 0 else "bottom"))
-        stands = [Bbox.from_bounds(foot.x - side / 2, foot.y - side / 2, side, side) for foot in feet]
-        free = not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
-        free = free and not any(a.overlaps(b) for i, a in enumerate(boxes) for j, b in enumerate(stands) if i != j)
-        if free or words[0] == "1":
+        places = _free_places(feet, [width * len(word) for word in words], height, outline)
+        if None not in places or (size, words) == (SMALL, numbers):
             break
-    for word, (at, ha, va) in zip(words, looks, strict=True):
-        axes.text(*at, word, ha=ha, va=va, fontsize=size, zorder=5)
+    for foot, word, place in zip(feet, words, places, strict=True):
+        at = place or (foot.x, foot.y)
+        axes.text(*at, word, ha="center", va="center", fontsize=size, zorder=5)
+
+
+def _free_places(
+    feet: Sequence[Foot], widths: Sequence[float], height: float, outline: Vector
+) -> list[tuple[float, float] | None]:
+    """Middle of the first free place for each foot's name: towards the machine's middle, else beside; None where
+    there is none within the machine's outline."""
+    (length, across, _), (_, side) = outline, _measures(outline)
+    taken = [_extent(foot, side) for foot in feet]
+    found: list[tuple[float, float] | None] = []
+    for k, (foot, width) in enumerate(zip(feet, widths, strict=True)):
+        inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
+        left, low, right, high = taken[k]
+        flush = right - width / 2 if outer > 0 else left + width / 2
+        beside = (left - 0.6 * width, right + 0.6 * width)
+        above, below = high + 0.7 * height, low - 0.7 * height
+        rows = (below, above) if inward < 0 else (above, below)
+        choices = [(flush, rows[0]), (flush, rows[1]), *((x, 0.5 * (low + high)) for x in beside)]
+        choices += [(0.5 * (left + right), row) for row in rows]
+        free = None
+        for x, y in choices:
+            box = (x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+            inside = max(-box[0], box[2]) <= length / 2 and max(-box[1], box[3]) <= across / 2
+            if inside and not any(_overlap(box, other) for j, other in enumerate(taken) if j != k):
+                free = (x, y)
+                taken.append(box)
+                break
+        found.append(free)
+    return found
+
+
+def _extent(foot: Foot, side: float) -> tuple[float, float, float, float]:
+    """What a foot's drawing covers from above: left, low, right, high."""
+    at, along = np.array([foot.x, foot.y]), np.array(foot.along[:2])
+    if foot.upright:
+        return (foot.x - side / 2, foot.y - side / 2, foot.x + side / 2, foot.y + side / 2)
+    ends = np.array([at + share * side * along for share in (-1.5, 0.8)])
+    low, high = ends.min(axis=0) - 0.3 * side, ends.max(axis=0) + 0.3 * side
+    return (*low.tolist(), *high.tolist())
+
+
+def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether two boxes (left, low, right, high) lie on each other."""
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
 def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:

@@ -3,9 +3,11 @@
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from ehamj import plots
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import BAR, DASH, exact, number, scaled
+from ehamj.pages.words import BAR, DASH, exact, measured, scaled
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
 from ehamj.plots import Mark
@@ -61,8 +63,8 @@ def _mounts(result: Result) -> Table:
     for k, name in enumerate(plant.mounts):
         stands = kinds[name] + (" (passive)" if plant.actuators[k].passive else "")
         along = along_in_words(plant.directions[k])
-        shares = [signed(layout.stresses[k, at]) for at in range(len(names))]
-        rows.append([str(k + 1), name, along, stands, number(scaled(carried[k], 1e-3)), *shares])
+        shares = [signed(pattern[k] / np.abs(pattern).max()) for pattern in layout.stresses.T[: len(names)]]
+        rows.append([str(k + 1), name, along, stands, measured(scaled(carried[k], 1e-3)), *shares])
     head = ["no.", "mount", "acts along", "actuator", "carries at rest [kN]", *names]
     note = "Carries: oil and membrane along its direction."
     if names:
