@@ -2,8 +2,9 @@
 
 Every array may have leading axes, one element per design. Coordinates are the model's joints
 (`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet along their mounts; deviations
-from a static equilibrium. Feet turn with the machine, and their strokes are projections on the mounts' directions;
-those of upright mounts in the mount plane are linear, as they are simulated.
+from a static equilibrium. Feet turn with the machine, and their strokes are projections on the mounts' directions; as
+it is simulated, those of upright mounts in the mount plane are linear, and so are the plates' inertia and flexible
+feet.
 Sources: docs/physics.md, sections 2 and 3.
 """
 
@@ -19,7 +20,7 @@ from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.bodies import Body
 from ehamj.plant.kinematics import rotations
 from ehamj.plant.mounts import UPRIGHT
-from ehamj.plant.plant import Plant
+from ehamj.plant.plant import STANDARD_GRAVITY, STIFF, Plant
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""
@@ -84,6 +85,16 @@ class Values:
         """Designs (…,) whose mounts are all upright and in the mount plane (`ehamj.plant.plant.Plant.flat`)."""
         upright = bool((self.frames[:, 2, 2] > 1.0 - UPRIGHT).all())
         return np.asarray((self.mounts["z"] == 0.0).all(axis=-1) & upright)
+
+    @property
+    def level_enough(self) -> Array:
+        """Designs (…,) whose feet move as when the machine is level (`ehamj.plant.plant.Plant.level_enough`)."""
+        own = self.mounts
+        oil = 4.0 * own["bulk_modulus"] * own["piston_area"] ** 2 / own["chamber_volume"]
+        spring = own["membrane_stiffness"] + np.where(own["flow_pressure"] == 0.0, oil, 0.0)
+        share = 1.0 / (1.0 + spring / own["foot_stiffness"])
+        weight = (self.common["mass"] + own["plate_mass"].sum(axis=-1)) * STANDARD_GRAVITY
+        return np.asarray(self.flat & (weight < STIFF * (spring * share).sum(axis=-1)))
 
 
 def _frame(direction: ArrayLike) -> Array:
@@ -163,20 +174,22 @@ class Elements:
         feet, moved, curved = _feet(values, shape, q, angles)
         along, across, own = np.moveaxis(np.einsum("mkx,...mxn->...mkn", values.frames, feet), -2, 0)
         shifts = np.einsum("mkx,...mx->...mk", values.frames, moved)
-        plate, height = own.copy(), shifts[..., 2].copy()
-        plate[..., soft, :] = 0.0
-        plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
-        height[..., soft] = q[..., len(JOINTS) :]
+        level = np.einsum("mx,...mxn->...mn", values.frames[:, 2], _feet(values, shape, q, np.zeros((*shape, 3)))[0])
+        plates = np.zeros((soft.size, n))
+        plates[:, len(JOINTS) :] = np.eye(soft.size)
+        plate, swung = own.copy(), level.copy()
+        swung[..., soft, :] = plates
+        plate[..., soft, :] += plates - level[..., soft, :]
+        height = shifts[..., 2] + np.einsum("...mn,...n->...m", swung - level, q)
         stroke = height - at["height"]
         cg, spin, lift = _turning(common, shape, n, angles)
-        mass = _quadratic(plate, at["plate_mass"]) + _inertia(common, shape, cg, spin)
+        mass = _quadratic(swung, at["plate_mass"]) + _inertia(common, shape, cg, spin)
         oil = at["piston_area"] * (1.0 - at["area_ratio"]) * values.middle[..., None]
         push = oil - at["plate_mass"] * common["gravity"][..., None] * values.frames[:, 2, 2]
         push = push - at["membrane_stiffness"] * stroke
-        rigid = np.isinf(at["foot_stiffness"])
-        squeeze = -np.where(rigid, 0.0, at["foot_stiffness"]) * (shifts[..., 2] - height)
+        squeeze = -np.where(np.isinf(at["foot_stiffness"]), 0.0, at["foot_stiffness"]) * (shifts[..., 2] - height)
         on_foot = -at["lateral_stiffness"][..., None] * shifts
-        on_foot[..., 2] = np.where(rigid, push, squeeze)
+        on_foot[..., 2] = push
         weight = -common["mass"] * common["gravity"]
         toppling = np.zeros((*shape, n, n))
         hanging = np.einsum("...mk,mkx,...mxij->...ij", on_foot, values.frames, curved)
@@ -232,10 +245,10 @@ def _feet(values: Values, shape: tuple[int, ...], q: Array, angles: Array) -> tu
 
     Returns:
         Per coordinate (…, mount, 3, n); displacement (…, mount, 3) [m]; and second derivatives over the rotations
-        (…, mount, 3, 3, 3). Where a design is flat its feet move as when it is level.
+        (…, mount, 3, 3, 3). Where constant levers serve, feet move as when the machine is level.
     """
     places = np.stack([np.broadcast_to(values.mounts[axis], (*shape, len(values.frames))) for axis in AXES], axis=-1)
-    flat = np.broadcast_to(values.flat, shape)
+    flat = np.broadcast_to(values.level_enough, shape)
     excess, first, second = rotations(np.where(flat[..., None], 0.0, angles))
     motion = np.zeros((*places.shape, q.shape[-1]))
     motion[..., range(3), _SHIFTS] = 1.0
