@@ -13,7 +13,7 @@ PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
 """Lengths of the drawing, along a mount's action [m]."""
 
-SLIDE_COLOR = [0.80, 0.62, 0.30, 1.0]
+SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
 
 FLOOR = -(PAD_DEPTH + PAD_HALF_HEIGHT)
 """Height of the floor of the drawing [m]: what the pads of upright mounts in the mount plane stand on."""
@@ -53,6 +53,14 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    for slide in plant.slides:
+        spec.body(f"slide {slide.name}").add_geom(
+            spec.find_default("steel"),
+            name=f"slide {slide.name}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in slide.size],
+            rgba=list(SLIDE_COLOUR),
+        )
     for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
         turned = upright_to(along)
         machine.add_geom(
@@ -72,7 +80,3 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         behind = below(place, along, PAD_DEPTH + 0.5 * PAD_HALF_HEIGHT)
         if along[2] < UPRIGHT_ENOUGH and behind[2] > FLOOR:
             _add_post(spec, pad, behind[2] - FLOOR)
-    for slide in plant.slides:
-        half = [0.5 * side for side in slide.size]
-        body, kind = spec.body(f"slide {slide.name}"), mujoco.mjtGeom.mjGEOM_BOX
-        body.add_geom(spec.find_default("steel"), name=f"slide {slide.name}", type=kind, size=half, rgba=SLIDE_COLOR)

@@ -29,7 +29,7 @@ from ehamj.plant.plant import Plant
 from ehamj.replay.about import table
 from ehamj.replay.blueprint import laid_out, scene_view
 from ehamj.replay.recording import Array, Color, entity, fixed, moving, recorded, result_color
-from ehamj.replay.scene import GHOST, Pose, log_poses, log_shapes, quaternion
+from ehamj.replay.scene import GHOST, Pose, log_poses, log_shapes, on_rail, quaternion
 from ehamj.scenario.model import Scenario
 
 TIMELINE: Final = "viewing_time"
@@ -123,7 +123,7 @@ def replay_modes(path: Path, scenario: Scenario, variants: Mapping[str, Sequence
 
 
 def _write(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
-    model = build_spec(plant, 1e-4, drawn=True).compile()
+    model = build_spec(plant.locked(), 1e-4, drawn=True).compile()
     first, swings = next(iter(variants.items()))
     names = [swing.name for swing in swings]
     beside = {name: {label: s for label, own in variants.items() for s in own if s.name == name} for name in names}
@@ -197,8 +197,7 @@ def _log_swing(
             upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(TIMES), 1))
             poses[f"plate {mount}"] = Pose(model.body(f"plate {mount}").pos + motion @ lever(position).T, upright)
     for slide in plant.slides:
-        place = rr.Transform3D(translation=slide.place(slide.begins))
-        fixed(recording, entity(label, "world", "machine", f"slide {slide.name}"), place)
+        poses[f"slide {slide.name}"] = on_rail(slide, slide.begins, poses["machine"])
     log_poses(recording, label, poses, TIMES, TIMELINE)
     _log_paths(recording, label, drawn, points)
     _log_axis(recording, label, plant, model, drawn)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import rerun as rr
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.kinematics import points_motion
@@ -34,8 +36,6 @@ class Pose(NamedTuple):
 
     translation: Array
     quaternion: Array | None = None
-    below: tuple[str, ...] = ()
-    """Bodies whose motion it shares, the outermost first; its own is relative to the last of them."""
 
 
 def exaggeration_for(results: Iterable[Result]) -> float:
@@ -80,19 +80,13 @@ def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor:
     log_poses(recording, label, poses(result, model, factor, rows), result.dataset.time.values[rows])
 
 
-def body_path(model: mujoco.MjModel, body: str) -> tuple[str, ...]:
-    """Parts of a body's path below the world: what stands on the machine moves with it."""
-    parent = model.body(int(model.body(body).parentid[0])).name
-    return (body,) if parent == "world" else (*body_path(model, parent), body)
-
-
 def log_poses(
     recording: rr.RecordingStream, label: str, found: Mapping[str, Pose], time: Array, timeline: str = TIMELINE
 ) -> None:
     """Log the poses of bodies at each time [s]."""
     for body, pose in found.items():
         columns = rr.Transform3D.columns(translation=pose.translation, quaternion=pose.quaternion)
-        moving(recording, entity(label, "world", *pose.below, body), time, columns, timeline)
+        moving(recording, entity(label, "world", body), time, columns, timeline)
 
 
 def drawn_model(result: Result) -> mujoco.MjModel:
@@ -120,6 +114,10 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
     }
+    for k, slide in enumerate(plant.slides):
+        # It goes as far as it goes, on a machine whose motion is exaggerated.
+        coordinate = result.dataset["slide"].values[rows, k]
+        found[f"slide {slide.name}"] = on_rail(slide, coordinate, found["machine"])
     for mount, (name, direction) in enumerate(zip(plant.mounts, plant.directions, strict=True)):
         found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount], pad_turn(model, name, len(rows)))
         if plant.plates == "sliding":
@@ -128,15 +126,14 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
             ahead = ground[:, mount] @ along + stroke[:, mount] - foot[:, mount] @ along
             plate = foot[:, mount] + ahead[:, None] * along
             found[f"plate {name}"] = Pose(model.body(f"plate {name}").pos + plate)
-    for number, slide in enumerate(plant.slides):
-        coordinate = result.dataset["slide"].values[rows, number]
-        found[f"slide {slide.name}"] = Pose(_on_rail(slide, coordinate), below=("machine",))
     return found
 
 
-def _on_rail(slide: Slide, coordinate: Array) -> Array:
-    """Places of a slide's body on the machine at coordinates (n,), (n, 3) [m]."""
-    return np.array(slide.place(0.0)) + coordinate[:, None] * np.array(slide.along)
+def on_rail(slide: Slide, coordinate: ArrayLike, machine: Pose) -> Pose:
+    """A slide at coordinates (n,) [m] on a machine that moves."""
+    places = np.array(slide.position) + np.multiply.outer(np.asarray(coordinate, float), slide.along)
+    turns = machine.quaternion
+    return Pose(machine.translation + Rotation.from_quat(turns).apply(places), turns)
 
 
 def pad_turn(model: mujoco.MjModel, mount: str, rows: int) -> Array | None:
@@ -199,8 +196,7 @@ def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel)
         name = model.geom(geom).name or f"geom {geom}"
         body = model.body(model.geom_bodyid[geom]).name
         owner = name if body == "world" else body  # what stands on the world, the floor, moves as a body of its own
-        parts = (owner,) if body == "world" else body_path(model, body)
-        path = entity(label, "world", *parts, "geoms", name)
+        path = entity(label, "world", owner, "geoms", name)
         color = tuple(np.round(255 * model.geom_rgba[geom]).astype(int))
         fixed(recording, path, _shape(model, geom, color, "solid"))
         if owner in ("machine", "floor") and not name.startswith(("plate", "foot")):  # no ghost of what the bed hides

@@ -5,11 +5,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
 from markupsafe import Markup, escape
 from pydantic import BaseModel
 
 from ehamj.pages import Section, Table, badge
 from ehamj.pages.words import BAR, exact, plain
+from ehamj.plant.bodies import written_inertia
 from ehamj.plant.points import default_points
 from ehamj.report.sections.headline import told
 from ehamj.report.shown import Shown
@@ -87,27 +89,33 @@ def _symbol(symbol: str) -> str:
 
 
 def _parts(scenario: Scenario) -> list[Table]:
-    """Parts, and what they make together with the machine; nothing where there are none."""
-    if not scenario.part:
+    """Parts and slides, and what they make together with the machine; nothing where there are none."""
+    bodies = [(part.name, part.body, "fixed") for part in scenario.part]
+    for slide in scenario.slide:
+        along, (low, high) = plain(tuple(float(f"{entry:.4g}") for entry in slide.along)), slide.travel
+        words = f"{slide.profile.kind}, from {exact(slide.begins)} m, along ({along}), {exact(low)} to {exact(high)} m"
+        bodies.append((slide.name, slide.body(slide.begins), words))
+    if not bodies:
         return []
-    whole = scenario.plant.machine
-    rows = [
-        [name, exact(mass), plain(place), plain(inertia)]
-        for name, mass, place, inertia in (
-            *((part.name, part.mass, part.position, part.inertia) for part in scenario.part),
-            ("all together", whole.mass, whole.cg, whole.inertia),
-        )
-    ]
-    return [Table("Parts on the machine", ("part", "mass [kg]", "CG [m]", "inertia [kg m²]"), rows, kind="words")]
+    bodies.append(("all together", scenario.plant.machine.body, "at the start"))
+    rows = []
+    for name, body, words in bodies:
+        inertia = written_inertia(np.round(body.tensor, 3))
+        rows.append([name, exact(float(body.mass)), plain(tuple(np.round(body.cg, 6).tolist())), plain(inertia), words])
+    head = ("part or slide", "mass [kg]", "CG [m]", "inertia [kg m²]", "how it moves")
+    return [Table("On the machine", head, rows, kind="words")]
 
 
 def _mounts(scenario: Scenario) -> list[Table]:
-    plant = scenario.plant
-    rows = [
-        [name, exact(x), exact(y), mount.actuator]
-        for name, (x, y, _), mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
-    ]
-    return [Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")]
+    """Where each stands, and, where any is not upright in the mount plane, its height, direction and shim."""
+    plant, flat = scenario.plant, scenario.plant.flat and not any(scenario.plant.heights)
+    actuators = {mount.name: mount.actuator for mount in scenario.mount}
+    rows, stands = [], zip(plant.mounts, plant.positions, plant.directions, plant.heights, strict=True)
+    for name, (x, y, z), along, shim in stands:
+        general = [] if flat else [exact(z), ", ".join(map(exact, np.round(along, 6).tolist())), exact(1e3 * shim)]
+        rows.append([name, exact(x), exact(y), *general, actuators[name]])
+    general = [] if flat else ["z [m]", "acts along", "shim [mm]"]
+    return [Table("Mounts", ("mount", "x [m]", "y [m]", *general, "actuator"), rows, kind="words")]
 
 
 def _observed(scenario: Scenario) -> list[Table]:
