@@ -14,7 +14,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 RANKS = (
     ("errors", "arrays", "labels", "plain"),
     ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
-    ("isolator", "estimate"),
+    ("isolator", "estimate", "slides"),
     ("plant",),
     ("records",),
     ("criteria",),

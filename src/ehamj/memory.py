@@ -9,7 +9,7 @@ first row, and every table has one record per mount.
 - ``mjData.act``: an `ISOLATOR_STATE` per mount, then the states of valve options (only of isolators that have them),
   the supply's, the ledger's (`OIL` per mount, then `LEDGER`).
 - ``mjData.userdata``: a `STEP`, a `CUBIC` per degree of freedom for the force [N] and moment [N m] at the machine's CG,
-  then a `MOUNT` per mount.
+  then a `MOUNT` per mount and a `SLIDE` per slide.
 """
 
 from collections.abc import Iterator
@@ -38,10 +38,10 @@ def record(*fields: str | tuple[str, np.dtype[Any]]) -> np.dtype[Any]:
 PLACES: Final = {option: f"{option.__name__.lower()}_at" for option in STATEFUL}
 """Field that says where the states of an isolator's option begin among the activations; 0: it has none."""
 
-HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "flat")
+HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "flat", "slides")
 """What the first row says of the whole model: how many mounts, actuators and activations it has; the row of the shared
 supply, and where its states and the ledger's begin among the activations (0: there is none); whether all mounts are
-upright in the mount plane (1), so that strokes are linear."""
+upright in the mount plane (1), so that strokes are linear; how many slides it has."""
 
 ISOLATOR: Final = record(
     *HEAD,
@@ -107,6 +107,15 @@ MOUNT: Final = record(
 )
 """What a step hands to a mount, and what the callbacks hand back."""
 
+SLIDE: Final = record(
+    "start",  # force of its drive at the start of the step [N]
+    "middle",
+    "end",
+    "place",  # of its joint at the end of the step [m]
+    "speed",  # [m/s]
+)
+"""What a step hands to a slide."""
+
 LOADS_SIZE: Final = len(DOFS) * CUBIC.itemsize
 
 INPUTS: Final = (*AXES, "command")
@@ -130,9 +139,9 @@ def size(dtype: np.dtype[Any]) -> int:
     return dtype.itemsize // DOUBLE
 
 
-def userdata_size(mounts: int) -> int:
+def userdata_size(mounts: int, slides: int = 0) -> int:
     """Numbers in the userdata of a model."""
-    return (STEP.itemsize + LOADS_SIZE + mounts * MOUNT.itemsize) // DOUBLE
+    return (STEP.itemsize + LOADS_SIZE + mounts * MOUNT.itemsize + slides * SLIDE.itemsize) // DOUBLE
 
 
 # What Python code reads and writes, by name. All are views.
@@ -141,6 +150,11 @@ def userdata_size(mounts: int) -> int:
 def mounts_of(model: mujoco.MjModel) -> int:
     """Number of mounts."""
     return int(model.actuator_user[0, 0])
+
+
+def slides_of(model: mujoco.MjModel) -> int:
+    """Number of slides."""
+    return int(isolators(model)["slides"][0])
 
 
 def isolators(model: mujoco.MjModel) -> Any:
@@ -219,7 +233,8 @@ def step(data: mujoco.MjData) -> Any:
 
 def exchange(data: mujoco.MjData, mounts: int) -> Any:
     """Records of the mounts in the userdata, (mount,)."""
-    return data.userdata[-mounts * size(MOUNT) :].view(MOUNT)
+    first = (STEP.itemsize + LOADS_SIZE) // DOUBLE
+    return data.userdata[first : first + mounts * size(MOUNT)].view(MOUNT)
 
 
 # What the model's builder fills in.
@@ -260,6 +275,7 @@ def rows(plant: Plant) -> list[Row]:
             "connected": float(connected),
             **_place(plant, mount),
             "flat": float(plant.flat),
+            "slides": float(len(plant.slides)),
         }
         for name, value in values.items():
             table[name][mount] = value

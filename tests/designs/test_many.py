@@ -9,6 +9,7 @@ from oracles import linear
 
 from ehamj.designs.designs import Designs
 from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
+from ehamj.designs.parameters import value_of, with_value
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.elements import ACTUATOR_VALUES
@@ -28,6 +29,20 @@ SLANTED: dict[str, Any] = {
     "machine": {"cg": [0.25, -0.2, 1.5]},
     "actuators": {"isolator": {"membrane_stiffness": 2e6}},
 }
+
+SKEW: dict[str, Any] = {
+    "machine": {"mass": 2000.0, "cg": [0.1, -0.05, 0.7]},
+    "mount": [
+        {"name": "a", "position": [0.8, 0.1, 0.5], "direction": [0.2, 0.1, 1.0]},
+        {"name": "b", "position": [-0.7, 0.6, -0.5], "direction": [-0.3, 0.4, 1.0], "height": 0.002},
+        {"name": "c", "position": [-0.6, -0.7, 0.0], "direction": [0.0, -1.0, 0.3]},
+        {"name": "d", "position": [0.5, -0.6, 0.2]},
+        {"name": "level", "position": [0.9, 0.5, 0.4], "direction": [-1.0, 0.0, 0.0]},
+    ],
+}
+
+SOFT_AND_SKEW = SKEW | {"actuators": {"isolator": {"membrane_stiffness": 4e6, "lateral_stiffness": 2e6}}}
+"""Stands tilted by half a mrad."""
 
 
 def one(table: dict[str, Any] | None = None, **isolator: Any) -> Designs:
@@ -61,14 +76,17 @@ MACHINES = pytest.mark.parametrize(
         UNEVEN,
         # Stands tilted by 2 mrad, 5 mm down at a corner.
         SLANTED,
+        SKEW,
+        SOFT_AND_SKEW,
+        SKEW | {"actuators": {"isolator": FLEXIBLE}},
     ],
-    ids=["default", "oil", "valve", "flexible feet", "uneven", "slanted"],
+    ids=["default", "oil", "valve", "flexible feet", "uneven", "slanted", "skew", "soft and skew", "skew and flexible"],
 )
 
 
 def all_poles(designs: Designs) -> Any:
     """Magnitudes of the poles of motion, oil and valves, in order [1/s]."""
-    return np.sort(np.abs([*modes_of(designs).pole.values, *[SPRING, SPRING.conjugate()] * len(MOUNTS)]))
+    return np.sort(np.abs([*modes_of(designs).pole.values, *[SPRING, SPRING.conjugate()] * len(designs.mounts)]))
 
 
 @MACHINES
@@ -81,12 +99,13 @@ def test_poles_are_those_of_the_differentiated_model(table: dict[str, Any]) -> N
 @MACHINES
 def test_what_each_mount_does_along_each_axis_is_that_of_the_differentiated_model(table: dict[str, Any]) -> None:
     scenario, hertz = parse_scenario(table), np.array([3.0, 75.0, 400.0])
+    mounts = len(scenario.mount)
     outputs = [*(f"cg_displacement {axis}" for axis in "xyz"), *(f"machine_displacement r{axis}" for axis in "xyz")]
     expected = ground_response(linear_model(scenario.plant), hertz, outputs)
     for k in range(expected.shape[2]):
-        alone = np.zeros((3, 12), complex)
+        alone = np.zeros((3, 3 * mounts), complex)
         alone[:, k] = 1.0
-        found = floor_response(Designs.of(scenario, {}), hertz, alone.reshape(3, 4, 3))
+        found = floor_response(Designs.of(scenario, {}), hertz, alone.reshape(3, mounts, 3))
         # Differences are good to 1e-9 of each row; outputs have one unit each.
         size = np.abs(expected).max(axis=(0, 2))
         assert np.all(np.abs(found - expected[:, :, k]) <= 1e-9 * size)
@@ -218,6 +237,16 @@ def test_keys_vary_together_along_a_named_dimension() -> None:
     assert many["span"].attrs["units"] == many["footprint.y"].attrs["units"] == "m"
     moved = [m.model_dump() | {"position": [x / 1.5, y / 2]} for m in DEFAULT_MOUNTS for x, y in [m.position]]
     np.testing.assert_allclose(many.frequency[0], modes_of(one({"mount": moved})).frequency, rtol=1e-11)
+
+
+def test_a_mount_may_vary_off_the_plane() -> None:
+    base = parse_scenario(SOFT_AND_SKEW)
+    many = modes_of(Designs.of(base, {"mount.3.position.2": np.array([0.0, 0.2, 0.6]), "footprint.x": 1.6}))
+    for k, z in enumerate((0.0, 0.2, 0.6)):
+        moved = with_value(with_value(base, "mount.3.position.2", z), "footprint.x", 1.6)
+        assert moved.mount[3].place[2] == z
+        assert value_of(moved, "footprint.x") == pytest.approx(1.6, rel=1e-12)
+        np.testing.assert_allclose(many.frequency[k], modes_of(Designs.of(moved, {})).frequency, rtol=1e-11)
 
 
 def test_the_slower_mode_of_a_plane_is_the_lower() -> None:

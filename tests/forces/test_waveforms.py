@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.forces.transients import Blows, Pieces, jerk_limited
+from ehamj.forces.transients import Blows, Pieces
 from ehamj.forces.vibrations import Rotating, random_force
 from ehamj.signals import Signal
+from ehamj.slides.scurve import jerk_limited
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")

@@ -39,7 +39,7 @@ class Run:
         with hydraulics():
             equilibrium(self.model, self.start, Inputs.rest(self.model))
 
-    def __call__(self, loop: DigitalLoop | None = None, load: tuple[Array, Array] = NOT_LOADED) -> None:
+    def __call__(self, loop: DigitalLoop | None = None, load: tuple[Array, Array, Array] = NOT_LOADED) -> None:
         """Take the steps, with a controller or under a force."""
         data, loop = mujoco.MjData(self.model), loop or self.alone
         data.qpos[:], data.act[:] = self.start.qpos, self.start.act

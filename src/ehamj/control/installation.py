@@ -15,6 +15,7 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, FEWEST, MOST, MOUNTS, UP, Mount
 from ehamj.plant.part import Part, check_parts
 from ehamj.plant.plant import Plant
+from ehamj.plant.slide import Slide, check_slides
 from ehamj.plant.statics import check_standing
 from ehamj.scenario_files import scenario_path, scenario_table
 from ehamj.settings import SCENARIO, Settings
@@ -29,6 +30,7 @@ class Installation(Settings):
     )
     machine: Machine = Machine()
     part: tuple[Part, ...] = Field((), description="rigid parts on the machine, which add to its mass and inertia")
+    slide: tuple[Slide, ...] = Field((), description="heavy parts that move on the machine, and add to its mass")
     mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="3 to 32 mounts of any names; without, four")
     actuators: dict[str, Isolator] = Field(
         default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
@@ -45,6 +47,7 @@ class Installation(Settings):
         if twice:
             raise ValueError(f"mount names {twice} appear more than once; each must be unique")
         check_parts(self.part, self.machine)
+        check_slides(self.slide, self.machine)
         half_x, half_y, high = self.machine.size[0] / 2, self.machine.size[1] / 2, self.machine.size[2]
         for mount in self.mount:
             x, y, z = mount.place
@@ -76,8 +79,8 @@ class Installation(Settings):
 
     @property
     def others(self) -> tuple[Body, ...]:
-        """What stands on the machine and adds to [machine]: its parts."""
-        return tuple(part.body for part in self.part)
+        """What stands on the machine and adds to [machine]: parts, and slides at their start."""
+        return (*(part.body for part in self.part), *(slide.body(slide.begins) for slide in self.slide))
 
     @property
     def running(self) -> dict[str, Actuator]:
@@ -97,6 +100,8 @@ class Installation(Settings):
             gravity=self.gravity,
             mounts=tuple(mount.name for mount in self._mounts),
             plates=self.plates,
+            slides=self.slide,
+            carrier=self.machine.with_bodies([part.body for part in self.part]) if self.slide else None,
         )
 
     @property

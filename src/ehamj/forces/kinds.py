@@ -45,9 +45,14 @@ def check_forces(forces: Sequence[ForceSettings], points: Mapping[str, Vector3])
 
 
 def load_of(
-    forces: Sequence[ForceSettings], points: Mapping[str, Vector3], cg: Vector3, duration: float, seed: int
+    forces: Sequence[ForceSettings],
+    points: Mapping[str, Vector3],
+    cg: Vector3,
+    duration: float,
+    seed: int,
+    about: Vector3 | None = None,
 ) -> Load:
-    """All forces together.
+    """All forces together, with moments ``about`` a point of the machine, the centre of gravity without [m].
 
     Raises:
         InputError: if a force cannot be made for this duration.
@@ -59,7 +64,7 @@ def load_of(
             parts = force.parts(duration, np.random.default_rng([seed, STREAM, k]))
         except MemoryError:
             raise InputError(f"force.{k}: {duration:g} s of it do not fit in memory") from None
-        arm = lever(np.array(at) - np.array(cg))
+        arm = lever(np.array(at) - np.array(about or cg))
         for direction, signal in parts:
             patterns.append(arm.T @ direction)  # d and (r − r_CG) × d
             signals.append(signal)

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ehamj.forces.force import PER_PERIOD, ForceSettings
 from ehamj.settings import Positive
 from ehamj.signals import SLACK, Array, Sample, Signal
+from ehamj.slides.scurve import jerk_limited
 
 
 class Hammer(ForceSettings):
@@ -107,22 +108,3 @@ class Pieces:
         slopes = np.concatenate([[0.0], np.diff(self.values) / np.diff(self.times), [0.0]])
         piece = np.searchsorted(self.times, time + (-SLACK if left else SLACK), side="right")
         return Sample(np.interp(time, self.times, self.values, 0.0, 0.0), slopes[piece], np.zeros_like(time))
-
-
-def jerk_limited(travel: float, velocity: float, acceleration: float, jerk: float) -> tuple[Array, Array]:
-    """Times [s] and accelerations [m/s²] at the corners of a move from rest to rest over ``travel`` [m].
-
-    The usual seven pieces: the acceleration rises and falls by ``jerk``; where travel or velocity are too small for the
-    stated velocity or acceleration, these are not reached (Biagiotti and Melchiorri, Trajectory Planning, sec. 3.4).
-    """
-    rise = min(np.sqrt(velocity / jerk), acceleration / jerk, np.cbrt(0.5 * travel / jerk))  # of the acceleration
-    a = jerk * rise
-    # Of speeding up, reaching v = a·up: travel = v (2 rise + hold…) with v ≤ velocity.
-    up = min(velocity / a, 0.5 * (np.sqrt(rise**2 + 4.0 * travel / a) - rise))  # time at a, with half of each ramp
-    v = a * up
-    cruise = max(0.0, travel / v - up - rise)
-    durations = [rise, up - rise, rise, cruise, rise, up - rise, rise]
-    corners = np.concatenate([[0.0], np.cumsum(durations)])
-    values = np.array([0.0, a, a, 0.0, 0.0, -a, -a, 0.0])
-    kept = np.concatenate([[True], np.diff(corners) > SLACK])
-    return corners[kept], values[kept]

@@ -2,8 +2,9 @@
 
 Every array may have leading axes, one element per design. Coordinates are the model's joints
 (`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet along their mounts; deviations
-from a static equilibrium. Feet turn with the machine, and their strokes are projections on the mounts' directions;
-those of upright mounts in the mount plane are linear, as they are simulated.
+from a static equilibrium. Feet turn with the machine, and their strokes are projections on the mounts' directions; as
+it is simulated, those of upright mounts in the mount plane are linear, and so are the plates' inertia and flexible
+feet.
 Sources: docs/physics.md, sections 2 and 3.
 """
 
@@ -163,20 +164,22 @@ class Elements:
         feet, moved, curved = _feet(values, shape, q, angles)
         along, across, own = np.moveaxis(np.einsum("mkx,...mxn->...mkn", values.frames, feet), -2, 0)
         shifts = np.einsum("mkx,...mx->...mk", values.frames, moved)
-        plate, height = own.copy(), shifts[..., 2].copy()
-        plate[..., soft, :] = 0.0
-        plate[..., soft, len(JOINTS) + np.arange(soft.size)] = 1.0
-        height[..., soft] = q[..., len(JOINTS) :]
+        level = np.einsum("mx,...mxn->...mn", values.frames[:, 2], _feet(values, shape, q, np.zeros((*shape, 3)))[0])
+        plates = np.zeros((soft.size, n))
+        plates[:, len(JOINTS) :] = np.eye(soft.size)
+        plate, swung = own.copy(), level.copy()
+        swung[..., soft, :] = plates
+        plate[..., soft, :] += plates - level[..., soft, :]
+        height = shifts[..., 2] + np.einsum("...mn,...n->...m", swung - level, q)
         stroke = height - at["height"]
         cg, spin, lift = _turning(common, shape, n, angles)
-        mass = _quadratic(plate, at["plate_mass"]) + _inertia(common, shape, cg, spin)
+        mass = _quadratic(swung, at["plate_mass"]) + _inertia(common, shape, cg, spin)
         oil = at["piston_area"] * (1.0 - at["area_ratio"]) * values.middle[..., None]
         push = oil - at["plate_mass"] * common["gravity"][..., None] * values.frames[:, 2, 2]
         push = push - at["membrane_stiffness"] * stroke
-        rigid = np.isinf(at["foot_stiffness"])
-        squeeze = -np.where(rigid, 0.0, at["foot_stiffness"]) * (shifts[..., 2] - height)
+        squeeze = -np.where(np.isinf(at["foot_stiffness"]), 0.0, at["foot_stiffness"]) * (shifts[..., 2] - height)
         on_foot = -at["lateral_stiffness"][..., None] * shifts
-        on_foot[..., 2] = np.where(rigid, push, squeeze)
+        on_foot[..., 2] = push
         weight = -common["mass"] * common["gravity"]
         toppling = np.zeros((*shape, n, n))
         hanging = np.einsum("...mk,mkx,...mxij->...ij", on_foot, values.frames, curved)

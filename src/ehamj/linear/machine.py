@@ -111,7 +111,7 @@ def linear_model(
     """Linearise a machine about its static equilibrium.
 
     Args:
-        plant: what is linearised.
+        plant: what is linearised; its slides stand where they start, see `Plant.locked`.
         commands: held commands, one per valve [V]; zero without.
         load: held force and moment at the centre of gravity, (6,) [N, N m].
         feet: keep sliding plates as states of their own even where all feet are rigid (the constraint's poles with
@@ -120,7 +120,7 @@ def linear_model(
     Raises:
         InputError: if there is no such operating point.
     """
-    plant = replace(plant if feet else reduced(plant), bookkeeping=False)
+    plant = replace(plant.locked() if feet else reduced(plant.locked()), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
     force = _finite("load", load, len(DOFS))

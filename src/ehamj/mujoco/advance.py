@@ -18,12 +18,13 @@ from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.equations import settled
 from ehamj.isolator.spool import limits_reached
-from ehamj.memory import COMMAND, inputs, mounts_of
+from ehamj.memory import COMMAND, SLIDE, inputs, mounts_of, size
 from ehamj.mujoco.callbacks import feed_from
 from ehamj.mujoco.feet import plates
 from ehamj.mujoco.hold import library
 from ehamj.mujoco.offsets import offsets
 from ehamj.mujoco.rows import Recording, Rows, Tally
+from ehamj.mujoco.slides import place_slides, write_slides
 from ehamj.mujoco.unpacking import isolator_of, options_of, put_cubic, state_of
 from ehamj.mujoco.views import machine_of
 from ehamj.plant.axes import DOFS
@@ -34,8 +35,11 @@ CHAMBER_1_EMPTY: Final = 2
 CHAMBER_2_EMPTY: Final = 3
 LAW_FAILED: Final = 4
 
-NOT_LOADED: Final = (np.zeros((0, len(DOFS), 2)), np.zeros((0, len(DOFS), 2)))
-"""No force on the machine itself."""
+STANDING: Final = np.zeros((0, 0, size(SLIDE)))
+"""No slide moves."""
+
+NOT_LOADED: Final = (np.zeros((0, len(DOFS), 2)), np.zeros((0, len(DOFS), 2)), STANDING)
+"""No force on the machine itself, and no slide that moves."""
 
 on_state = c_function(types.void, types.intp, types.intp)
 """void f(mjModel*, mjData*)"""
@@ -77,15 +81,16 @@ class Stretch(NamedTuple):
 
 
 class Driving(NamedTuple):
-    """Inputs and load at the start and at the end of each step, read-only."""
+    """Inputs and load at the start and at the end of each step, and what drives slides in it, read-only."""
 
     start: Array
     end: Array
     pushed: Array
     released: Array
+    slides: Array
 
     @classmethod
-    def of(cls, given: tuple[Array, Array], load: tuple[Array, Array]) -> "Driving":
+    def of(cls, given: tuple[Array, Array], load: tuple[Array, Array, Array]) -> "Driving":
         """The arrays as the loop takes them."""
         parts = [np.ascontiguousarray(part).view() for part in (*given, *load)]
         for part in parts:
@@ -214,6 +219,8 @@ def _advance() -> Any:
             write_inputs(machine, time, 1.0 / h, driving.start[k], driving.end[k])
             if driving.pushed.shape[0] > 0:
                 write_load(machine, driving.pushed[k], driving.released[k])
+            if driving.slides.shape[0] > 0:
+                write_slides(machine, driving.slides[k])
             release(number, laws, memory, machine.control)
             on_state(engine.forward, (model, data))
             status, mount = check(machine)
@@ -239,6 +246,7 @@ def _advance() -> Any:
             if k < stretch.steps:
                 runge_kutta(engine.runge_kutta, (model, data, 4))
                 settle_valves(machine)
+                place_slides(machine)
         return stretch.steps, DONE, -1, row
 
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
@@ -258,7 +266,7 @@ def _arguments(
     recording: Recording,
     loop: DigitalLoop,
     noise: Array | None = None,
-    load: tuple[Array, Array] = NOT_LOADED,
+    load: tuple[Array, Array, Array] = NOT_LOADED,
 ) -> tuple[Any, ...]:
     """What the compiled loop takes."""
     silent = np.zeros((0, loop.sensing.channels))
@@ -282,7 +290,7 @@ def advance(
     last: bool = False,
     loop: DigitalLoop | None = None,
     noise: Array | None = None,
-    load: tuple[Array, Array] = NOT_LOADED,
+    load: tuple[Array, Array, Array] = NOT_LOADED,
 ) -> tuple[Stopped, int]:
     """Take ``steps`` steps from step number ``first``; call it with the hydraulics installed.
 
@@ -298,7 +306,7 @@ def advance(
         loop: digital controller, whose memory is advanced.
         noise: noise of its readings at the samples among these steps (`DigitalLoop.samples`), (samples, channels).
         load: force on the machine itself, value and slope·timestep at the start and at the end of each step,
-            (steps (+1), 6, 2) each.
+            (steps (+1), 6, 2) each; and what drives slides in each step (`ehamj.mujoco.slides.drives`).
 
     Returns:
         How it stopped, and the number of rows recorded.

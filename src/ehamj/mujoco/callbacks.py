@@ -17,6 +17,7 @@ from ehamj.isolator.supply import Feed, supply_rates
 from ehamj.memory import LEDGER, MACHINE_BODY, OIL, SUPPLY, SUPPLY_STATE, size
 from ehamj.mujoco.feet import turned_stage, upright_stage
 from ehamj.mujoco.offsets import offsets
+from ehamj.mujoco.slides import push_slides
 from ehamj.mujoco.unpacking import (
     cubic_of,
     feed_of,
@@ -120,12 +121,13 @@ def callbacks() -> Callbacks:
 
     def passive(model, data):  # type: ignore[no-untyped-def]
         machine = machine_of(model, data, at, joints, joints)
-        step, force = machine.step[0], numbers_at(data, at.qfrc_passive, joints)
+        step, force = machine.step[0], numbers_at(data, at.qfrc_passive, joints + machine.slides.size)
         s = (machine.time[0] - step.start) * step.rate  # a rate of zero: the ground rests, and only ctrl commands
         if machine.isolators[0].flat > 0.0:
             upright_stage(machine, s, force)
         else:
             turned_stage(machine, s, force)
+        push_slides(machine, s, force)
         if step.loaded != 0.0:  # the engine adds it to the accelerations after its passive forces
             applied = numbers_at(data, at.xfrc_applied, loads_at + N_LOADS)
             for dof in range(N_LOADS):

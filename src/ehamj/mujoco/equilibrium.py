@@ -12,7 +12,8 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.supply import Supply, SupplyState, middle
-from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, step, supply
+from ehamj.memory import activations, exchange, isolators, mounts_of, option_scales, slides_of, step, supply
+from ehamj.mujoco.slides import FIRST
 from ehamj.plant.axes import AXES
 
 
@@ -153,6 +154,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     nq, nv, own = model.nq, model.nv, isolators(model)
     state = np.zeros(nq + nv + model.na)
     parts = activations(model, state[nq + nv :])
+    moves = np.delete(np.arange(nq), FIRST + np.arange(slides_of(model)))  # slides stand where they are
     number = activations(model, np.arange(nq + nv, state.size, dtype=float))
     mid = 0.5 * (own["supply_pressure"] + own["tank_pressure"])
     limit = own["voltage_limit"]
@@ -163,7 +165,7 @@ def _balance(model: mujoco.MjModel, inputs: Inputs) -> tuple[Array, ...]:
     pressures = np.column_stack([number.isolators["pressure_1"], number.isolators["pressure_2"]]).ravel()
     # For each kind of unknown: which, what balances it, its unit, and the tolerance of that balance.
     kinds = [
-        (np.arange(nq), nq + np.arange(nv), np.full(nq, 1e-5), np.full(nv, 1e-7)),
+        (moves, nq + moves, np.full(moves.size, 1e-5), np.full(moves.size, 1e-7)),
         (pressures, pressures, np.repeat(np.maximum(mid, own["rated_pressure"]), 2), np.repeat(fine, 2)),
     ]
     if number.options.size:

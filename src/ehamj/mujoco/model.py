@@ -12,13 +12,12 @@ from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
-import numpy as np
 
 from ehamj.memory import ISOLATOR, MACHINE_BODY, Row, rows, size, userdata_size
 from ehamj.mujoco.drawing import draw
 from ehamj.mujoco.membranes import add_lateral_membranes
 from ehamj.mujoco.plates import add_plate, check_plates
-from ehamj.plant.bodies import Body, principal_of
+from ehamj.mujoco.slides import add_slides, put_body, scaled_as_without
 from ehamj.plant.plant import Plant
 
 CONSTRAINT_SOFTENING = 1e-3
@@ -54,10 +53,10 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
     spec = mujoco.MjSpec.from_file(str(template()))
     spec.option.timestep = timestep
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
-    spec.nuserdata = userdata_size(len(plant.mounts))
+    spec.nuserdata = userdata_size(len(plant.mounts), len(plant.slides))
     spec.nuser_actuator = size(ISOLATOR)
-    body, machine = spec.body("machine"), plant.machine
-    put_body(body, machine.body)
+    put_body(spec.body("machine"), (plant.carrier or plant.machine).body)
+    add_slides(spec, plant)
     add_lateral_membranes(spec, plant)
     table = rows(plant)
     isolators, others = table[: len(plant.mounts)], table[len(plant.mounts) :]
@@ -96,6 +95,7 @@ def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.Mj
     if model.body("machine").id != MACHINE_BODY:
         raise RuntimeError(f"the machine is body {model.body('machine').id} of the model, not {MACHINE_BODY}")
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING
+    scaled_as_without(model, plant)
     return model
 
 
@@ -103,19 +103,6 @@ def reduced(plant: Plant) -> Plant:
     """The plant with its plates tied if all feet are rigid: the same equations without the constraint's own modes."""
     rigid = all(actuator.rigid_foot for actuator in plant.actuators)
     return replace(plant, plates="tied") if rigid else plant
-
-
-def put_body(element: mujoco.MjsBody, body: Body) -> None:
-    """Give a body of the model its mass, centre of gravity and inertia."""
-    element.mass, element.ipos, element.explicitinertial = float(body.mass), body.cg.tolist(), True
-    if np.any(body.tensor - np.diag(np.diag(body.tensor))):
-        moments, axes = principal_of(body.tensor)
-        moments[2] = min(moments[2], moments[0] + moments[1])  # a flat body that was turned has rounded
-        turn = np.empty(4)
-        mujoco.mju_mat2Quat(turn, axes.ravel())
-        element.inertia, element.iquat = moments.tolist(), turn.tolist()
-    else:
-        element.inertia = np.diag(body.tensor).tolist()
 
 
 def _add_actuator(spec: mujoco.MjSpec, row: Row, target: tuple[str, mujoco.mjtTrn], **others: Any) -> None:

@@ -9,17 +9,18 @@ from typing import Any
 import numpy as np
 
 from ehamj.compiled import kernel, view
-from ehamj.memory import CUBIC, DOUBLE, ISOLATOR, ISOLATOR_STATE, LOADS_SIZE, MOUNT, STEP
+from ehamj.memory import CUBIC, DOUBLE, ISOLATOR, ISOLATOR_STATE, LOADS_SIZE, MOUNT, SLIDE, STEP
 from ehamj.plant.axes import DOFS
 
 WIDTH = ISOLATOR.itemsize
 LOADS_AT = STEP.itemsize
 MOUNTS_AT = LOADS_AT + LOADS_SIZE
+MOUNT_SIZE = MOUNT.itemsize
 N_LOADS = len(DOFS)
 
 Machine: Any = namedtuple(
     "Machine",
-    "time qpos qvel qacc act act_dot states rates control length velocity isolators step loads mounts",
+    "time qpos qvel qacc act act_dot states rates control length velocity isolators step loads mounts slides",
 )
 """The arrays of a model and its data, and the records in them: what is of one number has one element."""
 
@@ -76,4 +77,5 @@ def machine_of(model, data, at, nq, nv):  # type: ignore[no-untyped-def]
         view(user, 1, STEP),
         view(user + LOADS_AT, N_LOADS, CUBIC),
         mounts_at(data, at, n),
+        view(user + MOUNTS_AT + n * MOUNT_SIZE, int(head.slides), SLIDE),
     )

@@ -1,5 +1,6 @@
 """Everything physical that is simulated, as one value."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, Self
@@ -11,6 +12,7 @@ from ehamj.isolator.supply import Supply
 from ehamj.plant.layout import Layout
 from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import MOUNTS, UP, UPRIGHT
+from ehamj.plant.slide import Slide, places_of
 from ehamj.settings import Vector3
 
 
@@ -19,7 +21,7 @@ class Plant:
     """Everything physical that is simulated: the machine, its isolators in the order of the mounts, the supply."""
 
     machine: Machine
-    """All that is rigid: the frame with the parts on it."""
+    """All that is rigid: the frame with the parts on it, and the slides where they stand at the start."""
     positions: tuple[Vector3, ...]
     """x, y, z of each mount [m]."""
     actuators: tuple[Actuator, ...]
@@ -39,6 +41,10 @@ class Plant:
     """Unit vectors along which the mounts act, towards the machine; up without."""
     heights: tuple[float, ...] = ()
     """Shims below the mounts, along their directions [m]; none without."""
+    slides: tuple[Slide, ...] = ()
+    """What moves on the machine; linear models know none, see `locked`."""
+    carrier: Machine | None = None
+    """The machine without its slides, where it has any."""
 
     def __post_init__(self) -> None:
         for name, value in (("directions", UP), ("heights", 0.0)):
@@ -81,7 +87,19 @@ class Plant:
         ]
         return replace(self, actuators=tuple(changed))
 
+    def locked(self, places: Mapping[str, float] | None = None) -> Self:
+        """The plant with its slides as parts of the machine, at coordinates [m] by name, or where they start.
+
+        Raises:
+            InputError: if a name is unknown, or a place off its rail.
+        """
+        at = places_of(self.slides, places)
+        if self.carrier is None:
+            return self
+        bodies = [slide.body(place) for slide, place in zip(self.slides, at, strict=True)]
+        return replace(self, machine=self.carrier.with_bodies(bodies), slides=(), carrier=None)
+
     @property
     def total_mass(self) -> float:
-        """Machine and plates [kg]."""
+        """Machine with all that is on it, and plates [kg]."""
         return self.machine.mass + sum(actuator.plate_mass for actuator in self.actuators)

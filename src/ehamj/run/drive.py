@@ -12,8 +12,9 @@ from ehamj.faults import in_order
 from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.memory import COMMAND, inputs
-from ehamj.mujoco.advance import DONE, NOT_LOADED, Stopped, advance, compile_loop
+from ehamj.mujoco.advance import DONE, NOT_LOADED, STANDING, Stopped, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
+from ehamj.mujoco.slides import drives
 from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
 from ehamj.signals import Signal
@@ -47,7 +48,7 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         InputError: if the rows do not fit in memory.
     """
     compile_loop()
-    loop, load, timestep = prepared.loop, prepared.load, prepared.timestep
+    loop, load, timestep, plant = prepared.loop, prepared.load, prepared.timestep, prepared.scenario.plant
     count = prepared.steps // prepared.every + 1
     try:
         recording = Recording.of(prepared.model, loop, prepared.every, count)
@@ -64,6 +65,8 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         driven = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
         noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
         pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
+        if plant.slides:
+            pushed = (*pushed[:2], drives(plant, prepared.courses, done, steps + last, timestep))
         began = clock.perf_counter()
         stopped, rows_done = advance(
             prepared.model, prepared.data, done, steps, driven, recording.after(recorded), last, loop, noise, pushed
@@ -120,9 +123,9 @@ def sample_inputs(
     return starts, ends
 
 
-def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array]:
-    """Force on the machine in some steps: value and slope·timestep at start and end, (steps, 6, 2) each."""
+def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:
+    """Force on the machine in some steps: value and slope·timestep at start and end, (steps, 6, 2) each; no slides."""
     times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
     scale = np.array([1.0, timestep])
     starts, ends = load.sample(times[:-1]), load.sample(times[1:], left=True)
-    return np.stack(starts, axis=2) * scale, np.stack(ends, axis=2) * scale
+    return np.stack(starts, axis=2) * scale, np.stack(ends, axis=2) * scale, STANDING

@@ -10,6 +10,7 @@ from ehamj.arrays import Array
 from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
+from ehamj.mujoco.slides import FIRST
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.kinematics import points_motion
 from ehamj.result import make_dataset
@@ -43,7 +44,10 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
             channels["supply_pressure"][times >= one.time - 1e-9] = plant.supply.tank_pressure
     channels |= _relative(scenario, channels)
     if not prepared.load.absent:
-        channels["external_force"] = prepared.load.sample(times)[0]
+        channels["external_force"] = scenario.load().sample(times)[0]
+    if plant.slides:
+        begins = [slide.begins for slide in plant.slides]
+        channels["slide"] = rows.qpos[:, FIRST : FIRST + len(begins)] + begins
     if prepared.loop.sensing.channels:
         channels["measured"] = rows.readings
     if prepared.loop.states:
@@ -53,6 +57,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     labels: dict[str, Sequence[Any]] = {
         "mount": plant.mounts,
         "point": list(scenario.points),
+        "slide_name": [slide.name for slide in plant.slides],
         "relative": [relative.name for relative in scenario.relative],
         "sensor": law.inputs if law is not None else (),
         "law_state": range(law.states) if law is not None else (),

@@ -40,6 +40,9 @@ class Prepared:
     motion: Motion
     commands: tuple[Signal, ...]
     load: Load
+    """About the centre of gravity of what the engine's body of the machine is: slides left out."""
+    courses: tuple[Signal, ...]
+    """Of the slides."""
     controller: AnyController | None
     loop: DigitalLoop
     noise: ReadingNoise | None
@@ -99,7 +102,8 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
     """
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
-    motion, commands, load = scenario.motion(), scenario.commands(), scenario.load()
+    motion, commands = scenario.motion(), scenario.commands()
+    load, courses = scenario.pushed(), tuple(slide.course() for slide in scenario.slide)
     if controller is None:
         controller = scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
@@ -127,5 +131,5 @@ def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
         made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.laws.base * timestep)
         noise = None if made.silent else made
     of_step = () if timestep == usual else (shorter_step(timestep, usual),)
-    driven = (motion, commands, load, controller, loop, noise)
+    driven = (motion, commands, load, courses, controller, loop, noise)
     return Prepared(scenario, norms, model, data, *driven, every, steps, of_step)

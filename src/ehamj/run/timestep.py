@@ -86,7 +86,7 @@ def follows(plant: Plant, timestep: float) -> bool:
 def _modes(plant: Plant) -> NDArray[np.complex128]:
     """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
     stiff = tuple(actuator.with_values({"air_fraction": 0.0}) for actuator in plant.actuators)
-    model = compiled(reduced(replace(plant, actuators=stiff)), 1e-4)
+    model = compiled(reduced(replace(plant.locked(), actuators=stiff)), 1e-4)
     data = mujoco.MjData(model)
     with hydraulics():
         rest = Inputs.rest(model)

@@ -132,8 +132,14 @@ class Scenario(Installation, Course):
         return self.control.commands(self.plant.mounts)
 
     def load(self) -> Load:
-        """The forces on the machine itself."""
+        """The forces on the machine itself, about its centre of gravity with its slides where they start."""
         return load_of(self.force, self.points, self.plant.machine.cg, self.duration, self.seed)
+
+    def pushed(self) -> Load:
+        """The same forces about the centre of gravity of the machine without its slides."""
+        plant = self.plant
+        about = (plant.carrier or plant.machine).cg
+        return load_of(self.force, self.points, plant.machine.cg, self.duration, self.seed, about)
 
     def as_designed(self) -> Self:
         """The scenario on the very machine that its law is derived from."""

@@ -1,0 +1,131 @@
+"""Slides: heavy parts that move along a rail of the machine, and stay where they went."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Self
+
+from pydantic import Field, field_validator, model_validator
+
+from ehamj.errors import InputError
+from ehamj.plant.bodies import Body, Inertia, check_inertia
+from ehamj.plant.machine import Machine, box_inertia
+from ehamj.plant.points import NAME, check_place
+from ehamj.settings import Positive, Settings, Vector3
+from ehamj.signals import Signal
+from ehamj.slides.kinds import AnyProfile
+from ehamj.slides.scurve import Course
+
+
+class Slide(Settings):
+    """A rigid part on a rail, which adds to ``machine.mass``; its drive is stiff: it goes as its profile says."""
+
+    name: str = Field(description="short name")
+    mass: Positive = Field(description="mass [kg]")
+    size: tuple[Positive, Positive, Positive] = Field(
+        (0.6, 0.4, 0.3), description="of the box that is drawn: x, y, z [m]"
+    )
+    inertia: Inertia | None = Field(
+        None,
+        description="about its own CG: three moments, or the tensor, row by row; without: that of a homogeneous box of "
+        "`size` [kg m²]",
+    )
+    position: Vector3 = Field(
+        description="of its centre of gravity at coordinate 0, from the mount plane's centre: x, y, z [m]"
+    )
+    rail: Vector3 = Field(description="direction in which its coordinate grows: x, y, z (any length)")
+    travel: tuple[float, float] = Field(description="where its coordinate must stay: from and to [m]")
+    start: float | None = Field(
+        None, description="coordinate at which it stands until its profile moves it [m]; without: the profile's, or 0"
+    )
+    profile: AnyProfile | None = Field(None, description="how it moves; without: it stands")
+
+    @field_validator("name")
+    @classmethod
+    def _plain_name(cls, name: str) -> str:
+        if not NAME.fullmatch(name):
+            raise ValueError(f"{name!r} must consist of at most 32 letters, digits, - and _")
+        return name
+
+    @field_validator("rail")
+    @classmethod
+    def _has_length(cls, rail: Vector3) -> Vector3:
+        if math.hypot(*rail) < 1e-9:
+            raise ValueError(f"{list(rail)} has no length; along x it is [1, 0, 0]")
+        return rail
+
+    @model_validator(mode="after")
+    def _on_its_rail(self) -> Self:
+        if self.inertia is not None:
+            check_inertia("inertia", self.inertia)
+        low, high = self.travel
+        if not low < high:
+            raise ValueError(f"travel = {list(self.travel)} must be from a coordinate to a larger one")
+        told = self.profile.start if self.profile is not None else None
+        if told is not None and self.start is not None and abs(told - self.start) > 1e-9:
+            raise ValueError(
+                f"start = {self.start:g} m: its profile begins at {told:g} m; leave start out, or let both agree"
+            )
+        places = [("start", self.begins)]
+        if self.profile is not None:
+            places += [(f"profile.{key}", place) for key, place in self.profile.farthest(self.begins)]
+        for key, place in places:
+            if not low - 1e-9 <= place <= high + 1e-9:
+                raise ValueError(f"{key} = {place:g} m is off its rail: travel = [{low:g}, {high:g}] m")
+        self.course()  # refuses what cannot be driven
+        return self
+
+    @property
+    def begins(self) -> float:
+        """Coordinate at the start [m]."""
+        told = self.profile.start if self.profile is not None else None
+        return self.start if self.start is not None else told if told is not None else 0.0
+
+    @property
+    def along(self) -> Vector3:
+        """The rail's direction at length one."""
+        length = math.hypot(*self.rail)
+        x, y, z = (entry / length for entry in self.rail)
+        return (x, y, z)
+
+    def place(self, coordinate: float) -> Vector3:
+        """Its centre of gravity at a coordinate [m], from the mount plane's centre [m]."""
+        x, y, z = (at + coordinate * d for at, d in zip(self.position, self.along, strict=True))
+        return (x, y, z)
+
+    def body(self, coordinate: float) -> Body:
+        """What it adds to the machine while it stands there."""
+        return Body.of(self.mass, self.place(coordinate), self.inertia or box_inertia(self.mass, self.size))
+
+    def course(self) -> Signal:
+        """Its coordinate [m] over time, with speed [m/s] and acceleration [m/s²]."""
+        return Course.of(self.begins, []) if self.profile is None else self.profile.course(self.begins)
+
+
+def check_slides(slides: Sequence[Slide], machine: Machine) -> None:
+    """Refuse names that are there twice, and slides that leave the machine.
+
+    Raises:
+        ValueError: naming the key, the value and what is allowed.
+    """
+    names = [slide.name for slide in slides]
+    for k, slide in enumerate(slides):
+        if slide.name in names[:k]:
+            raise ValueError(f"slide.{k}.name = {slide.name!r} must be unique")
+        for end, coordinate in zip(("begin", "end"), slide.travel, strict=True):
+            check_place(f"slide {slide.name}: place at the {end} of its travel", slide.place(coordinate), machine)
+
+
+def places_of(slides: Sequence[Slide], places: Mapping[str, float] | None) -> tuple[float, ...]:
+    """Coordinate of each slide [m]: as ``places`` says by name, else at the start.
+
+    Raises:
+        InputError: if a name is unknown, or a place off its rail.
+    """
+    known = {slide.name: slide for slide in slides}
+    for name, place in (places or {}).items():
+        if name not in known:
+            raise InputError(f"slide {name!r}: must be one of {', '.join(known) or 'none: the machine has no slides'}")
+        low, high = known[name].travel
+        if not low <= place <= high:
+            raise InputError(f"slide {name}: {place:g} m is off its rail: travel = [{low:g}, {high:g}] m")
+    return tuple((places or {}).get(slide.name, slide.begins) for slide in slides)
