@@ -194,7 +194,9 @@ def test_every_architecture_commands_the_active_mounts_alone(kind: str) -> None:
 
 def test_a_synthesis_without_weights_for_what_the_mounts_drive_is_refused() -> None:
     model, scenario = six()
-    with pytest.raises(InputError, match="h-infinity synthesis has weights for heave, roll, pitch, and the mounts drive "):
+    with pytest.raises(
+        InputError, match="h-infinity synthesis has weights for heave, roll, pitch, and the mounts drive "
+    ):
         HInfinitySettings().law(scenario, model)
 
 
