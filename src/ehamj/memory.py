@@ -274,7 +274,7 @@ def rows(plant: Plant) -> list[Row]:
             **actuator.record(),
             "connected": float(connected),
             **_place(plant, mount),
-            "flat": float(plant.flat),
+            "flat": float(plant.level_enough),
             "slides": float(len(plant.slides)),
         }
         for name, value in values.items():

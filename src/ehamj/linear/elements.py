@@ -20,7 +20,7 @@ from ehamj.plant.axes import AXES, DOFS, JOINTS
 from ehamj.plant.bodies import Body
 from ehamj.plant.kinematics import rotations
 from ehamj.plant.mounts import UPRIGHT
-from ehamj.plant.plant import Plant
+from ehamj.plant.plant import STANDARD_GRAVITY, STIFF, Plant
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""
@@ -85,6 +85,16 @@ class Values:
         """Designs (…,) whose mounts are all upright and in the mount plane (`ehamj.plant.plant.Plant.flat`)."""
         upright = bool((self.frames[:, 2, 2] > 1.0 - UPRIGHT).all())
         return np.asarray((self.mounts["z"] == 0.0).all(axis=-1) & upright)
+
+    @property
+    def level_enough(self) -> Array:
+        """Designs (…,) whose feet move as when the machine is level (`ehamj.plant.plant.Plant.level_enough`)."""
+        own = self.mounts
+        oil = 4.0 * own["bulk_modulus"] * own["piston_area"] ** 2 / own["chamber_volume"]
+        spring = own["membrane_stiffness"] + np.where(own["flow_pressure"] == 0.0, oil, 0.0)
+        share = 1.0 / (1.0 + spring / own["foot_stiffness"])
+        weight = (self.common["mass"] + own["plate_mass"].sum(axis=-1)) * STANDARD_GRAVITY
+        return np.asarray(self.flat & (weight < STIFF * (spring * share).sum(axis=-1)))
 
 
 def _frame(direction: ArrayLike) -> Array:
@@ -235,10 +245,10 @@ def _feet(values: Values, shape: tuple[int, ...], q: Array, angles: Array) -> tu
 
     Returns:
         Per coordinate (…, mount, 3, n); displacement (…, mount, 3) [m]; and second derivatives over the rotations
-        (…, mount, 3, 3, 3). Where a design is flat its feet move as when it is level.
+        (…, mount, 3, 3, 3). Where constant levers serve, feet move as when the machine is level.
     """
     places = np.stack([np.broadcast_to(values.mounts[axis], (*shape, len(values.frames))) for axis in AXES], axis=-1)
-    flat = np.broadcast_to(values.flat, shape)
+    flat = np.broadcast_to(values.level_enough, shape)
     excess, first, second = rotations(np.where(flat[..., None], 0.0, angles))
     motion = np.zeros((*places.shape, q.shape[-1]))
     motion[..., range(3), _SHIFTS] = 1.0

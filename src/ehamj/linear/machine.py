@@ -242,7 +242,7 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, st
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
     own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))
-    shares = own + (0.0 if plant.flat else turned_rows(plant, state) - plant.layout.rows)
+    shares = own + (0.0 if plant.level_enough else turned_rows(plant, state) - plant.layout.rows)
     for order, what in enumerate(("displacement", "velocity")):
         for mount, name in enumerate(plant.mounts):
             plate = layout.plate + n * order + mount

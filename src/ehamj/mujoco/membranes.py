@@ -28,7 +28,7 @@ def add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
         k = np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators])
         if k.sum() == 0.0:
             continue
-        if plant.flat:
+        if plant.level_enough:
             _add_level(spec, plant, kind, k)
         else:
             _add_general(spec, plant, kind, k)

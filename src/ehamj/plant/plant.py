@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal, Self
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 
@@ -14,6 +14,12 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import MOUNTS, UP, UPRIGHT
 from ehamj.plant.slide import Slide, places_of
 from ehamj.settings import Vector3
+
+STANDARD_GRAVITY: Final = 9.80665
+"""[m/s²]: membranes are as stiff without gravity."""
+
+STIFF: Final = 1e-4
+"""How far the weight may compress membranes that count as stiff [m]."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,16 @@ class Plant:
         """Whether all mounts are upright and in the mount plane: their strokes are then linear to third order."""
         upright = all(direction[2] > 1.0 - UPRIGHT for direction in self.directions)
         return upright and all(position[2] == 0.0 for position in self.positions)
+
+    @property
+    def level_enough(self) -> bool:
+        """Whether constant levers serve: `flat`, on membranes so stiff that the machine hardly turns.
+
+        With constant levers, what happens across flat mounts errs by the tilt's share of one; on stiff membranes tilts
+        are of the order of what the weight compresses, over the machine's size: 15 µm, or 1e-5, of the default.
+        """
+        weight = self.total_mass * STANDARD_GRAVITY
+        return self.flat and weight < STIFF * sum(actuator.static_stiffness for actuator in self.actuators)
 
     def with_actuator(self, mount: str, values: dict[str, Any]) -> Self:
         """The plant with other values of the actuator at one mount."""

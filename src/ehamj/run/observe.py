@@ -77,7 +77,7 @@ def _strokes(prepared: Prepared, rows: Rows, channels: Channels) -> Channels:
         plate = linear = channels[f"machine_{motion}"] @ J.T
         if plant.plates == "sliding":
             plate = own[:, [model.jnt_qposadr[model.joint(f"plate {mount}").id] for mount in plant.mounts]]
-        if not plant.flat:
+        if not plant.level_enough:
             plate = plate + ((channels[f"foot_{motion}"] * along).sum(axis=2) - linear)
         found[name] = plate - (channels[f"ground_{motion}"] * along).sum(axis=2)
     found["stroke"] -= np.array(plant.heights)

@@ -297,8 +297,9 @@ def _failure_answers(mount: str, floor: Floor, isolation: xr.Dataset, forces: xr
         words += " and hardly turns the machine" if turn <= TURNING else ""
         if case != INTACT:
             carried = rest["membrane"] + rest["oil"]
-            low, high, oil = float(carried.min()), float(carried.max()), float(rest["oil"].sel(mount=mount))
-            spread = f"{1e-3 * low:.1f} to {1e-3 * high:.1f}" if high - low > 1.0 else f"{1e-3 * low:.1f}"
+            low, high = (round(1e-3 * float(end), 1) + 0.0 for end in (carried.min(), carried.max()))  # no "-0.0"
+            oil = float(rest["oil"].sel(mount=mount))
+            spread = f"{low:.1f} to {high:.1f}" if float(carried.max() - carried.min()) > 1.0 else f"{low:.1f}"
             words += f"; at rest each mount carries {spread} kN"
             words += f", the oil there {1e-3 * oil:.1f} kN" if abs(oil) > 1.0 else ""
         found.append(words.replace(" -", " −") + ".")

@@ -90,12 +90,13 @@ def _answers(modes: xr.Dataset, slope: float, quietest: tuple[float, float, floa
     ]
     factor, least, own = quietest
     why = "With valves held" if driven else "Since the valves do not reach the horizontal"
+    why += ", soft is what isolates it" if factor < 1.0 else ", no stiffness shown isolates it"
     return (
         "Sway and yaw follow the lateral stiffness k as √k: ten times slower needs 100 times less. "
         f"{'; '.join(told)} for {modes['factor'].values[0]:g} to {modes['factor'].values[-1]:g} times today's.",
         f"Here the lower mode about x rises as k to the power {slope:.2f}; below 0.5 it also "
         "rocks on the vertical stiffness.",
-        f"{why}, soft is what isolates it: at 20 Hz, {factor:.2g} times today's "
+        f"{why}: at 20 Hz, {factor:.2g} times today's "
         f"stiffness lets {decibel(20 * np.log10(least))} dB of a swaying floor through, today's "
         f"{decibel(20 * np.log10(own))} dB.",
     )

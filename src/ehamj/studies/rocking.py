@@ -122,8 +122,8 @@ def rocking(scenario: Scenario, settings: RockingSettings, progress: Progress) -
         answers=(
             f"Of {slow.size} designs the slowest sway-rocking mode lies between {_hertz(low)} (CG highest, "
             f"mounts closest) and {_hertz(high)} (lowest, widest); this machine has {_hertz(float(here[0]))}.",
-            f"On {kind}s, {tips} of {slow.size} designs tip over: those above the red line, where m g h "
-            "exceeds Σ k y².",
+            f"On {kind}s, {tips} of {slow.size} designs tip over: those above the red line, where "
+            f"{'m g h exceeds Σ k y²' if scenario.plant.flat else 'gravity takes all stiffness of a motion'}.",
             f"{settings.confirmed} random designs, run and identified from their ring-down, agree within "
             f"{100 * worst:.2g} %.",
         ),

@@ -123,7 +123,7 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
     places = (xr.DataArray(values, dims="design") for values in ([x, x + tenth], [y, y]))
     own = _offsets(scenario, settings, *places).assign_coords(mount=list(plant.mounts))
     here, aside = own.isel(design=0), own.isel(design=1)
-    shares = ", ".join(f"{name} {1e-3 * float(here['load'].sel(mount=name)):.1f}" for name in plant.mounts)
+    shares = ", ".join(f"{name} {_kilo(here, name)}" for name in plant.mounts)
     low, high = settings.frequency
     return Outcome(
         title="Unequal loads",
@@ -131,7 +131,7 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         answers=(
             f"At rest this machine's mounts carry (kN): {shares}.",
             f"A CG {1e3 * tenth:.0f} mm further front changes the load of {plant.mounts[front]} to "
-            f"{1e-3 * float(aside['load'][front]):.1f} kN and makes a heaving floor turn the machine by up to "
+            f"{_kilo(aside, plant.mounts[front])} kN and makes a heaving floor turn the machine by up to "
             f"{float(aside['turn']):.2g} rad per m between {low:g} and {high:g} Hz; here it is "
             f"{float(here['turn']):.2g}.",
             f"{100 * float((least < 0).mean()):.0f} % of the offsets shown lift a foot: its membrane would have "
@@ -160,6 +160,10 @@ def unequal_loads(scenario: Scenario, settings: UnequalSettings, progress: Progr
         notes=("Mounts as they are, at rest under gravity, valves held. Height of the CG, mass and inertia are kept.",),
         numbers={"largest_difference_over_weight": off},
     )
+
+
+def _kilo(loads: xr.Dataset, mount: str) -> str:
+    return f"{round(1e-3 * float(loads['load'].sel(mount=mount)), 1) + 0.0:.1f}"  # + 0: no "-0.0"
 
 
 def _chart(
