@@ -1,4 +1,4 @@
-"""Laws for isolators in any direction: what they bear, what they move, what passive mounts get, and six quiet directions."""
+"""Laws for isolators in any direction: what they bear and move, what passive mounts get, and six quiet directions."""
 
 from functools import cache
 from pathlib import Path
@@ -95,8 +95,8 @@ def test_with_its_commands_the_machine_at_rest_is_in_balance(hertz: float, soft:
         across = (a.lateral_stiffness + a.lateral_damping * s) * (ground[k] - d * (d @ ground[k]))
         for total, force in ((wrench, axial * d + across), (sideways, across)):
             total += np.concatenate([force, np.cross(at, force)])
-    # The leak of 0.02 Hz leaves 0.4 % of the leakage's share at 5 Hz, oil compressed by membranes' damping 0.2 % at 20 Hz.
-    # What the cylinders compress is 10 times what the membranes bear.
+    # The leak of 0.02 Hz leaves 0.4 % of the leakage's share at 5 Hz, and oil that membranes' damping compresses, 0.2 %
+    # at 20 Hz, is left out; a cylinder's own force is some ten times what it bears of the others.
     assert np.abs(wrench).max() < 0.05 * np.abs(sideways).max()
 
 
