@@ -83,7 +83,7 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    from ehamj.judge.brief import simulated, vertical_attenuation
+    from ehamj.judge.brief import simulated, told_attenuation
 
     state = "complete" if summary.complete else "INCOMPLETE"
     out.print(f"[bold]{escape(summary.name)}[/]: {simulated(summary)}, {state}", highlight=False)
@@ -92,9 +92,10 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     for direction, said in summary.lines().items():
         say(f"vibration class, {direction}: {said}")
     mixed = f" ({summary.mixed})" if summary.mixed else ""
-    for place, words in vertical_attenuation(summary).items():
-        if words:
-            say(f"vertical attenuation, floor to machine's {place}{mixed}: {words}")
+    for motion, places in told_attenuation(summary).items():
+        for place, words in places.items():
+            if words:
+                say(f"{motion} attenuation, floor to machine's {place}{mixed}: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

@@ -25,9 +25,10 @@ from ehamj.plant.bodies import joined
 from ehamj.scenario.model import Scenario
 
 _WITHOUT_EFFECT: Final = (
-    "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit", "passive",
+    "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit", "passive", "preset", "oil",
 )  # fmt: skip
-"""Settings of an actuator that nobody can vary here: taken as they are, limits, or a matter of laws."""
+"""Settings of an actuator that nobody can vary here: taken as they are, limits, a matter of laws, or where others come
+from."""
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,17 @@
 """A run in ten lines: what a person asks for first."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
+from ehamj.judge.levels import SLAB, ByBand
 from ehamj.judge.summary import Summary
 from ehamj.judge.worse import LEAST, cancelled
+from ehamj.plant.axes import AXES
 
 MICRO: Final = 1e6
+NAMES: Final = {"z": "vertical", "rx": "roll", "ry": "pitch", "rz": "yaw"}
+"""Motions in words, where these differ."""
 SHORT_PLACES: Final = {"centre of gravity": "CG"}
 """Places by the names of the ten lines."""
 MEAN: Final = (
@@ -23,10 +27,15 @@ def brief(summary: Summary) -> dict[str, str]:
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
-    for place, said in vertical_attenuation(summary).items():
-        found[SHORT_PLACES.get(place, place)] = f"vertically {said or 'undecided in every band'}" + (
-            f", {mixed}" if mixed else ""
-        )
+    mixed = f", {mixed}" if mixed else ""
+    first = summary.attenuation_first()
+    if len(first) > 1:
+        for name, motions in (("worst axis", AXES), ("worst turn", SLAB[len(AXES) :])):
+            least = _least([table for motion in motions for table in first[motion].values()])
+            found[name] = f"{quiet_bands(least) or 'undecided in every band'}{mixed}"
+    else:
+        for place, said in told_attenuation(summary)["vertical"].items():
+            found[SHORT_PLACES.get(place, place)] = f"vertically {said or 'undecided in every band'}{mixed}"
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
@@ -40,13 +49,24 @@ def simulated(summary: Summary) -> str:
     return f"{summary.timing.simulated_s:g} s simulated in {summary.timing.wall_s:.2g} s"
 
 
-def vertical_attenuation(summary: Summary) -> dict[str, str]:
-    """Attenuation in a few bands in words, at the worst place and at the centre of gravity; empty where every one is
+def told_attenuation(summary: Summary) -> dict[str, dict[str, str]]:
+    """The attenuation that is told first in a few bands in words, by motion and place; empty where every band is
     undecided. What it is held against is told where it is negative though no place moves so much more than the floor's
     loudest mount."""
-    against = f" ({MEAN})" if set(SHOWN_BANDS).intersection(cancelled(summary, "z")) else ""
-    places = {"worst place": summary.attenuation_at_worst("z"), "centre of gravity": summary.attenuation_db["z"]}
-    return {place: f"{said}{against}" if (said := quiet_bands(levels)) else "" for place, levels in places.items()}
+    found: dict[str, dict[str, str]] = {}
+    for motion, places in summary.attenuation_first().items():
+        small = motion in AXES and set(SHOWN_BANDS).intersection(cancelled(summary, motion))
+        against = f" ({MEAN})" if small else ""
+        told = {place: f"{said}{against}" if (said := quiet_bands(levels)) else "" for place, levels in places.items()}
+        found[NAMES.get(motion, motion)] = told
+    return found
+
+
+def _least(tables: Sequence[ByBand]) -> ByBand:
+    """The least of several tables in each band, of those in which it is known."""
+    names = dict.fromkeys(band for table in tables for band in table)
+    known = {band: [v for table in tables if (v := table.get(band)) is not None] for band in names}
+    return {band: min(values, default=None) for band, values in known.items()}
 
 
 def _largest(levels: Any, *last: str) -> float | None:

@@ -1,7 +1,7 @@
 """How well a run is isolated: attenuation and levels in third-octaves, and what the norms say of every place."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from ehamj.estimate.sliding import TIMES, averaging_time
 from ehamj.estimate.statistics import BandStatistic
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
-from ehamj.judge.levels import BANDS, ByBand, Levels, by_band, duration_of, levels_of
+from ehamj.judge.levels import BANDS, SLAB, ByBand, Levels, by_band, duration_of, levels_of
 from ehamj.judge.peaks import peaks_of
 from ehamj.judge.transience import Transience, transience
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
@@ -24,6 +24,9 @@ from ehamj.records.units import Quantity
 
 OUTSIDE = 1.5
 """Largest motion over that within what counts fully, above which it is worth a word."""
+
+WORST_PLACE: Final = "worst place"
+"""Of all places of the machine, the one with least attenuation in a band."""
 
 Places = dict[str, dict[str, ByBand]]
 """Place → axis → band → level."""
@@ -91,6 +94,18 @@ class Isolation(Finding):
             band: None if own is None else min(v for table in tables if (v := table.get(band)) is not None)
             for band, own in tables[0].items()
         }
+
+    def attenuation_first(self) -> dict[str, dict[str, ByBand]]:
+        """The attenuation that is told first: motion → where → band → dB.
+
+        Vertical, at the worst place and at the centre of gravity; of a machine that is actuated in all six motions that
+        of each, where it is worst.
+        """
+        decisive = self.criterion.decisive
+        if decisive is None or decisive.overall is None:
+            return {"z": {WORST_PLACE: self.attenuation_at_worst("z"), "centre of gravity": self.attenuation_db["z"]}}
+        along = {axis: {WORST_PLACE: self.attenuation_at_worst(axis)} for axis in ("z", "x", "y")}
+        return along | {turn: {"rotation": self.attenuation_db[turn]} for turn in SLAB[len(AXES) :]}
 
     def in_bands(self, quantity: Quantity, statistic: BandStatistic = "rms") -> Places:
         """Levels in bands of a quantity by a statistic; empty where these were not taken."""

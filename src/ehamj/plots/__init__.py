@@ -28,14 +28,14 @@ from ehamj.plots.responses import Response, response, response_matrix
 from ehamj.plots.spectrograms import spectrogram
 
 from ehamj.plots.style import (  # isort: skip
-    BLUE, FLOOR_COLOR, GREEN, GREY, INK, LIMIT_COLOR, ORANGE, PURPLE, SKY, STYLE, VERMILLION, Figure,
+    BAND_COLOR, BLUE, FLOOR_COLOR, GREEN, GREY, INK, LIMIT_COLOR, ORANGE, PURPLE, SKY, STYLE, VERMILLION, Figure,
     colors_of, mount_styles, shown,
 )  # fmt: skip
 
 __all__ = [
-    "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE", "QUIETEST",
-    "SKY", "STRETCHES", "STYLE", "VERMILLION", "Branch", "Figure", "Foot", "Levels", "Limit", "Line", "Mark",
-    "Moment", "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart",
+    "BAND_COLOR", "BLUE", "FAR_LIMIT", "FLOOR_COLOR", "GREEN", "GREY", "INK", "LIMIT_COLOR", "ORANGE", "PURPLE",
+    "QUIETEST", "SKY", "STRETCHES", "STYLE", "VERMILLION", "Branch", "Figure", "Foot", "Levels", "Limit", "Line",
+    "Mark", "Moment", "Response", "Trace", "View", "attenuation", "bode", "colors_of", "criterion", "direction_chart",
     "envelope", "finite", "history", "inline", "levels", "lines_chart", "locus_chart", "loop_figures", "machine_plan",
     "machine_side", "map_chart", "mount_styles", "nichols", "nyquist", "quieter", "response", "response_matrix",
     "shown", "spectrogram", "svg", "thinned", "view_of",

@@ -109,7 +109,7 @@ def history(
         title: of the figure.
         quantity: what the values are, with unit, such as ``command [V]``.
         whole: what is drawn over the whole run.
-        detail: what is drawn in the window.
+        detail: what is drawn in the window; of several lines together the band between lowest and highest.
         limits: drawn in the upper part, unless they are further off than `FAR_LIMIT` peaks: then they are only named.
         window: from when to when the lower part goes [s]; without, there is no lower part and ``detail`` is drawn in
             the upper one.
@@ -173,6 +173,8 @@ def _line_over_time(axes: Axes, trace: Trace, window: tuple[float, float] | None
     if window:
         first, last = np.searchsorted(trace.time, window)
         inside = slice(max(int(first) - 1, 0), int(last) + 1)
+    if trace.values.ndim > 1:
+        return _band_over_time(axes, replace(trace, time=trace.time[inside], values=trace.values[inside]))
     time, values = thinned(trace.time[inside], finite(trace.values[inside]))
     (line,) = axes.plot(time, values, color=trace.color, linewidth=trace.width, linestyle=trace.dash)
     return line

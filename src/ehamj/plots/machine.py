@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ehamj.arrays import Array
 from ehamj.plots import style
 from ehamj.plots.style import Artist, Axes, Figure
 
@@ -18,14 +19,27 @@ ACROSS: Final = style.WIDTH - style.LEFT - 14.0
 BODY: Final = "#F3F4F6"
 
 
+UP: Final = (0.0, 0.0, 1.0)
+NAME_SIZE: Final = 9.5
+SMALL: Final = 7.5
+"""Of the mounts' names, where there is room, and where there is little [pt]."""
+
+
 @dataclass(frozen=True)
 class Foot:
-    """One mount of the drawing: its name, position [m] and what stands there."""
+    """One mount of the drawing: its name, position [m], what stands there, and along what unit vector it acts."""
 
     name: str
     x: float
     y: float
     kind: str
+    z: float = 0.0
+    along: Vector = UP
+
+    @property
+    def upright(self) -> bool:
+        """Whether it stands below the machine."""
+        return self.along[2] > 1.0 - 1e-9
 
 
 @dataclass(frozen=True)
@@ -49,7 +63,7 @@ def machine_plan(
     Args:
         size: outline: length in x, width in y, height [m].
         cg: centre of gravity [m].
-        feet: the mounts, at least two.
+        feet: the mounts.
         waves: label and direction of travel, from +x towards +y [deg], of each wave in the floor.
         points: points of the machine that are reported.
     """
@@ -59,13 +73,11 @@ def machine_plan(
     _box(axes, (-length / 2, -width / 2), length, width, facecolor=BODY, edgecolor=style.INK)
     colors = _foot_colors(feet)
     for foot in feet:
-        _box(axes, (foot.x - side / 2, foot.y - side / 2), side, side, color=colors[foot.kind])
-        inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
-        place = (foot.x + outer * side / 2, foot.y + inward * 0.7 * side)
-        axes.text(*place, foot.name, ha="right" if outer > 0 else "left", va="top" if inward < 0 else "bottom")
-    right, front = sorted(feet, key=lambda foot: foot.y)[:2], sorted(feet, key=lambda foot: foot.x)[-2:]
-    _dimension(axes, [foot.x for foot in right], -width / 2 - side, "x")
-    _dimension(axes, [foot.y for foot in front], length / 2 + side, "y")
+        _isolator(axes, foot, side, (0, 1), colors[foot.kind])
+    _names(axes, feet, size)
+    across, along = ([getattr(foot, name) for foot in feet] for name in "xy")
+    _dimension(axes, (min(across), max(across)), -width / 2 - side, "x")
+    _dimension(axes, (min(along), max(along)), length / 2 + side, "y")
     _dimension(axes, (-length / 2, length / 2), width / 2 + side, "x")
     _waves(axes, waves[:3], room)
     return _finished(figure, axes, "y", size, cg, feet, points)
@@ -76,11 +88,14 @@ def machine_side(size: Vector, cg: Vector, feet: Sequence[Foot], points: Sequenc
     """The machine from its right side, at the scale of `machine_plan` [m]; mounts are drawn of some height."""
     length, _, height = size
     room, side = _measures(size)
-    figure, axes = _view("The machine from the right", size, (-2.2 * side, height + 0.5 * room))
+    lowest = min(0.0, *(foot.z - 1.2 * side for foot in feet if not foot.upright or foot.z < 0.0), 0.0)
+    figure, axes = _view("The machine from the right", size, (lowest - 2.2 * side, height + 0.5 * room))
     _box(axes, (-length / 2, 0.0), length, height, facecolor=BODY, edgecolor=style.INK)
     colors = _foot_colors(feet)
     for foot in sorted(feet, key=lambda foot: -foot.y):
-        _box(axes, (foot.x - side / 2, -side), side, side, color=colors[foot.kind])
+        _isolator(axes, foot, side, (0, 2), colors[foot.kind])
+        if foot.upright and foot.z != 0.0:
+            axes.plot((foot.x - side, foot.x + side), [foot.z - side] * 2, color=style.GREY, linewidth=1.4)
     left, right = axes.get_xlim()
     hatched = {"linewidth": 0.0, "hatch": "////", "facecolor": "white", "edgecolor": style.GREY}
     _box(axes, (left, -1.6 * side), right - left, 0.6 * side, **hatched)
@@ -121,6 +136,100 @@ def _finished(
     axes.set_ylabel(f"{up} [m]")
     style.arrange(figure, [(axes, ACROSS / (right - left) * (top - bottom))], entries)
     return figure
+
+
+def _isolator(axes: Axes, foot: Foot, side: float, seen: tuple[int, int], color: str) -> None:
+    """An isolator behind its foot, seen along an axis: a cube below it of an upright one; of others a slim box, with an
+    arrow along which it acts and the wall that it stands on."""
+    from matplotlib.patches import Polygon
+
+    if foot.upright:
+        low = foot.z - side if seen[1] == 2 else foot.y - side / 2
+        _box(axes, (foot.x - side / 2, low), side, side, color=color)
+        return
+    along, foot_at = np.array(foot.along), np.array([foot.x, foot.y, foot.z])
+    long, wide = 1.5 * side, 0.6 * side
+    across = np.linalg.svd(along[None])[2][1:]
+    ends = [foot_at - share * long * along for share in (0.0, 1.0)]
+    corners = [
+        end + 0.5 * wide * (a * across[0] + b * across[1])
+        for end, a, b in itertools.product(ends, (-1, 1), (-1, 1))
+    ]  # fmt: skip
+    axes.add_patch(Polygon(_hull(np.array(corners)[:, seen]), facecolor=color, edgecolor=color, zorder=2))
+    flat = along[list(seen)]
+    if np.hypot(*flat) < 0.3:
+        return
+    base, tip = ends[1][list(seen)], (foot_at + 0.8 * side * along)[list(seen)]
+    wall = 0.5 * side * np.array([-flat[1], flat[0]]) / np.hypot(*flat)
+    axes.plot(*np.array([base - wall, base + wall]).T, color=style.GREY, linewidth=1.8, zorder=2)
+    look = {"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+    middle = (ends[0] - 0.5 * long * along)[list(seen)]
+    axes.annotate("", tuple(tip.tolist()), tuple(middle.tolist()), arrowprops=look, zorder=3)
+
+
+def _hull(points: Array) -> Array:
+    """Corners of the convex outline of points in a plane, (n, 2)."""
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(points[ConvexHull(points).vertices])
+
+
+def _names(axes: Axes, feet: Sequence[Foot], outline: Vector) -> None:
+    """The feet's names beside them; where there is no room for all, their numbers in the table of mounts."""
+    scale = ACROSS / float(np.ptp(axes.get_xlim()))
+    names, numbers = [foot.name for foot in feet], [str(k) for k in range(1, len(feet) + 1)]
+    for size, words in ((NAME_SIZE, names), (SMALL, names), (NAME_SIZE, numbers), (SMALL, numbers)):
+        width, height = 0.62 * size / scale, 1.2 * size / scale
+        places = _free_places(feet, [width * len(word) for word in words], height, outline)
+        if None not in places or (size, words) == (SMALL, numbers):
+            break
+    for foot, word, place in zip(feet, words, places, strict=True):
+        at = place or (foot.x, foot.y)
+        axes.text(*at, word, ha="center", va="center", fontsize=size, zorder=5)
+
+
+def _free_places(
+    feet: Sequence[Foot], widths: Sequence[float], height: float, outline: Vector
+) -> list[tuple[float, float] | None]:
+    """Middle of the first free place for each foot's name: towards the machine's middle, else beside; None where
+    there is none within the machine's outline."""
+    (length, across, _), (_, side) = outline, _measures(outline)
+    taken = [_extent(foot, side) for foot in feet]
+    found: list[tuple[float, float] | None] = []
+    for k, (foot, width) in enumerate(zip(feet, widths, strict=True)):
+        inward, outer = (-1 if foot.y > 0 else 1), (1 if foot.x > 0 else -1)
+        left, low, right, high = taken[k]
+        flush = right - width / 2 if outer > 0 else left + width / 2
+        beside = (left - 0.6 * width, right + 0.6 * width)
+        above, below = high + 0.7 * height, low - 0.7 * height
+        rows = (below, above) if inward < 0 else (above, below)
+        choices = [(flush, rows[0]), (flush, rows[1]), *((x, 0.5 * (low + high)) for x in beside)]
+        choices += [(0.5 * (left + right), row) for row in rows]
+        free = None
+        for x, y in choices:
+            box = (x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+            inside = max(-box[0], box[2]) <= length / 2 and max(-box[1], box[3]) <= across / 2
+            if inside and not any(_overlap(box, other) for j, other in enumerate(taken) if j != k):
+                free = (x, y)
+                taken.append(box)
+                break
+        found.append(free)
+    return found
+
+
+def _extent(foot: Foot, side: float) -> tuple[float, float, float, float]:
+    """What a foot's drawing covers from above: left, low, right, high."""
+    at, along = np.array([foot.x, foot.y]), np.array(foot.along[:2])
+    if foot.upright:
+        return (foot.x - side / 2, foot.y - side / 2, foot.x + side / 2, foot.y + side / 2)
+    ends = np.array([at + share * side * along for share in (-1.5, 0.8)])
+    low, high = ends.min(axis=0) - 0.3 * side, ends.max(axis=0) + 0.3 * side
+    return (*low.tolist(), *high.tolist())
+
+
+def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether two boxes (left, low, right, high) lie on each other."""
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
 def _foot_colors(feet: Sequence[Foot]) -> dict[str, str]:

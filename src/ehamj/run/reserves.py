@@ -14,6 +14,8 @@ from ehamj.plant.plant import Plant
 
 LEAST_LOAD = 0.1
 """Share of the mean load of the mounts below which one counts as hardly loaded."""
+STANDING = 0.5
+"""Upward share of a direction above which a mount is one that the machine stands on; level ones need carry nothing."""
 LEAST_MEAN, LEAST_EVER = 0.9, 0.8
 """Shares of the set pressure, over the tank's, below which a supply counts as starved: on the mean, and at any time."""
 RANGE_USED = 0.9
@@ -31,17 +33,20 @@ def reserves(dataset: xr.Dataset, plant: Plant) -> list[str]:
 
 
 def support(dataset: xr.Dataset, plant: Plant) -> Array:
-    """Force of oil and membrane on each plate at rest, up positive [N], (mount,); a run begins in its equilibrium."""
+    """Force of oil and membrane on each plate at rest, towards the machine positive [N], (mount,); a run begins in its
+    equilibrium."""
     stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
     return np.asarray(dataset["actuator_force"].values[0] - stiffness * dataset["stroke"].values[0])
 
 
 def _unloaded(dataset: xr.Dataset, plant: Plant) -> Iterator[str]:
     """Mounts that are pulled, or carry next to nothing: a machine that only stands on its mounts lifts off there."""
-    mean = plant.total_mass * plant.gravity / len(plant.mounts)
+    lifts = [direction[2] > STANDING for direction in plant.directions]
+    mean = plant.total_mass * plant.gravity / max(sum(lifts), 1)
     if mean <= 0.0:
         return
-    carried = dict(zip(plant.mounts, support(dataset, plant).tolist(), strict=True))
+    loads = zip(plant.mounts, support(dataset, plant).tolist(), lifts, strict=True)
+    carried = {mount: force for mount, force, stands in loads if stands}
     pulled = {mount: -force for mount, force in carried.items() if force <= 0.0}
     light = {mount: force for mount, force in carried.items() if 0.0 < force < LEAST_LOAD * mean}
     meaning = (

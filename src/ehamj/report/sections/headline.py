@@ -15,6 +15,7 @@ from ehamj.judge.places import AtPlace
 from ehamj.judge.worse import cancelled
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, CRITERION_AXES, DASH, decibel
+from ehamj.plant.axes import AXES
 from ehamj.report.shown import Shown, floor_moves, known
 from ehamj.report.verdict import class_met
 from ehamj.result import Result
@@ -49,29 +50,30 @@ def mixed_in(shown: Shown) -> str:
 
 
 def headline(shown: Shown) -> Section:
-    """Vertical attenuation at a few bands, at the place of the machine that has least, and at its centre of gravity."""
+    """Vertical attenuation at a few bands, at the place of the machine that has least, and at its centre of gravity;
+    beside any machine that is actuated in all six motions that of each motion."""
     rows: list[list[str]] = []
     tables = []
-    for label, result in shown.results.items():
-        own = {
-            "worst place": result.summary.attenuation_at_worst("z"),
-            "centre of gravity": result.summary.attenuation_db["z"],
-        }
-        rows += [
-            [f"{label}, {place}", *(decibel(table.get(band)) for band in HEADLINE_BANDS)]
-            for place, table in own.items()
-        ]
-        tables += list(own.values())
+    found = {label: result.summary.attenuation_first() for label, result in shown.results.items()}
+    several = any(len(motions) > 1 for motions in found.values())
+    for label, motions in found.items():
+        for motion, places in motions.items():
+            words = f", {AXIS_NAMES[motion]}" if several else ""
+            for place, levels in places.items():
+                where = "" if motion not in AXES else f", {place}"
+                rows.append([f"{label}{words}{where}", *(decibel(levels.get(band)) for band in HEADLINE_BANDS)])
+            tables += list(places.values())
     mixed = mixed_in(shown)
     note = f"{OF_LEVELS}{mixed} {WORST}" + (f" {DASH}: undecided." if any(DASH in row for row in rows) else "")
-    small = {band for result in shown.results.values() for band in cancelled(result.summary, "z")}
+    asked = [(shown.results[label].summary, axis) for label, motions in found.items() for axis in motions]
+    small = {band for summary, axis in asked if axis in AXES for band in cancelled(summary, axis)}
     if against := [band for band in HEADLINE_BANDS if band in small]:
         note += f" At {', '.join(against)} Hz: {MEAN}."
     if not known(tables):
         rows, note = [], "Undecided in every band: the run is too short, or the floor moves too little."
     if not floor_moves(shown.first):
         rows, note = [], "The ground is at rest: there is nothing to attenuate."
-    title = "Vertical attenuation [dB] in the third-octave bands at"
+    title = f"{'Attenuation' if several else 'Vertical attenuation'} [dB] in the third-octave bands at"
     table = Table(title, ["", *(f"{band} Hz" for band in HEADLINE_BANDS)], rows, note)
     return Section("headline", tables=[table], notes=() if rows else [note], kind="headline")
 

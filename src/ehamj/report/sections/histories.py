@@ -17,6 +17,10 @@ from ehamj.result import Result
 
 Window = tuple[float, float] | None
 
+LINES: Final = 8
+"""Mounts up to which each has a line."""
+LOUDEST: Final = 4
+"""Of more mounts, how many have one."""
 ZOOM: Final = 1.0
 """Length of the part of a run that is drawn in full [s]."""
 
@@ -152,11 +156,21 @@ def _range(values: Array) -> str:
 
 
 def _per_mount(data: xr.Dataset, values: Array, dash: str = "-") -> list[Trace]:
-    """A trace per mount, (n, mount); lines get thinner, so that those which coincide all show."""
-    looks = zip(data.mount.values, plots.mount_styles(data.sizes["mount"]), strict=True)
-    return [
-        Trace(str(name), data.time.values, values[:, k], color, width if dash == "-" else 1.0, dash)
-        for k, (name, (color, width)) in enumerate(looks)
+    """A trace per mount, (n, mount); lines get thinner, so that those which coincide all show.
+
+    Of many mounts those that move most have lines, and a band shows between what values all others are.
+    """
+    time, names = data.time.values, [str(name) for name in data.mount.values]
+    shown = list(range(len(names)))
+    rest: list[Trace] = []
+    if len(names) > LINES:
+        about = np.nan_to_num(plots.finite(values - np.nanmean(plots.finite(values), axis=0)))
+        shown = sorted(np.argsort(-np.abs(about).max(axis=0), kind="stable")[:LOUDEST].tolist())
+        others = [k for k in range(len(names)) if k not in shown]
+        rest = [Trace(f"the other {len(others)}, lowest to highest", time, values[:, others], plots.BAND_COLOR)]
+    return rest + [
+        Trace(names[k], time, values[:, k], color, width if dash == "-" else 1.0, dash)
+        for k, (color, width) in zip(shown, plots.mount_styles(len(shown)), strict=True)
     ]
 
 

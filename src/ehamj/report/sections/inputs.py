@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
 from markupsafe import Markup, escape
 from pydantic import BaseModel
 
@@ -102,12 +103,15 @@ def _parts(scenario: Scenario) -> list[Table]:
 
 
 def _mounts(scenario: Scenario) -> list[Table]:
-    plant = scenario.plant
-    rows = [
-        [name, exact(x), exact(y), mount.actuator]
-        for name, (x, y, _), mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
-    ]
-    return [Table("Mounts", ("mount", "x [m]", "y [m]", "actuator"), rows, kind="words")]
+    """Where each stands, and, where any is not upright in the mount plane, its height, direction and shim."""
+    plant, flat = scenario.plant, scenario.plant.flat and not any(scenario.plant.heights)
+    actuators = {mount.name: mount.actuator for mount in scenario.mount}
+    rows, stands = [], zip(plant.mounts, plant.positions, plant.directions, plant.heights, strict=True)
+    for name, (x, y, z), along, shim in stands:
+        general = [] if flat else [exact(z), ", ".join(map(exact, np.round(along, 6).tolist())), exact(1e3 * shim)]
+        rows.append([name, exact(x), exact(y), *general, actuators[name]])
+    general = [] if flat else ["z [m]", "acts along", "shim [mm]"]
+    return [Table("Mounts", ("mount", "x [m]", "y [m]", *general, "actuator"), rows, kind="words")]
 
 
 def _observed(scenario: Scenario) -> list[Table]:

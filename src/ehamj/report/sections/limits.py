@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from ehamj.pages import Section, Table
 from ehamj.pages.words import BAR, DASH, LITRE_PER_MINUTE, measured, number, scaled
 from ehamj.report.shown import Shown
 from ehamj.result import Result
+
+COLUMNS: Final = 6
+"""Mounts up to which each has a column."""
 
 
 @dataclass(frozen=True)
@@ -89,14 +93,32 @@ def _when_limited(shown: Shown) -> Table:
 
 
 def _saturation(shown: Shown) -> Table:
-    """Share of the time at each limit, per mount."""
+    """Share of the time at each limit, per mount: a column each, or, of many, a row for each that reached any."""
     mounts = shown.scenario.plant.mounts
+    if len(mounts) > COLUMNS:
+        return _saturation_of_many(shown)
     rows = []
     for label, result in shown.results.items():
         rows += [] if shown.alone else [[label]]
         for name, shares in result.summary.saturation.items():
             rows.append([name.replace("_", " "), *(measured(scaled(shares.get(mount), 100.0)) for mount in mounts)])
     return Table("Share of the time at a limit [%]", ["", *mounts], rows)
+
+
+def _saturation_of_many(shown: Shown) -> Table:
+    """A row for each mount that reached a limit."""
+    limits = list(dict.fromkeys(name for result in shown.results.values() for name in result.summary.saturation))
+    rows = []
+    for label, result in shown.results.items():
+        rows += [] if shown.alone else [[label]]
+        shares, mounts = result.summary.saturation, result.scenario.plant.mounts
+        reached = [mount for mount in mounts if any(shares.get(name, {}).get(mount) for name in limits)]
+        rows += [
+            [mount, *(measured(scaled(shares.get(name, {}).get(mount), 100.0)) for name in limits)] for mount in reached
+        ]
+        if left := len(mounts) - len(reached):
+            rows.append([f"the other {left}" if reached else f"all {left}", *["0"] * len(limits)])
+    return Table("Share of the time at a limit [%]", ["", *(name.replace("_", " ") for name in limits)], rows)
 
 
 def _oil(shown: Shown) -> Table:

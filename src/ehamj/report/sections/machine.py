@@ -1,26 +1,40 @@
 """What was simulated, in a few lines and two drawings."""
 
 from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
 
 from ehamj import plots
-from ehamj.pages import Picture, Section
-from ehamj.pages.words import BAR, exact
+from ehamj.pages import Picture, Section, Table
+from ehamj.pages.words import BAR, DASH, exact, measured, scaled
+from ehamj.plant.axes import DOFS
+from ehamj.plant.plant import Plant
 from ehamj.plots import Mark
 from ehamj.report.shown import Shown, ground_parts
 from ehamj.result import Result
+from ehamj.run.reserves import support
 from ehamj.scenario.model import Scenario
+from ehamj.settings import Vector3
+
+FEW: Final = 4
+"""Mounts whose names are not in each other's way."""
+PATTERNS: Final = 5
+"""Patterns of self-stress up to which each has a column."""
 
 
 def machine(shown: Shown) -> Section:
-    """The first result's machine, floor, control and instruments."""
-    return Section("machine", "What was simulated", list(_drawings(shown.scenario)), facts=list(_facts(shown.first)))
+    """The first result's machine, mounts, floor, control and instruments."""
+    drawings, facts = list(_drawings(shown.scenario)), list(_facts(shown.first))
+    return Section("machine", "What was simulated", drawings, [_mounts(shown.first)], facts=facts)
 
 
 def _drawings(scenario: Scenario) -> Iterator[Picture]:
     plant = scenario.plant
+    kinds = {mount.name: mount.actuator for mount in scenario.mount}
     feet = [
-        plots.Foot(name, *position[:2], kind=mount.actuator)
-        for name, position, mount in zip(plant.mounts, plant.positions, scenario.mount, strict=True)
+        plots.Foot(name, x, y, kinds[name], z, along)
+        for name, (x, y, z), along in zip(plant.mounts, plant.positions, plant.directions, strict=True)
     ]
     waves = dict.fromkeys(
         (f"wave\n{part.wave.speed:.4g} m/s", float(part.wave.direction))
@@ -30,9 +44,54 @@ def _drawings(scenario: Scenario) -> Iterator[Picture]:
     size, cg = scenario.machine.size, scenario.machine.cg
     points = [Mark(name, place) for name, place in scenario.points.items()]
     caption = "To scale; dimensions in metres."
+    if not plant.flat:
+        caption += " Arrows: along which isolators act that are not upright; grey: what they stand on."
+    if len(feet) > FEW:
+        caption += " Numbers, where there is no room for names: of the table of mounts."
     yield Picture("machine-plan", plots.machine_plan(size, cg, feet, list(waves), points), caption)
     caption = "To scale but for the height of the mounts; dimensions in metres."
     yield Picture("machine-side", plots.machine_side(size, cg, feet, points), caption)
+
+
+def _mounts(result: Result) -> Table:
+    """What each mount does: along what it acts, what it carries, and its share in what moves nothing."""
+    plant, data = result.scenario.plant, result.dataset
+    kinds, layout = {mount.name: mount.actuator for mount in result.scenario.mount}, plant.layout
+    carried = support(data, plant).tolist() if data.time.size else [None] * len(plant.mounts)
+    names = layout.stress_names if len(layout.stress_names) <= PATTERNS else ()
+    rows = []
+    for k, name in enumerate(plant.mounts):
+        stands = kinds[name] + (" (passive)" if plant.actuators[k].passive else "")
+        along = along_in_words(plant.directions[k])
+        shares = [signed(pattern[k] / np.abs(pattern).max()) for pattern in layout.stresses.T[: len(names)]]
+        rows.append([str(k + 1), name, along, stands, measured(scaled(carried[k], 1e-3)), *shares])
+    head = ["no.", "mount", "acts along", "actuator", "carries at rest [kN]", *names]
+    note = "Carries: oil and membrane along its direction."
+    if names:
+        note += f" {', '.join(names)}: forces in these shares strain the machine and move nothing."
+    return Table("What the mounts do", head, rows, note, kind="words")
+
+
+def along_in_words(direction: Vector3) -> str:
+    """A unit vector: an axis by its name, else its parts."""
+    for axis, part in zip(("along x", "along y", "up"), direction, strict=True):
+        if abs(part) > 1.0 - 1e-9:
+            return axis if part > 0.0 else {"up": "down"}.get(axis, axis.replace(" ", " −"))
+    return ", ".join(f"{part:.3g}".replace("-", "−") for part in direction)
+
+
+def signed(share: float) -> str:
+    """A share of a pattern with its sign; nothing where there is none."""
+    return DASH if abs(share) < 5e-3 else f"{share:+.2f}".replace("-", "−")
+
+
+def _actuated(plant: Plant) -> str:
+    """The motions that the valves drive, and how many patterns of forces move nothing."""
+    layout, most = plant.layout, len(DOFS)
+    motions = ", ".join(layout.motions) or "none"
+    patterns = len(layout.stress_names)
+    said = f"{motions} (rank {layout.rank} of {most})"
+    return f"{said}; {patterns} pattern{'' if patterns == 1 else 's'} of self-stress" if patterns else said
 
 
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
@@ -40,6 +99,7 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     plant, supply = scenario.plant, scenario.supply
     count = {4: "four"}.get(len(plant.mounts), str(len(plant.mounts)))
     yield "machine", f"{exact(plant.total_mass)} kg with its plates, on {count} mounts ({scenario.plates} plates)"
+    yield "actuated", _actuated(plant)
     yield "supply", f"{exact(BAR * supply.pressure)} bar, tank {exact(BAR * supply.tank_pressure)} bar (absolute)"
     yield "floor", " + ".join(getattr(part, "kind", "") for part in ground_parts(scenario))
     yield "control", scenario.control.kind
