@@ -13,6 +13,8 @@ PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
 """Lengths of the drawing, along a mount's action [m]."""
 
+SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
+
 
 def upright_to(along: Vector3) -> list[float]:
     """The quaternion that turns up into a direction."""
@@ -30,6 +32,14 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    for slide in plant.slides:
+        spec.body(f"slide {slide.name}").add_geom(
+            spec.find_default("steel"),
+            name=f"slide {slide.name}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in slide.size],
+            rgba=list(SLIDE_COLOUR),
+        )
     for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
         turned = upright_to(along)
         machine.add_geom(
