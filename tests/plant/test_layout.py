@@ -75,7 +75,7 @@ def test_in_another_order_mounts_have_the_same_rows(layout: Layout, random) -> N
     assert other.motions == layout.motions
     np.testing.assert_allclose(other.basis, layout.basis, rtol=0, atol=1e-7)
     np.testing.assert_allclose(other.spread, layout.spread[order], rtol=0, atol=1e-7)
-    np.testing.assert_allclose(other.fit, layout.fit[:, order], rtol=0, atol=1e-5 * max(np.abs(layout.fit).max(), 1))
+    np.testing.assert_allclose(other.fit, layout.fit[:, order], rtol=0, atol=1e-5 * np.abs(layout.fit).max(initial=1.0))
     # The patterns span the same; which of a space are taken may follow the order.
     span = layout.stresses[order] @ layout.stresses[order].T
     np.testing.assert_allclose(other.stresses @ other.stresses.T, span, rtol=0, atol=1e-6 * len(order))
