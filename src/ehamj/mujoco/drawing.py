@@ -11,6 +11,8 @@ from ehamj.settings import Vector3
 FOOT_HEIGHT = 0.08
 PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
+PAD_RADIUS = 0.17
+PEDESTAL_RADIUS = 0.07
 """Lengths of the drawing, along a mount's action [m]."""
 
 
@@ -28,8 +30,6 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
     for geom in machine.geoms:
         geom.pos = geom.pos * stretch
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
-    floor = spec.geom("floor")
-    floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
     for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
         turned = upright_to(along)
         machine.add_geom(
@@ -46,3 +46,32 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset, quat=turned)
         pad = spec.worldbody.add_body(name=f"pad {name}", pos=below(place, along, PAD_DEPTH), quat=turned, mocap=True)
         pad.add_geom(spec.find_default("pad"), name=f"pad {name}")
+    _lay_floor(spec, plant)
+
+
+def _lay_floor(spec: mujoco.MjSpec, plant: Plant) -> None:
+    """Lay the floor below the lowest pad; pads that do not reach it stand on pedestals, which move with them."""
+    floor = spec.geom("floor")
+    floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    centres = {name: spec.body(f"pad {name}").pos for name in plant.mounts}
+    reach = {
+        name: PAD_HALF_HEIGHT * abs(along[2]) + PAD_RADIUS * np.hypot(*along[:2])
+        for name, along in zip(plant.mounts, plant.directions, strict=True)
+    }
+    top = floor.pos[2] + floor.size[2]
+    lower = max(0.0, round(float(max(top - centres[name][2] + reach[name] for name in plant.mounts)), 9))
+    floor.pos = floor.pos - [0.0, 0.0, lower]
+    for name in plant.mounts:
+        height = float(centres[name][2] - (top - lower))
+        if height - reach[name] < 1e-6:
+            continue
+        pad, up, back = spec.body(f"pad {name}"), np.zeros(3), np.zeros(4)
+        mujoco.mju_negQuat(back, pad.quat)
+        mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), back)
+        pad.add_geom(
+            spec.find_default("pad"),
+            name=f"pedestal {name}",
+            size=[PEDESTAL_RADIUS, height / 2, 0.0],
+            pos=(-height / 2 * up).tolist(),
+            quat=back.tolist(),
+        )
