@@ -15,6 +15,8 @@ PAD_RADIUS = 0.17
 PEDESTAL_RADIUS = 0.07
 """Lengths of the drawing, along a mount's action [m]."""
 
+SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
+
 
 def upright_to(along: Vector3) -> list[float]:
     """The quaternion that turns up into a direction."""
@@ -30,6 +32,14 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
     for geom in machine.geoms:
         geom.pos = geom.pos * stretch
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
+    for slide in plant.slides:
+        spec.body(f"slide {slide.name}").add_geom(
+            spec.find_default("steel"),
+            name=f"slide {slide.name}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in slide.size],
+            rgba=list(SLIDE_COLOUR),
+        )
     for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
         turned = upright_to(along)
         machine.add_geom(

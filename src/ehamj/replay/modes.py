@@ -121,7 +121,7 @@ def replay_modes(path: Path, scenario: Scenario, variants: Mapping[str, Sequence
 
 
 def _write(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
-    model = build_spec(plant, 1e-4, drawn=True).compile()
+    model = build_spec(plant.locked(), 1e-4, drawn=True).compile()
     first, swings = next(iter(variants.items()))
     names = [swing.name for swing in swings]
     beside = {name: {label: s for label, own in variants.items() for s in own if s.name == name} for name in names}

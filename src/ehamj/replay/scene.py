@@ -8,6 +8,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import rerun as rr
+from scipy.spatial.transform import Rotation
 
 from ehamj.mujoco.drawing import PAD_DEPTH, PAD_HALF_HEIGHT
 from ehamj.mujoco.model import build_spec
@@ -114,6 +115,11 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
     }
+    for k, slide in enumerate(plant.slides):
+        # It goes as far as it goes, on a machine whose motion is exaggerated.
+        turns = quaternion(machine[:, 3:])
+        places = np.array(slide.position) + np.outer(result.dataset["slide"].values[rows, k], slide.along)
+        found[f"slide {slide.name}"] = Pose(machine[:, :3] + Rotation.from_quat(turns).apply(places), turns)
     for mount, name in enumerate(plant.mounts):
         found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount])
         if plant.plates == "sliding":
