@@ -17,7 +17,7 @@ def test_isolators_lie_along_their_actions_and_stand_on_the_floor(plates: str) -
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     floor = data.geom("floor").xpos[2] + model.geom("floor").size[2]
-    pedestals = set()
+    posts = set()
     for name, place in places.items():
         d = np.array(along[name])
         for what, distance in (("foot", 0.04), ("plate", -0.03), ("pad", -0.18)):
@@ -26,10 +26,10 @@ def test_isolators_lie_along_their_actions_and_stand_on_the_floor(plates: str) -
             np.testing.assert_allclose(geom.xmat.reshape(3, 3)[:, 2], d, atol=1e-12)
         names = {model.geom(k).name for k in range(model.ngeom)}
         lowest = data.geom(f"pad {name}").xpos[2] - 0.12 * abs(d[2]) - 0.17 * np.hypot(*d[:2])
-        if f"pedestal {name}" in names:
-            pedestals.add(name)
-            stand = data.geom(f"pedestal {name}")
+        if f"post {name}" in names:
+            posts.add(name)
+            stand = data.geom(f"post {name}")
             np.testing.assert_allclose(stand.xmat.reshape(3, 3), np.eye(3), atol=1e-12)
-            lowest = stand.xpos[2] - model.geom(f"pedestal {name}").size[1]
+            lowest = stand.xpos[2] - model.geom(f"post {name}").size[1]
         assert lowest == pytest.approx(floor, abs=1e-6)
-    assert pedestals == {"a", "c", "level"}
+    assert posts == {"a", "c", "level"}

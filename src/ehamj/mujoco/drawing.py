@@ -12,10 +12,13 @@ FOOT_HEIGHT = 0.08
 PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
 PAD_RADIUS = 0.17
-PEDESTAL_RADIUS = 0.07
+POST_RADIUS = 0.07
 """Lengths of the drawing, along a mount's action [m]."""
 
 SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
+
+FLOOR = -(PAD_DEPTH + PAD_HALF_HEIGHT)
+"""Height of the floor of the drawing [m]: what the pads of upright mounts in the mount plane stand on."""
 
 
 def upright_to(along: Vector3) -> list[float]:
@@ -26,7 +29,7 @@ def upright_to(along: Vector3) -> list[float]:
 
 
 def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
-    """Stretch the drawing to the machine's size; add feet, plates and ground pads that can be moved."""
+    """Stretch the drawing to the machine's size; add feet, plates, ground pads that can be moved, and slides."""
     machine = spec.body("machine")
     stretch: NDArray[np.float64] = np.array(plant.machine.size) / (2.2, 1.6, 1.9)
     for geom in machine.geoms:
@@ -60,7 +63,7 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
 
 
 def _lay_floor(spec: mujoco.MjSpec, plant: Plant) -> None:
-    """Lay the floor below the lowest pad; pads that do not reach it stand on pedestals, which move with them."""
+    """Lay the floor below the lowest pad; pads that do not reach it stand on posts, which move with them."""
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
     centres = {name: spec.body(f"pad {name}").pos for name in plant.mounts}
@@ -80,8 +83,8 @@ def _lay_floor(spec: mujoco.MjSpec, plant: Plant) -> None:
         mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), back)
         pad.add_geom(
             spec.find_default("pad"),
-            name=f"pedestal {name}",
-            size=[PEDESTAL_RADIUS, height / 2, 0.0],
+            name=f"post {name}",
+            size=[POST_RADIUS, height / 2, 0.0],
             pos=(-height / 2 * up).tolist(),
             quat=back.tolist(),
         )
