@@ -101,7 +101,8 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
     beyond = limits.saturated
     rarely = "hardly ever" if beyond < 1e-6 else f"for {100 * beyond:.2g} % of the time"
     found.append(
-        f"Commands, at the valve that needs most: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V ({limits.command['noise']:.2f} V of it by "
+        f"Commands, at the valve that needs most: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V "
+        f"({limits.command['noise']:.2f} V of it by "
         f"noise), beyond their range {rarely}."
         + (" On so strong a floor that does not hold: clipped commands leave more." if beyond > CLIPPED else "")
     )
