@@ -102,8 +102,7 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
     rarely = "hardly ever" if beyond < 1e-6 else f"for {100 * beyond:.2g} % of the time"
     found.append(
         f"Commands, at the valve that needs most: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V "
-        f"({limits.command['noise']:.2f} V of it by "
-        f"noise), beyond their range {rarely}."
+        f"({limits.command['noise']:.2f} V of it by noise), beyond their range {rarely}."
         + (" On so strong a floor that does not hold: clipped commands leave more." if beyond > CLIPPED else "")
     )
     if limits.phases:
