@@ -13,7 +13,7 @@ from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import modes
-from ehamj.plant.levers import MOTIONS, plane, warp
+from ehamj.plant.levers import MOTIONS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
@@ -53,6 +53,11 @@ def gains(law: Controller, hertz: float, inputs: tuple[str, ...]) -> NDArray[np.
     return law.response(hertz)[0][:, [law.inputs.index(name) for name in inputs]]
 
 
+def warp(scenario: Scenario) -> Array:
+    """The one pattern of forces that moves nothing, (4,)."""
+    return scenario.plant.layout.stresses[:, 0]
+
+
 LOOP = {"crossing": 40.0, "integral": 0.0}
 
 # --- geometry -----------------------------------------------------------------------------------------------------
@@ -88,8 +93,7 @@ def test_a_loop_acts_against_the_motion(motion: str) -> None:
 
 
 def test_the_plane_is_the_strokes_of_heave_roll_and_pitch() -> None:
-    plant = uneven().plant
-    for row, (x, y) in zip(plane(plant.positions), UNEVEN, strict=True):
+    for row, (x, y) in zip(uneven().plant.central.spread, UNEVEN, strict=True):
         assert row.tolist() == [1.0, y, -x]
 
 
@@ -109,11 +113,11 @@ def weights(found: NDArray[np.complex128]) -> Array:
 
 
 def test_on_a_rectangle_warp_is_plus_minus_minus_plus() -> None:
-    np.testing.assert_allclose(warp(machine().plant.positions), WARP, rtol=1e-12)
+    np.testing.assert_allclose(warp(machine()), WARP, rtol=1e-12)
 
 
 def test_pressures_in_warp_exert_neither_force_nor_moment() -> None:
-    pattern = warp(uneven().plant.positions)
+    pattern = warp(uneven())
     x, y = np.array(UNEVEN).T
     assert np.abs([pattern.sum(), pattern @ x, pattern @ y]).max() < 1e-14
     assert pattern @ pattern == pytest.approx(4.0)
@@ -125,8 +129,8 @@ def test_the_balance_sees_only_warp_and_moves_nothing(place: Any) -> None:
     law = law_of(scenario, warp={"crossing": 20.0})
     assert law.inputs == PRESSURES
     assert law.states == 0
-    drive = law.D @ warp(scenario.plant.positions)
-    assert np.all(drive * warp(scenario.plant.positions) < 0)
+    drive = law.D @ warp(scenario)
+    assert np.all(drive * warp(scenario) < 0)
     x, y, _ = np.array(scenario.plant.positions).T
     for motion in (np.ones(4), x, y):
         assert np.abs(law.D @ motion).max() < 1e-12 * np.abs(drive).max()

@@ -182,3 +182,15 @@ def test_a_machine_that_sags_to_the_end_of_its_strokes_cannot_stand(plates: str)
     # 9.94 mm, where 8.475 mm empty the lower chamber.
     with pytest.raises(EquilibriumError, match="cannot stand"):
         solved(model_of(plates, membrane_stiffness=1e6), command(0.0))
+
+
+def test_a_machine_that_hangs_beside_its_mounts_has_tipped_over() -> None:
+    # Three soft mounts behind the centre of gravity balance it where it has turned by 1.2 rad.
+    table = [
+        {"name": name, "position": [x, y], "actuator": "soft"}
+        for name, x, y in (("a", -0.9, 0.6), ("b", -0.9, -0.6), ("c", -0.2, 0.0))
+    ]
+    given = {"plates": "tied", "mount": table, "actuators": {"soft": {"preset": "pneumatic-mount"}}}
+    model = build_model(parse_scenario(given).plant, 1e-4)
+    with pytest.raises(EquilibriumError, match=r"turned by 1\.2 rad"):
+        solved(model, Inputs.rest(model))

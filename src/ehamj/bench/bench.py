@@ -3,6 +3,7 @@
 from typing import Any
 
 from ehamj.bench.case import benchmark_case
+from ehamj.bench.mounts import cost_over_mounts
 from ehamj.bench.steps import additions, step_times, thread_scaling
 from ehamj.mujoco import hydraulics
 from ehamj.run.timestep import choose_timestep
@@ -34,4 +35,7 @@ def bench(repetitions: int = 5) -> dict[str, Any]:
         "recorded_over_bare_engine": case["engine_us_per_step"] / (1e6 * times["tied"]["bare"]),
         "two_threads_over_one": thread_scaling(scenario, repetitions),
         "step_over_step_without": {"sliding": additions(sliding_scenario, repetitions)},
+        "step_over_four_upright_mounts": {
+            plates: cost_over_mounts(repetitions, plates) for plates in ("tied", "sliding")
+        },
     }

@@ -6,6 +6,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, mod
 
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.file import Law
+from ehamj.control.architectures.levelling import LevellingSettings
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.architectures.resonant import ResonantSettings
 from ehamj.control.architectures.servo import StrokeServoSettings
@@ -27,6 +28,7 @@ _LAWS: tuple[type[DigitalSettings], ...] = (
     SkyhookSettings,
     ModalSettings,
     ResonantSettings,
+    LevellingSettings,
 )
 for _law in _LAWS:
     ARCHITECTURES.add(_law.name(), _law)

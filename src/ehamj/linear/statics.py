@@ -1,6 +1,7 @@
 """The machine at rest: where it stands, what each mount carries, and the shims that level it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -95,7 +96,7 @@ class StaticLoads:
         }
 
 
-def static_loads(scenario: Given) -> StaticLoads:
+def static_loads(scenario: Given, places: Mapping[str, float] | None = None) -> StaticLoads:
     """What each mount of a scenario's machine carries at rest, over-determined layouts included.
 
     It is the equilibrium that a run starts from, with valves centred: membranes and oil side by side, finite rotations.
@@ -103,11 +104,12 @@ def static_loads(scenario: Given) -> StaticLoads:
 
     Args:
         scenario: a scenario; a shipped name or a file serves too.
+        places: where slides stand, coordinates by name [m]; without, where they start.
 
     Raises:
-        InputError: if the machine cannot stand.
+        InputError: if the machine cannot stand, or a slide not there.
     """
-    plant = replace(reduced(as_scenario(scenario).plant), bookkeeping=False)
+    plant = replace(reduced(as_scenario(scenario).plant.locked(places)), bookkeeping=False)
     model = build_model(plant, 1e-4)
     data = mujoco.MjData(model)
     try:

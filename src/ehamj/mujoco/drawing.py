@@ -13,6 +13,29 @@ PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
 """Lengths of the drawing, along a mount's action [m]."""
 
+SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
+
+FLOOR = -(PAD_DEPTH + PAD_HALF_HEIGHT)
+"""Height of the floor of the drawing [m]: what the pads of upright mounts in the mount plane stand on."""
+
+UPRIGHT_ENOUGH = 0.9
+"""z of a direction below which the pad is drawn on a post of its own."""
+
+
+def _add_post(spec: mujoco.MjSpec, pad: mujoco.MjsBody, high: float) -> None:
+    """A post on which a pad stands that lies on its side, from behind the pad's middle down to the floor."""
+    back, down = np.zeros(4), np.zeros(3)
+    mujoco.mju_negQuat(back, np.array(pad.quat))
+    mujoco.mju_rotVecQuat(down, np.array([0.0, 0.0, -high]), back)
+    start = np.array([0.0, 0.0, -0.5 * PAD_HALF_HEIGHT])
+    pad.add_geom(
+        spec.find_default("pad"),
+        name=pad.name.replace("pad", "post", 1),
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        fromto=[*start, *(start + down)],
+        size=[0.07, 0.0, 0.0],
+    )
+
 
 def upright_to(along: Vector3) -> list[float]:
     """The quaternion that turns up into a direction."""
@@ -22,7 +45,7 @@ def upright_to(along: Vector3) -> list[float]:
 
 
 def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
-    """Stretch the drawing to the machine's size; add feet, plates and ground pads that can be moved."""
+    """Stretch the drawing to the machine's size; add feet, plates, ground pads that can be moved, and slides."""
     machine = spec.body("machine")
     stretch: NDArray[np.float64] = np.array(plant.machine.size) / (2.2, 1.6, 1.9)
     for geom in machine.geoms:
@@ -30,6 +53,14 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    for slide in plant.slides:
+        spec.body(f"slide {slide.name}").add_geom(
+            spec.find_default("steel"),
+            name=f"slide {slide.name}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in slide.size],
+            rgba=list(SLIDE_COLOUR),
+        )
     for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True):
         turned = upright_to(along)
         machine.add_geom(
@@ -46,3 +77,6 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset, quat=turned)
         pad = spec.worldbody.add_body(name=f"pad {name}", pos=below(place, along, PAD_DEPTH), quat=turned, mocap=True)
         pad.add_geom(spec.find_default("pad"), name=f"pad {name}")
+        behind = below(place, along, PAD_DEPTH + 0.5 * PAD_HALF_HEIGHT)
+        if along[2] < UPRIGHT_ENOUGH and behind[2] > FLOOR:
+            _add_post(spec, pad, behind[2] - FLOOR)

@@ -22,16 +22,18 @@ def put(element: object, **linear: float) -> None:
         setattr(element, kind, polynomial)
 
 
+KINDS: Final = ("stiffness", "damping")
+
+
 def add_lateral_membranes(spec: mujoco.MjSpec, plant: Plant) -> None:
     """Stiffness and damping of the membranes across the mounts' actions, about the machine at rest."""
-    for kind in ("stiffness", "damping"):
-        k = np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators])
-        if k.sum() == 0.0:
-            continue
-        if plant.level_enough:
+    values = {kind: np.array([getattr(actuator, f"lateral_{kind}") for actuator in plant.actuators]) for kind in KINDS}
+    there = {kind: k for kind, k in values.items() if k.sum() > 0.0}
+    if plant.level_enough:
+        for kind, k in there.items():
             _add_level(spec, plant, kind, k)
-        else:
-            _add_general(spec, plant, kind, k)
+    elif there:
+        _add_general(spec, plant, there)
 
 
 def _add_level(spec: mujoco.MjSpec, plant: Plant, kind: str, k: Array) -> None:
@@ -62,14 +64,24 @@ def lateral(plant: Plant, k: Array) -> Array:
     return total
 
 
-def _add_general(spec: mujoco.MjSpec, plant: Plant, kind: str, k: Array) -> None:
-    """A tendon per eigenvector of the 6 × 6, which has rotations times a length: at most six."""
+def _add_general(spec: mujoco.MjSpec, plant: Plant, values: dict[str, Array]) -> None:
+    """At most six tendons, which have stiffness and damping both.
+
+    Two symmetric matrices of which no sum is negative are diagonal in the same coordinates, though not in orthogonal
+    ones: K = Σ k w wᵀ, C = Σ c w wᵀ. Rotations count times a length, so that all entries are of one size.
+    """
     scale = np.repeat([1.0, plant.layout.span], 3)
-    sizes, vectors = np.linalg.eigh(lateral(plant, k) / np.outer(scale, scale))
-    for number, (size, vector) in enumerate(zip(sizes, vectors.T, strict=True), start=1):
-        if size <= NOTHING * sizes[-1]:
-            continue
-        tendon = spec.add_tendon(name=f"lateral {kind} {number}")
-        for joint, share in zip(DOFS, vector * scale, strict=True):
+    matrices = {kind: lateral(plant, k) / np.outer(scale, scale) for kind, k in values.items()}
+    total = {kind: float(np.trace(matrix)) for kind, matrix in matrices.items()}
+    matrices = {kind: matrix / total[kind] for kind, matrix in matrices.items()}
+    sizes, vectors = np.linalg.eigh(sum(matrices.values()))
+    held = sizes > NOTHING * sizes[-1]
+    root, vectors = np.sqrt(sizes[held]), vectors[:, held]
+    _, turn = np.linalg.eigh(vectors.T @ next(iter(matrices.values())) @ vectors / np.outer(root, root))
+    unit = vectors / root @ turn
+    shares = {kind: np.maximum(np.einsum("ji,jk,ki->i", unit, matrices[kind], unit), 0.0) for kind in values}
+    for number, row in enumerate((vectors * root @ turn).T):
+        tendon = spec.add_tendon(name=f"lateral {number + 1}")
+        for joint, share in zip(DOFS, row * scale, strict=True):
             tendon.wrap_joint(joint, float(share))
-        put(tendon, **{kind: float(size)})
+        put(tendon, **{kind: float(total[kind] * share[number]) for kind, share in shares.items()})

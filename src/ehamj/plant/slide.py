@@ -13,7 +13,7 @@ from ehamj.plant.points import NAME, check_place
 from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
 from ehamj.slides.kinds import AnyProfile
-from ehamj.slides.scurve import Course
+from ehamj.slides.rest import Rest
 
 
 class Slide(Settings):
@@ -37,7 +37,7 @@ class Slide(Settings):
     start: float | None = Field(
         None, description="coordinate at which it stands until its profile moves it [m]; without: the profile's, or 0"
     )
-    profile: AnyProfile | None = Field(None, description="how it moves; without: it stands")
+    profile: AnyProfile = Field(Rest(), description="how it moves; without: it stands")
 
     @field_validator("name")
     @classmethod
@@ -60,14 +60,14 @@ class Slide(Settings):
         low, high = self.travel
         if not low < high:
             raise ValueError(f"travel = {list(self.travel)} must be from a coordinate to a larger one")
-        told = self.profile.start if self.profile is not None else None
+        told = self.profile.start
         if told is not None and self.start is not None and abs(told - self.start) > 1e-9:
             raise ValueError(
-                f"start = {self.start:g} m: its profile begins at {told:g} m; leave start out, or let both agree"
+                f"start = {self.start:g} m: its profile begins at {told:g} m; leave start out, or let it stand "
+                "there: profile.kind = 'rest'"
             )
         places = [("start", self.begins)]
-        if self.profile is not None:
-            places += [(f"profile.{key}", place) for key, place in self.profile.farthest(self.begins)]
+        places += [(f"profile.{key}", place) for key, place in self.profile.farthest(self.begins)]
         for key, place in places:
             if not low - 1e-9 <= place <= high + 1e-9:
                 raise ValueError(f"{key} = {place:g} m is off its rail: travel = [{low:g}, {high:g}] m")
@@ -77,8 +77,8 @@ class Slide(Settings):
     @property
     def begins(self) -> float:
         """Coordinate at the start [m]."""
-        told = self.profile.start if self.profile is not None else None
-        return self.start if self.start is not None else told if told is not None else 0.0
+        told = self.profile.start if self.start is None else self.start
+        return 0.0 if told is None else told
 
     @property
     def along(self) -> Vector3:
@@ -86,6 +86,16 @@ class Slide(Settings):
         length = math.hypot(*self.rail)
         x, y, z = (entry / length for entry in self.rail)
         return (x, y, z)
+
+    @property
+    def moves(self) -> bool:
+        """Whether it ever leaves its start."""
+        return any(place != self.begins for _, place in self.profile.farthest(self.begins))
+
+    @property
+    def standing(self) -> Self:
+        """The same slide, which stays where it starts."""
+        return self.model_copy(update={"start": self.begins, "profile": Rest()})
 
     def place(self, coordinate: float) -> Vector3:
         """Its centre of gravity at a coordinate [m], from the mount plane's centre [m]."""
@@ -98,7 +108,7 @@ class Slide(Settings):
 
     def course(self) -> Signal:
         """Its coordinate [m] over time, with speed [m/s] and acceleration [m/s²]."""
-        return Course.of(self.begins, []) if self.profile is None else self.profile.course(self.begins)
+        return self.profile.course(self.begins)
 
 
 def check_slides(slides: Sequence[Slide], machine: Machine) -> None:

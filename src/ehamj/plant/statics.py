@@ -38,14 +38,17 @@ def _assembled(plant: Plant, springs: Sequence[tuple[float, float]]) -> Array:
     return total
 
 
+def _plates(plant: Plant) -> Array:
+    """What each plate weighs along its mount [N], towards the machine positive; the rest its guide carries."""
+    return np.array(
+        [-plant.gravity * a.plate_mass * d[2] for a, d in zip(plant.actuators, plant.directions, strict=True)]
+    )
+
+
 def weight(plant: Plant) -> Array:
-    """Force [N] and moment [N m] of gravity about the mount plane's centre (6,); of a plate what it weighs along its
-    mount: the rest its guide carries."""
-    down = np.array([0.0, 0.0, -plant.gravity])
-    total = plant.machine.mass * lever(plant.machine.cg).T @ down
-    for row, actuator, along in zip(plant.layout.rows, plant.actuators, plant.directions, strict=True):
-        total = total + actuator.plate_mass * (down @ np.array(along)) * row
-    return np.asarray(total)
+    """Force [N] and moment [N m] of gravity about the mount plane's centre (6,): the machine, plates along mounts."""
+    machine = lever(plant.machine.cg).T @ np.array([0.0, 0.0, -plant.machine.mass * plant.gravity])
+    return np.asarray(machine + plant.layout.rows.T @ _plates(plant))
 
 
 def rest(plant: Plant) -> Array:
@@ -133,25 +136,24 @@ def level_shims(plant: Plant, oil: ArrayLike, equal: bool) -> Array:
             equal as may be: the pseudo-inverse of Jᵀ, which is what equal membranes give. Without, the shims are as
             thin as may be, and it may stand lower.
     """
-    rows, load = plant.layout.rows, -weight(plant)
+    rows, plates, oil = plant.layout.rows, _plates(plant), np.asarray(oil, float)
     membranes = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
-    # What of a force on the plate reaches the machine, where a membrane stands beside a foot that gives way.
-    share = np.array([a.foot_share for a in plant.actuators])
     if membranes.min() == 0.0:
-        raise ValueError(
-            f"membrane_stiffness = 0 at {plant.mounts[int(np.argmin(membranes))]}: shims lift nothing there"
-        )
+        at = plant.mounts[int(np.argmin(membranes))]
+        raise ValueError(f"at {at} membrane_stiffness = 0: a shim lifts nothing there")
     if equal:
+        load = -weight(plant)
         carried, *_ = np.linalg.lstsq(rows.T, load, rcond=SINGULAR)
         if np.abs(rows.T @ carried - load).max() > 1e-6 * np.abs(load).max():
-            raise ValueError(
-                "the mounts cannot carry the weight along their directions alone: no shims are without tilt"
-            )
-        return np.asarray((carried / share - oil) / membranes)
-    # K q = Jᵀ (k h + f_oil) − load with rx = ry = 0: the others move as they like.
+            raise ValueError("the mounts cannot carry the weight along their directions alone; level shims may do")
+        feet = np.array([actuator.foot_stiffness for actuator in plant.actuators])
+        return np.asarray((carried - oil) / membranes + (carried + plates) / feet)
+    # Of what pushes a plate, K h + oil + its weight, a share goes through a foot that gives way; the machine answers
+    # with C Jᵀ share (K h + …) + C w, of which rx and ry are to vanish. The others move as they like.
+    share = np.array([actuator.foot_share for actuator in plant.actuators])
     tilts = np.linalg.inv(elastic_stiffness(plant) + gravity_stiffness(plant))[[DOFS.index("rx"), DOFS.index("ry")]]
-    lifts = tilts @ rows.T * share
-    return np.asarray(-np.linalg.pinv(lifts * membranes) @ (lifts @ np.asarray(oil, float) - tilts @ load))
+    lifts, machine = tilts @ rows.T * share, weight(plant) - rows.T @ plates
+    return np.asarray(-np.linalg.pinv(lifts * membranes) @ (lifts @ (oil + plates) + tilts @ machine))
 
 
 def _listed(words: Sequence[str]) -> str:

@@ -48,7 +48,9 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
     arrows = arrow_scale(results.values())
     speed = playback_speed(main_frequency(results.values()))
     compared, curves, heats = compared_plots(results), curves_of(results), heats_of(results)
-    isolators = {label: isolator_plots(label, result) for label, result in results.items()}
+    isolators = {
+        which: plots for label, result in results.items() for which, plots in isolator_plots(label, result).items()
+    }
     title = next(iter(results.values())).scenario.name
 
     def layout() -> rrb.Blueprint:

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.replay.marks import length_text
+from ehamj.plant.mounts import UP
+from ehamj.replay.marks import MOST_ARROWS, length_text, shown_at
 from ehamj.replay.plots import MOST_ROWS, NEGLIGIBLE
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
@@ -38,7 +39,7 @@ def page(results: Mapping[str, Result], factor: float, arrows: float, speed: flo
         _verdicts(results),
         _numbers(results),
         *_warnings(results),
-        _reading(factor, arrows, speed, max(result.dataset.time.size for result in results.values())),
+        _reading(factor, arrows, speed, results),
     ]
     return "\n\n".join(part for part in parts + _parameters(results) if part) + "\n"
 
@@ -120,12 +121,19 @@ def _warnings(results: Mapping[str, Result]) -> list[str]:
     return ["## Warnings", "\n".join(lines)] if said else []
 
 
-def _reading(factor: float, arrows: float, speed: float, rows: int) -> str:
-    shown = ""
+def _reading(factor: float, arrows: float, speed: float, results: Mapping[str, Result]) -> str:
+    shown, rows = "", max(result.dataset.time.size for result in results.values())
+    plants = [result.scenario.plant for result in results.values()]
     if arrows > 0.0:
-        shown = f"""- Arrows beside the mounts are vertical velocities, blue of the floor, coloured of the machine's
+        upright = all(direction == UP for plant in plants for direction in plant.directions)
+        what = "vertical velocities" if upright else "velocities along the mounts"
+        shown = f"""- Arrows beside the mounts are {what}, blue of the floor, coloured of the machine's
   foot: {1e6 * 0.1 / arrows:g} µm/s are an arrow of 10 cm. Isolation works where blue swings and the other does not.
 """
+    if any(len(shown_at(plant)) < len(plant.mounts) for plant in plants):
+        shown += f"- Of many mounts, {MOST_ARROWS} at most have arrows: those that stand farthest out.\n"
+    if any(plant.slides for plant in plants):
+        shown += "- Slides go along their rails as far as they do in truth, and with the machine as it is drawn.\n"
     thinned = ""
     if rows > MOST_ROWS:
         thinned = f"""

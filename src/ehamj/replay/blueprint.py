@@ -18,7 +18,7 @@ from ehamj.replay.spectrogram import Heat
 from ehamj.result import Result
 
 VELOCITIES: Final = ("vertical", "along_x", "along_y")
-ROTATIONS: Final = ("roll", "pitch")
+ROTATIONS: Final = ("roll", "pitch", "yaw")
 
 SPEEDS: Final = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 WATCHABLE = 1.5
@@ -53,7 +53,7 @@ def make_blueprint(
     Args:
         results: what is shown, by label.
         compared: the plots of floor and machine.
-        isolators: the isolators' plots of each result.
+        isolators: the isolators' plots of each result, by groups of mounts.
         axes: axes that have a chart of attenuation.
         heats: levels over time by axis.
         factor: exaggeration of the motions.
@@ -83,7 +83,7 @@ def make_blueprint(
             for page in _page(label, [plots[member] for member in members if plots[member].peak > NEGLIGIBLE])
         ]
         if shown:
-            pages.append(rrb.Tabs(*shown, name=name) if len(results) > 1 else rrb.Vertical(*shown, name=name))
+            pages.append(rrb.Tabs(*shown, name=name) if len(shown) > 1 else rrb.Vertical(*shown, name=name))
     left = rrb.Vertical(machines, rolling, row_shares=[3, 2])
     if any(result.summary.fault for result in results.values()):
         pages.append(rrb.TextLogView(origin=entity(FAULT_LOG), name="faults"))

@@ -21,6 +21,7 @@ from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import in_phase
+from ehamj.mujoco.drawing import FLOOR
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.levers import lever, levers
 from ehamj.plant.machine import Machine
@@ -28,7 +29,7 @@ from ehamj.plant.plant import Plant
 from ehamj.replay.about import table
 from ehamj.replay.blueprint import laid_out, scene_view
 from ehamj.replay.recording import Array, Color, entity, fixed, moving, recorded, result_color
-from ehamj.replay.scene import FLOOR, GHOST, Pose, log_poses, log_shapes, quaternion
+from ehamj.replay.scene import GHOST, Pose, log_poses, log_shapes, on_rail, quaternion
 from ehamj.scenario.model import Scenario
 
 TIMELINE: Final = "viewing_time"
@@ -46,7 +47,8 @@ RINGING: Final = 1.0
 """Pace of a ring-down: swings of the first variant's mode per second [Hz]."""
 
 LARGEST, FOOT_LARGEST = 0.28, 0.16
-"""Largest motion drawn of any corner of the machine, and vertically of a foot, whose plate dips into its pad [m]."""
+"""Largest motion drawn of any corner of the machine, and along its mount of a foot, whose plate dips into its pad
+[m]."""
 
 HEAD: Final = 0.11
 """Length of the arrows' heads [m]."""
@@ -121,7 +123,7 @@ def replay_modes(path: Path, scenario: Scenario, variants: Mapping[str, Sequence
 
 
 def _write(path: Path, title: str, plant: Plant, variants: Mapping[str, Sequence[Swing]]) -> None:
-    model = build_spec(plant, 1e-4, drawn=True).compile()
+    model = build_spec(plant.locked(), 1e-4, drawn=True).compile()
     first, swings = next(iter(variants.items()))
     names = [swing.name for swing in swings]
     beside = {name: {label: s for label, own in variants.items() for s in own if s.name == name} for name in names}
@@ -144,7 +146,8 @@ def entity_of(page: str, name: str) -> str:
 def drawn_scale(plant: Plant, swing: Swing, points: Array) -> float:
     """Factor on a shape that draws it as large as `LARGEST` and `FOOT_LARGEST` allow."""
     reach = float(np.abs(_displacement(swing.shape, points)).max())
-    lift = float(np.abs(_displacement(swing.shape, plant.positions)[:, 2]).max())
+    feet = _displacement(swing.shape, plant.positions)
+    lift = float(np.abs((feet * np.array(plant.directions)).sum(axis=1)).max())
     return min(LARGEST / reach, FOOT_LARGEST / lift if lift > 0.0 else math.inf)
 
 
@@ -187,14 +190,14 @@ def _log_swing(
     motion = motion_of(drawn, pace)
     poses = {"machine": Pose(motion[:, :3], quaternion(motion[:, 3:]))}
     for mount, position in zip(plant.mounts, plant.positions, strict=True):
-        fixed(
-            recording,
-            entity(label, "world", f"pad {mount}"),
-            rr.Transform3D(translation=model.body(f"pad {mount}").pos),
-        )
+        pad = model.body(f"pad {mount}")
+        turned = rr.Quaternion(xyzw=pad.quat[[1, 2, 3, 0]])
+        fixed(recording, entity(label, "world", f"pad {mount}"), rr.Transform3D(translation=pad.pos, rotation=turned))
         if plant.plates == "sliding":
             upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(TIMES), 1))
             poses[f"plate {mount}"] = Pose(model.body(f"plate {mount}").pos + motion @ lever(position).T, upright)
+    for slide in plant.slides:
+        poses[f"slide {slide.name}"] = on_rail(slide, slide.begins, poses["machine"])
     log_poses(recording, label, poses, TIMES, TIMELINE)
     _log_paths(recording, label, drawn, points)
     _log_axis(recording, label, plant, model, drawn)

@@ -1,7 +1,7 @@
 """Time histories: which channels are shown, in which units, order and colours, and how a long run is thinned."""
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -36,6 +36,7 @@ COMPARED: Final = {
     "along_y": "velocity along y [µm/s]",
     "roll": "rotation rx [µrad]",
     "pitch": "rotation ry [µrad]",
+    "yaw": "rotation rz [µrad]",
 }
 """Plots of floor and machine over each other, by name."""
 
@@ -105,8 +106,19 @@ def with_faults(name: str, plot: Plot, results: Iterable[Result]) -> Plot:
     return Plot(plot.title, (*plot.traces, *lines))
 
 
-def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
-    """One result: strokes from the equilibrium [µm], commands [V], spools [% of stroke], absolute pressures [bar]."""
+def mount_groups(label: str, mounts: Sequence[str]) -> dict[str, slice]:
+    """Mounts that are shown in plots of their own, by what to call them: not more than there are colours in any."""
+    count = -(-len(mounts) // len(MOUNT_COLORS))
+    ends = np.linspace(0, len(mounts), count + 1).round().astype(int)
+    groups = [slice(int(first), int(last)) for first, last in itertools.pairwise(ends)]
+    if count == 1:
+        return {label: groups[0]}
+    return {f"{label}, {mounts[group][0]} to {mounts[group][-1]}": group for group in groups}
+
+
+def isolator_plots(label: str, result: Result) -> dict[str, dict[str, Plot]]:
+    """One result, by groups of mounts: strokes from the equilibrium [µm], commands [V], spools [% of stroke], absolute
+    pressures [bar]."""
     data = {name: result.dataset[name].values for name in ("stroke", "valve_command", "spool", "chamber_pressure")}
     plant = result.scenario.plant
     full = np.array([actuator.spool_stroke for actuator in plant.actuators])
@@ -117,14 +129,15 @@ def isolator_plots(label: str, result: Result) -> dict[str, Plot]:
         "pressure_1": ("pressure in chamber 1 (lifts), absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 0]),
         "pressure_2": ("pressure in chamber 2, absolute [bar]", 1e-5 * data["chamber_pressure"][:, :, 1]),
     }
-    colors = tuple(itertools.islice(itertools.cycle(MOUNT_COLORS), len(plant.mounts)))
-    plots = {}
-    for name, (title, values) in contents.items():
-        names = tuple(f"{mount} {title[title.index('[') :]}" for mount in plant.mounts)
-        plots[name] = Plot(
-            title, (Trace(entity(ROOT, name, label), names, colors, result.dataset.time.values, values),)
-        )
-    return {name: with_faults(f"{name} {label}", plot, [result]) for name, plot in plots.items()}
+    found: dict[str, dict[str, Plot]] = {}
+    for which, group in mount_groups(label, plant.mounts).items():
+        own = found[which] = {}
+        for name, (title, values) in contents.items():
+            names = tuple(f"{mount} {title[title.index('[') :]}" for mount in plant.mounts[group])
+            colors, time = MOUNT_COLORS[: len(names)], result.dataset.time.values
+            trace = Trace(entity(ROOT, name, which), names, colors, time, values[:, group])
+            own[name] = with_faults(f"{name} {which}", Plot(title, (trace,)), [result])
+    return found
 
 
 def log_plot(recording: rr.RecordingStream, plot: Plot) -> None:
@@ -166,12 +179,12 @@ def _floor(result: Result) -> Array:
     velocity = result.dataset.ground_velocity.values.mean(axis=1)
     displacement = result.dataset.ground_displacement.values
     slab = fitted_slab(displacement - displacement[:1], result.scenario.plant)
-    return 1e6 * np.column_stack([velocity[:, [2, 0, 1]], slab[:, 3:5]])
+    return 1e6 * np.column_stack([velocity[:, [2, 0, 1]], slab[:, 3:6]])
 
 
 def _machine(result: Result) -> Array:
     """Columns of `COMPARED` for the machine: velocities of its CG, its rotations."""
-    rotation = result.dataset.machine_displacement.values[:, 3:5]
+    rotation = result.dataset.machine_displacement.values[:, 3:6]
     return 1e6 * np.column_stack([result.dataset.cg_velocity.values[:, [2, 0, 1]], rotation - rotation[:1]])
 
 

@@ -36,8 +36,17 @@ RESULT_COLORS: Final[tuple[Color, ...]] = (
 )
 """One per result, over again when there are more."""
 
-MOUNT_COLORS: Final[tuple[Color, ...]] = ((79, 195, 247), (255, 183, 77), (129, 199, 132), (240, 110, 130))
-"""One per mount, in their order."""
+MOUNT_COLORS: Final[tuple[Color, ...]] = (
+    (79, 195, 247),
+    (255, 183, 77),
+    (129, 199, 132),
+    (240, 110, 130),
+    (190, 150, 255),
+    (240, 220, 90),
+    (105, 220, 225),
+    (200, 160, 130),
+)
+"""One per mount of a group, in their order."""
 
 
 @contextmanager

@@ -8,12 +8,14 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import rerun as rr
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
-from ehamj.mujoco.drawing import PAD_DEPTH, PAD_HALF_HEIGHT
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.kinematics import points_motion
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
+from ehamj.plant.slide import Slide
 from ehamj.replay.recording import TIMELINE, Array, entity, fixed, moving
 from ehamj.result import Result
 
@@ -25,9 +27,6 @@ POSE_RATE = 200.0
 
 POSES_PER_PERIOD = 20.0
 MOST_POSES = 120_000
-
-FLOOR = -PAD_DEPTH - PAD_HALF_HEIGHT
-"""Height of the floor in the drawing [m]."""
 
 GHOST = (235, 240, 245, 70)
 
@@ -99,7 +98,8 @@ def drawn_model(result: Result) -> mujoco.MjModel:
 
 
 def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray) -> dict[str, Pose]:
-    """Pose of every drawn body at some rows: rest position plus ``factor`` times the motion about the equilibrium."""
+    """Pose of every drawn body at some rows: rest position plus ``factor`` times the motion about the equilibrium;
+    slides go along their rails as far as they do."""
 
     def moved(name: str) -> Array:
         values = result.dataset[name].values
@@ -114,14 +114,32 @@ def poses(result: Result, model: mujoco.MjModel, factor: float, rows: np.ndarray
         "machine": Pose(machine[:, :3], quaternion(machine[:, 3:])),
         "floor": Pose(slab[:, :3], quaternion(slab[:, 3:])),
     }
-    for mount, name in enumerate(plant.mounts):
-        found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount])
+    for k, slide in enumerate(plant.slides):
+        # It goes as far as it goes, on a machine whose motion is exaggerated.
+        coordinate = result.dataset["slide"].values[rows, k]
+        found[f"slide {slide.name}"] = on_rail(slide, coordinate, found["machine"])
+    for mount, (name, direction) in enumerate(zip(plant.mounts, plant.directions, strict=True)):
+        found[f"pad {name}"] = Pose(model.body(f"pad {name}").pos + ground[:, mount], pad_turn(model, name, len(rows)))
         if plant.plates == "sliding":
             # The model's plate has its stroke only; drawn, it goes sideways with the foot that stands on it.
-            height = ground[:, mount, 2] + stroke[:, mount]
-            plate = np.column_stack([foot[:, mount, :2], height])
+            along = np.array(direction)
+            ahead = ground[:, mount] @ along + stroke[:, mount] - foot[:, mount] @ along
+            plate = foot[:, mount] + ahead[:, None] * along
             found[f"plate {name}"] = Pose(model.body(f"plate {name}").pos + plate)
     return found
+
+
+def on_rail(slide: Slide, coordinate: ArrayLike, machine: Pose) -> Pose:
+    """A slide at coordinates (n,) [m] on a machine that moves."""
+    places = np.array(slide.position) + np.multiply.outer(np.asarray(coordinate, float), slide.along)
+    turns = machine.quaternion
+    return Pose(machine.translation + Rotation.from_quat(turns).apply(places), turns)
+
+
+def pad_turn(model: mujoco.MjModel, mount: str, rows: int) -> Array | None:
+    """Quaternion xyzw (rows, 4) of a pad that stands on its side; None of an upright one."""
+    turn = model.body(f"pad {mount}").quat[[1, 2, 3, 0]]
+    return None if turn[3] == 1.0 else np.tile(turn, (rows, 1))
 
 
 def quaternion(angles: Array) -> Array:

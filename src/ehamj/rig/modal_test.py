@@ -140,7 +140,8 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
 def _still(scenario: Scenario) -> Scenario:
     """The machine alone, with its plates tied where their feet are rigid: the same equations."""
     bare = {"control": {"kind": "passive"}, "ground": {"kind": "rest"}, "compare": (), "force": (), "fault": ()}
-    return changed(scenario, bare | {"plates": reduced(scenario.plant).plates})
+    standing = tuple(slide.standing for slide in scenario.slide)
+    return changed(scenario, bare | {"slide": standing, "plates": reduced(scenario.plant).plates})
 
 
 def _named(

@@ -169,7 +169,8 @@ def excited(scenario: Scenario, change: Mapping[str, Any], frequency: Array, dur
     if np.abs(frequency * PERIOD - np.round(frequency * PERIOD)).max() > 1e-9:
         raise InputError(f"frequency: lines must be multiples of {1 / PERIOD:g} Hz")
     rate = 1000.0 * float(np.ceil(max(1000.0, 4.0 * float(frequency.max())) / 1000.0))
-    return changed(scenario, {**change, "duration": duration, "record_rate": rate, "compare": (), "fault": ()})
+    bare = {"compare": (), "fault": (), "slide": tuple(slide.standing for slide in scenario.slide)}
+    return changed(scenario, {**change, **bare, "duration": duration, "record_rate": rate})
 
 
 def line_amplitudes(signal: Array, index: NDArray[np.int64]) -> ComplexArray:

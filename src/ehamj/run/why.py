@@ -183,6 +183,8 @@ class Reasons:
         found = [f"{WORDS[name]} for {100 * share:.2g} % of the time" for name, share in reached.items() if share > 0]
         if self.scenario.force:
             found.append("forces act on the machine")
+        if any(slide.moves for slide in self.scenario.slide):
+            found.append("slides move on the machine")
         if self.noisy:
             found.append("the sensors have noise")
         if self.python:

@@ -76,8 +76,13 @@ def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], v
 
 
 def _index(place: list[Any], part: str, said: str) -> int:
+    """Which entry of a list a part of a key means: its number, or its name where entries have one."""
+    names = [entry.get("name") for entry in place if isinstance(entry, Mapping)]
+    if part in names:
+        return names.index(part)
     if not part.isdigit() or int(part) >= len(place):
-        raise InputError(f"{said}: {part!r} must be an index from 0 to {len(place) - 1}")
+        named = f", or one of {', '.join(map(repr, names))}" if any(names) else ""
+        raise InputError(f"{said}: {part!r} must be an index from 0 to {len(place) - 1}{named}")
     return int(part)
 
 

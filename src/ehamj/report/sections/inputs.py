@@ -11,6 +11,7 @@ from pydantic import BaseModel
 
 from ehamj.pages import Section, Table, badge
 from ehamj.pages.words import BAR, exact, plain
+from ehamj.plant.bodies import written_inertia
 from ehamj.plant.points import default_points
 from ehamj.report.sections.headline import told
 from ehamj.report.shown import Shown
@@ -88,18 +89,21 @@ def _symbol(symbol: str) -> str:
 
 
 def _parts(scenario: Scenario) -> list[Table]:
-    """Parts, and what they make together with the machine; nothing where there are none."""
-    if not scenario.part:
+    """Parts and slides, and what they make together with the machine; nothing where there are none."""
+    bodies = [(part.name, part.body, "fixed") for part in scenario.part]
+    for slide in scenario.slide:
+        along, (low, high) = plain(tuple(float(f"{entry:.4g}") for entry in slide.along)), slide.travel
+        words = f"{slide.profile.kind}, from {exact(slide.begins)} m, along ({along}), {exact(low)} to {exact(high)} m"
+        bodies.append((slide.name, slide.body(slide.begins), words))
+    if not bodies:
         return []
-    whole = scenario.plant.machine
-    rows = [
-        [name, exact(mass), plain(place), plain(inertia)]
-        for name, mass, place, inertia in (
-            *((part.name, part.mass, part.position, part.inertia) for part in scenario.part),
-            ("all together", whole.mass, whole.cg, whole.inertia),
-        )
-    ]
-    return [Table("Parts on the machine", ("part", "mass [kg]", "CG [m]", "inertia [kg m²]"), rows, kind="words")]
+    bodies.append(("all together", scenario.plant.machine.body, "at the start"))
+    rows = []
+    for name, body, words in bodies:
+        inertia = written_inertia(np.round(body.tensor, 3))
+        rows.append([name, exact(float(body.mass)), plain(tuple(np.round(body.cg, 6).tolist())), plain(inertia), words])
+    head = ("part or slide", "mass [kg]", "CG [m]", "inertia [kg m²]", "how it moves")
+    return [Table("On the machine", head, rows, kind="words")]
 
 
 def _mounts(scenario: Scenario) -> list[Table]:

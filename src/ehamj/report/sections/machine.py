@@ -122,5 +122,9 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
         places = (force.point if isinstance(force.point, str) else str(list(force.point)) for force in scenario.force)
         pushed = (f"{force.kind} at {place}" for force, place in zip(scenario.force, places, strict=True))
         yield "forces on the machine", ", ".join(pushed)
+    for slide in scenario.slide:
+        course = result.dataset["slide"].sel(slide_name=slide.name).values
+        went = f"{exact(round(float(course.min()), 6))} to {exact(round(float(course.max()), 6))} m"
+        yield f"slide {slide.name}", f"{exact(slide.mass)} kg, {went if slide.moves else 'stands'}"
     analysis = result.summary.analysis
     yield "levels taken", f"from {exact(analysis.from_s)} to {exact(analysis.to_s)} s"
