@@ -11,30 +11,14 @@ from ehamj.settings import Vector3
 FOOT_HEIGHT = 0.08
 PAD_HALF_HEIGHT = 0.12
 PAD_DEPTH = 2 * HALF_HEIGHT + PAD_HALF_HEIGHT
+PAD_RADIUS = 0.17
+POST_RADIUS = 0.07
 """Lengths of the drawing, along a mount's action [m]."""
 
 SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
 
 FLOOR = -(PAD_DEPTH + PAD_HALF_HEIGHT)
 """Height of the floor of the drawing [m]: what the pads of upright mounts in the mount plane stand on."""
-
-UPRIGHT_ENOUGH = 0.9
-"""z of a direction below which the pad is drawn on a post of its own."""
-
-
-def _add_post(spec: mujoco.MjSpec, pad: mujoco.MjsBody, high: float) -> None:
-    """A post on which a pad stands that lies on its side, from behind the pad's middle down to the floor."""
-    back, down = np.zeros(4), np.zeros(3)
-    mujoco.mju_negQuat(back, np.array(pad.quat))
-    mujoco.mju_rotVecQuat(down, np.array([0.0, 0.0, -high]), back)
-    start = np.array([0.0, 0.0, -0.5 * PAD_HALF_HEIGHT])
-    pad.add_geom(
-        spec.find_default("pad"),
-        name=pad.name.replace("pad", "post", 1),
-        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-        fromto=[*start, *(start + down)],
-        size=[0.07, 0.0, 0.0],
-    )
 
 
 def upright_to(along: Vector3) -> list[float]:
@@ -51,8 +35,6 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
     for geom in machine.geoms:
         geom.pos = geom.pos * stretch
         geom.size = geom.size * (stretch if geom.type == mujoco.mjtGeom.mjGEOM_BOX else stretch[[0, 2, 2]])
-    floor = spec.geom("floor")
-    floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
     for slide in plant.slides:
         spec.body(f"slide {slide.name}").add_geom(
             spec.find_default("steel"),
@@ -77,6 +59,32 @@ def draw(spec: mujoco.MjSpec, plant: Plant) -> None:
         carrier.add_geom(spec.find_default("plate"), name=f"plate {name}", pos=offset, quat=turned)
         pad = spec.worldbody.add_body(name=f"pad {name}", pos=below(place, along, PAD_DEPTH), quat=turned, mocap=True)
         pad.add_geom(spec.find_default("pad"), name=f"pad {name}")
-        behind = below(place, along, PAD_DEPTH + 0.5 * PAD_HALF_HEIGHT)
-        if along[2] < UPRIGHT_ENOUGH and behind[2] > FLOOR:
-            _add_post(spec, pad, behind[2] - FLOOR)
+    _lay_floor(spec, plant)
+
+
+def _lay_floor(spec: mujoco.MjSpec, plant: Plant) -> None:
+    """Lay the floor below the lowest pad; pads that do not reach it stand on posts, which move with them."""
+    floor = spec.geom("floor")
+    floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
+    centres = {name: spec.body(f"pad {name}").pos for name in plant.mounts}
+    reach = {
+        name: PAD_HALF_HEIGHT * abs(along[2]) + PAD_RADIUS * np.hypot(*along[:2])
+        for name, along in zip(plant.mounts, plant.directions, strict=True)
+    }
+    top = floor.pos[2] + floor.size[2]
+    lower = max(0.0, round(float(max(top - centres[name][2] + reach[name] for name in plant.mounts)), 9))
+    floor.pos = floor.pos - [0.0, 0.0, lower]
+    for name in plant.mounts:
+        height = float(centres[name][2] - (top - lower))
+        if height - reach[name] < 1e-6:
+            continue
+        pad, up, back = spec.body(f"pad {name}"), np.zeros(3), np.zeros(4)
+        mujoco.mju_negQuat(back, pad.quat)
+        mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), back)
+        pad.add_geom(
+            spec.find_default("pad"),
+            name=f"post {name}",
+            size=[POST_RADIUS, height / 2, 0.0],
+            pos=(-height / 2 * up).tolist(),
+            quat=back.tolist(),
+        )
