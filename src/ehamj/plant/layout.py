@@ -131,6 +131,7 @@ class Layout:
             fresh = padded - known @ (known.T @ padded)
             kept, sizes, _ = np.linalg.svd(fresh, full_matrices=False)
             patterns = np.column_stack([patterns, kept[:, sizes > 1e-6]])
+        patterns[~np.array(self.active)] = 0.0  # to the last bit
         signs = [np.sign(column[np.argmax(np.abs(column) > 1e-9)]) for column in patterns.T]
         return patterns * np.array(signs) * np.sqrt(active.size)
 

@@ -45,11 +45,11 @@ def open_loop(*signals: dict[str, Any]) -> dict[str, Any]:
     return {"kind": "open-loop", "signals": list(signals)}
 
 
-def sines(amplitude: float, hertz: Sequence[float] | Array) -> list[dict[str, Any]]:
-    """Open-loop commands [V] of one frequency [Hz] per mount, of those that a scenario has by default."""
+def sines(amplitude: float, hertz: Sequence[float] | Array, mounts: Sequence[str] = MOUNTS) -> list[dict[str, Any]]:
+    """Open-loop commands [V] of one frequency [Hz] per mount."""
     return [
         {"kind": "sine", "mounts": [mount], "amplitude": amplitude, "frequency": float(f)}
-        for mount, f in zip(MOUNTS, hertz, strict=True)
+        for mount, f in zip(mounts, hertz, strict=True)
     ]
 
 

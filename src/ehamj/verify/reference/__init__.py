@@ -1,7 +1,7 @@
 """The whole nonlinear machine with every hydraulic option, integrated by SciPy: an independent model.
 
 It shares its input with `ehamj.run` (parameters, ground, commands, control law) and no equation: the rigid body
-has linearised kinematics with gravity's geometric term, written as matrices; SciPy's Runge–Kutta with error control
+has kinematics to second order in its angles, written as matrices; SciPy's Runge–Kutta with error control
 takes it from sample to sample of the controller; play between spool and metering edges and the spool's end stops are
 modes whose ends are found as roots. The right-hand side is compiled for speed only.
 """

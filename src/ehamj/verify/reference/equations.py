@@ -45,9 +45,13 @@ class Constants(NamedTuple):
     """The equations' constants. SI, spool in mA."""
 
     inverse_mass: Array  # (6, 6)
-    feet: Array  # motion of each foot per coordinate (mount, axis, 6)
-    weight: Array  # generalised (6,)
-    topple: Array  # m g h on rocking (6,)
+    frames: Array  # two unit vectors across each mount and the one along it (mount, axis, 3)
+    feet: Array  # motion of each foot in its frame per coordinate (mount, axis, 6)
+    bends: Array  # and its second derivatives over the rotations (mount, axis, 3, 3)
+    weight: Array  # of the machine, generalised (6,)
+    topple: Array  # and what tilting adds to it, m g h on rocking (3, 3)
+    loads: Array  # weight of each plate along its mount (mount,)
+    heights: Array  # shims (mount,)
     isolators: NDArray[Any]  # records of `OF_ISOLATOR` (mount,)
     curves: Array  # (mount, 2, points): positions and flows as shares
     supply: NDArray[Any]  # one record of `OF_SUPPLY` (1,)
@@ -65,8 +69,11 @@ def constants(plant: Plant) -> Constants:
     for place, unknown in [*found, ("supply", plant.supply.beyond(OF_SUPPLY))]:
         for name, value in unknown.items():
             raise ValueError(f"{place}: the reference model does not have {name} = {value!r}")
+    if plant.slides:
+        raise ValueError("the reference model has no slides")
     isolators, supply = _records(plant.actuators, OF_ISOLATOR), _records([plant.supply], OF_SUPPLY)
-    return Constants(*_rigid_body(plant, isolators["plate_mass"]), isolators, _flow_curves(plant), supply)
+    parts = (*_rigid_body(plant, isolators["plate_mass"]), isolators, _flow_curves(plant), supply)
+    return Constants._make(parts)
 
 
 def _records(parts: Sequence[Any], names: Sequence[str]) -> NDArray[Any]:
@@ -75,18 +82,45 @@ def _records(parts: Sequence[Any], names: Sequence[str]) -> NDArray[Any]:
     return np.array(rows, [(name, np.float64, np.shape(value)) for name, value in zip(names, rows[0], strict=True)])
 
 
-def _rigid_body(plant: Plant, plates: Array) -> tuple[Array, Array, Array, Array]:
-    """Inverse of the mass matrix, motion of the feet, weight, and m g h on rocking; ``plates`` are masses (mount,)."""
-    x, y, _ = np.array(plant.positions).T
-    o, i = np.zeros(len(x)), np.ones(len(x))
-    feet = np.array([[i, o, o, o, o, -y], [o, i, o, o, o, x], [o, o, i, y, -x, o]]).transpose(2, 0, 1)
-    cx, cy, h = plant.machine.cg
-    cg = np.array([[1, 0, 0, 0, h, -cy], [0, 1, 0, -h, 0, cx], [0, 0, 1, cy, -cx, 0]], float)
-    m, g, up = plant.machine.mass, plant.gravity, feet[:, 2]
-    mass = m * cg.T @ cg + up.T @ (plates[:, None] * up)
-    mass[3:, 3:] += plant.machine.tensor
-    weight = -g * (m * cg[2] + plates @ up)
-    return np.linalg.inv(mass), np.ascontiguousarray(feet), weight, m * g * h * np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+def _rigid_body(plant: Plant, plates: Array) -> tuple[Array, ...]:
+    """The constants up to ``heights``; ``plates`` are masses (mount,)."""
+    along, machine = np.array(plant.directions), plant.machine
+    frames = np.array([np.eye(3) if d[2] > 1.0 - 1e-12 else np.vstack([_across(d), d]) for d in along])
+    feet = np.array([frame @ _first(place) for frame, place in zip(frames, plant.positions, strict=True)])
+    bends = np.array([
+        np.tensordot(frame, _second(place), 1) for frame, place in zip(frames, plant.positions, strict=True)
+    ])  # fmt: skip
+    cg, rows, m, g = _first(machine.cg), feet[:, 2], machine.mass, plant.gravity
+    mass = m * cg.T @ cg + rows.T @ (plates[:, None] * rows)
+    mass[3:, 3:] += machine.tensor
+    topple = -m * g * _second(machine.cg)[2]
+    loads, heights = -g * plates * along[:, 2], np.array(plant.heights)
+    return np.linalg.inv(mass), frames, feet, bends, -m * g * cg[2], topple, loads, heights
+
+
+def _across(along: Array) -> Array:
+    """Two unit vectors across one."""
+    return np.linalg.svd(along[None])[2][1:]
+
+
+def _first(place: Sequence[float]) -> Array:
+    """Motion x, y, z of a point of the machine per coordinate (3, 6)."""
+    x, y, z = place
+    return np.array([[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]], float)
+
+
+def _second(place: Sequence[float]) -> Array:
+    """Second derivatives of a point's x, y, z over rx, ry, rz, which turn in the order z, x, y, (3, 3, 3)."""
+    x, y, z = place
+    crosses = np.array([
+        [[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]
+    ], float)  # fmt: skip
+    found, order = np.zeros((3, 3, 3)), (2, 0, 1)
+    for outer in range(3):
+        for inner in range(outer, 3):
+            a, b = order[outer], order[inner]
+            found[:, a, b] = found[:, b, a] = crosses[a] @ crosses[b] @ (x, y, z)
+    return found
 
 
 def _flow_curves(plant: Plant) -> Array:
@@ -134,20 +168,31 @@ def _modulus(a, p):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _stand(a, feet, y, ground, s, lift, force):  # type: ignore[no-untyped-def]
-    """Add a mount's forces to the machine's, ``lift`` is its oil's; returns its stroke and the stroke's rate."""
+def _stand(a, c, i, y, ground, s, lift, force):  # type: ignore[no-untyped-def]
+    """Add mount i's forces to the machine's, ``lift`` is its oil's; returns its stroke and the stroke's rate."""
     offset, speed = 0.0, 0.0
     for axis in range(3):
-        offset, speed = -_quintic(ground[axis], s), -_slope(ground[axis], s)
+        offset, speed = 0.0, 0.0
+        for k in range(3):
+            offset -= c.frames[i, axis, k] * _quintic(ground[k], s)
+            speed -= c.frames[i, axis, k] * _slope(ground[k], s)
         for j in range(6):
-            offset += feet[axis, j] * y[j]
-            speed += feet[axis, j] * y[6 + j]
+            offset += c.feet[i, axis, j] * y[j]
+            speed += c.feet[i, axis, j] * y[6 + j]
+        for j in range(3):
+            for k in range(3):
+                offset += 0.5 * c.bends[i, axis, j, k] * y[3 + j] * y[3 + k]
+                speed += c.bends[i, axis, j, k] * y[3 + j] * y[9 + k]
         if axis == 2:
-            push = -a.membrane_stiffness * offset - a.membrane_damping * speed + lift
+            offset -= c.heights[i]
+            push = -a.membrane_stiffness * offset - a.membrane_damping * speed + lift + c.loads[i]
         else:
             push = -a.lateral_stiffness * offset - a.lateral_damping * speed
         for j in range(6):
-            force[j] += feet[axis, j] * push
+            force[j] += c.feet[i, axis, j] * push
+        for j in range(3):
+            for k in range(3):
+                force[3 + j] += c.bends[i, axis, j, k] * y[3 + k] * push
     return offset, speed
 
 
@@ -216,7 +261,10 @@ def rates(t, y, c, quintics, held, side, memory, stopped, out):  # type: ignore[
     n, station = len(c.isolators), c.supply[0]
     piece = min(max(int(t / GRID), 0), quintics.shape[0] - 1)
     s = t / GRID - piece
-    force = c.weight + c.topple * y[:6]
+    force = c.weight.copy()
+    for j in range(3):
+        for k in range(3):
+            force[3 + j] += c.topple[j, k] * y[3 + k]
     first, last, tank = 12 + 2 * n, 12 + 4 * n, station.tank_pressure
     rated = 0.5 * (station.pressure - tank)
     supply = y[last + 2] if station.dynamic else station.pressure
@@ -226,7 +274,7 @@ def rates(t, y, c, quintics, held, side, memory, stopped, out):  # type: ignore[
         p1, p2 = max(y[k], a.vapour_pressure), max(y[k + 1], a.vapour_pressure)
         area_1, area_2 = a.piston_area, a.piston_area * a.area_ratio
         lift = area_1 * p1 - area_2 * p2
-        offset, speed = _stand(a, c.feet[i], y, quintics[piece, 3 * i : 3 * i + 3], s, lift, force)
+        offset, speed = _stand(a, c, i, y, quintics[piece, 3 * i : 3 * i + 3], s, lift, force)
         spool, rate = y[12 + i], y[12 + n + i]
         if stopped[i] != 0.0:
             out[12 + i] = out[12 + n + i] = 0.0

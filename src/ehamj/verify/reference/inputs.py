@@ -9,6 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.control import Controller
 from ehamj.plant.axes import AXES
+from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
 GRID: Final = 5e-5
@@ -44,24 +45,25 @@ class SampledLaw:
         ValueError: if it reads anything else.
     """
 
-    def __init__(self, controller: Controller, mounts: tuple[str, ...]) -> None:
+    def __init__(self, controller: Controller, plant: Plant) -> None:
         self.controller = controller
         self.state = np.zeros(controller.A.shape[0])
         self.waiting: list[tuple[float, Array]] = []
-        self.command, self.count = np.zeros(len(mounts)), 0
-        self.places = []
+        self.command, self.count = np.zeros(len(plant.mounts)), 0
+        self.seen: list[tuple[int, Array]] = []
         for name in controller.inputs:
             what, mount, axis = name.split(" ")
             if what != "ground_velocity":
                 raise ValueError(f"the reference model measures ground_velocity, not {name!r}")
-            self.places.append((mounts.index(mount), AXES.index(axis)))
+            at = plant.mounts.index(mount)
+            self.seen.append((at, np.array(plant.directions[at]) if axis == "along" else np.eye(3)[AXES.index(axis)]))
 
     def at(self, t: float, ground_velocity: Callable[[float], Array]) -> Array:
         """Take a sample if its time has come, and release what has waited long enough."""
         law = self.controller
         if t > self.count * law.period - 1e-10:
             velocity = ground_velocity(t)
-            u = np.array([velocity[place] for place in self.places])
+            u = np.array([way @ velocity[at] for at, way in self.seen])
             wanted = law.C @ self.state + law.D @ u
             volts = np.clip(_share(law, t) * wanted, -law.voltage_limit, law.voltage_limit)
             missing = volts - wanted

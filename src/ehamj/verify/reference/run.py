@@ -53,7 +53,7 @@ class _Run:
     def __init__(self, scenario: Scenario, controller: Controller | None, rtol: float) -> None:
         plant = scenario.plant
         self.c, self.n = constants(plant), len(plant.mounts)
-        self.law, self.rtol = SampledLaw(controller, plant.mounts) if controller else None, rtol
+        self.law, self.rtol = SampledLaw(controller, plant) if controller else None, rtol
         rows = round(scenario.duration * scenario.record_rate) + 1
         self.times: Array = np.arange(rows, dtype=np.float64) / scenario.record_rate
         self.quintics, self.jumps = quintics_of(scenario)
