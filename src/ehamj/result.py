@@ -34,8 +34,8 @@ FIXED: dict[str, Sequence[Any]] = {"axis": AXES, "dof": DOFS, "chamber": CHAMBER
 DIMENSIONS = {
     "axis": "axis",
     "dof": "degree of freedom of the machine, at the mount plane's centre",
-    "chamber": "chamber; oil in chamber 1 lifts the plate",
-    "mount": "mount (+x front, +y left)",
+    "chamber": "chamber; oil in chamber 1 pushes the plate towards the machine",
+    "mount": "mount, by its name (+x front, +y left)",
     "point": "point of the machine",
     "slide_name": "slide of the machine",
     "relative": "relative motion, as named in the scenario",
@@ -45,9 +45,9 @@ DIMENSIONS = {
 """Long name of each dimension beside ``time``."""
 
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "ground_displacement": (("mount", "axis"), "m", "displacement of the ground below each mount"),
-    "ground_velocity": (("mount", "axis"), "m/s", "velocity of the ground below each mount"),
-    "ground_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the ground below each mount"),
+    "ground_displacement": (("mount", "axis"), "m", "displacement of the ground at each mount"),
+    "ground_velocity": (("mount", "axis"), "m/s", "velocity of the ground at each mount"),
+    "ground_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the ground at each mount"),
     "machine_displacement": (("dof",), "m (rx, ry, rz: rad)", "displacement of the mount plane's centre"),
     "machine_velocity": (("dof",), "m/s (rx, ry, rz: rad/s)", "velocity of the mount plane's centre"),
     "foot_displacement": (("mount", "axis"), "m", "displacement of the machine's foot at each mount"),
@@ -61,11 +61,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "point_acceleration": (("point", "axis"), "m/s^2", "acceleration of a point of the machine"),
     "relative_displacement": (("relative", "axis"), "m", "displacement of one place relative to another"),
     "relative_velocity": (("relative", "axis"), "m/s", "velocity of one place relative to another"),
-    "stroke": (("mount",), "m", "plate relative to the ground below it"),
-    "stroke_velocity": (("mount",), "m/s", "plate relative to the ground below it"),
+    "stroke": (("mount",), "m", "plate relative to its ground, along the mount's direction"),
+    "stroke_velocity": (("mount",), "m/s", "plate relative to its ground, along the mount's direction"),
     "spool": (("mount",), "mA", "spool position"),
     "valve_command": (("mount",), "V", "command to the valve"),
-    "actuator_force": (("mount",), "N", "force of the oil on the plate, up positive"),
+    "actuator_force": (("mount",), "N", "force of the oil on the plate, towards the machine positive"),
     "chamber_pressure": (("mount", "chamber"), "Pa", "absolute pressure in each chamber"),
     "chamber_flow": (("mount", "chamber"), "m^3/s", "flow into each chamber"),
     "supply_pressure": ((), "Pa", "absolute supply pressure"),

@@ -30,9 +30,11 @@ def brief(summary: Summary) -> dict[str, str]:
     mixed = f", {mixed}" if mixed else ""
     first = summary.attenuation_first()
     if len(first) > 1:
-        for name, motions in (("worst axis", AXES), ("worst turn", SLAB[len(AXES) :])):
+        least_of = []
+        for motions in (AXES, SLAB[len(AXES) :]):
             least = _least([table for motion in motions for table in first[motion].values()])
-            found[name] = f"{quiet_bands(least) or 'undecided in every band'}{mixed}"
+            least_of.append(f"least of {', '.join(motions)} {quiet_bands(least) or 'undecided in every band'}")
+        found["attenuation"] = f"{'; '.join(least_of)}{mixed}"
     else:
         for place, said in told_attenuation(summary)["vertical"].items():
             found[SHORT_PLACES.get(place, place)] = f"vertically {said or 'undecided in every band'}{mixed}"

@@ -12,6 +12,7 @@ from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
 from ehamj.errors import InputError
 from ehamj.evaluation import Evaluation, evaluate
+from ehamj.pages.words import CRITERION_AXES
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 
@@ -102,6 +103,12 @@ class Shown:
                 floors.append(repr(floor))
                 yield "floor" if len(floors) == 1 else f"floor of {label}", plots.FLOOR_COLOR, floor
             yield label, self.colors[label], found.get("machine", {})
+
+    @property
+    def judged_axes(self) -> tuple[str, ...]:
+        """Axes whose numbers stand in tables: the vertical, and all where any machine is actuated in six motions."""
+        told = {motion for result in self.results.values() for motion in result.summary.attenuation_first()}
+        return tuple(axis for axis in CRITERION_AXES if axis in told)
 
 
 def ground_parts(scenario: Scenario) -> tuple[Any, ...]:

@@ -1,6 +1,7 @@
 """Attenuation over third-octave bands, and at every place."""
 
 from collections.abc import Iterator
+from typing import Final
 
 from ehamj import plots
 from ehamj.judge.decisive import place_in_words
@@ -10,10 +11,18 @@ from ehamj.plots import Levels
 from ehamj.report.sections.headline import HEADLINE_BANDS, OF_LEVELS, mixed_in
 from ehamj.report.shown import Shown, floor_moves, known
 
+ALONG: Final = {"z": "Vertical attenuation", "x": "Attenuation along x", "y": "Attenuation along y"}
+
 
 def attenuation(shown: Shown) -> Section:
     """How much quieter than its floor each machine is."""
-    return Section("attenuation", "Attenuation", list(_figures(shown)), [at_places(shown)], _notes(shown))
+    return Section(
+        "attenuation",
+        "Attenuation",
+        list(_figures(shown)),
+        [at_places(shown, axis) for axis in shown.judged_axes],
+        _notes(shown),
+    )
 
 
 def _figures(shown: Shown) -> Iterator[Picture]:
@@ -26,13 +35,13 @@ def _figures(shown: Shown) -> Iterator[Picture]:
             yield Picture(f"attenuation-{axis}", plots.attenuation(f"Attenuation, {words}", curves))
 
 
-def at_places(shown: Shown) -> Table:
-    """Vertical attenuation at feet, CG and points in a few bands; without rows where nothing is known."""
+def at_places(shown: Shown, axis: str = "z") -> Table:
+    """Attenuation along an axis at feet, CG and points in a few bands; without rows where nothing is known."""
     rows: list[list[str]] = []
     for label, result in shown.results.items():
         tables = {"machine": result.summary.attenuation_db, **result.summary.attenuation_at_db}
         own = [
-            [place_in_words(place), *(decibel(table["z"].get(band)) for band in HEADLINE_BANDS)]
+            [place_in_words(place), *(decibel(table[axis].get(band)) for band in HEADLINE_BANDS)]
             for place, table in tables.items()
         ]
         if any(cell != DASH for row in own for cell in row[1:]):
@@ -40,7 +49,8 @@ def at_places(shown: Shown) -> Table:
     note = f"{OF_LEVELS}{mixed_in(shown)} Centre of gravity and points: of the mean of the floor; worst foot: of the "
     note += "ground below it."
     head = ["", *(f"{band} Hz" for band in HEADLINE_BANDS)]
-    return Table("Vertical attenuation at every place [dB]", head, rows, note)
+    title = f"{ALONG[axis]} at every place [dB]"
+    return Table(title, head, rows, note)
 
 
 def _notes(shown: Shown) -> list[str]:

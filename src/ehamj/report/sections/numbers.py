@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import product
 from typing import Any, Final
 
@@ -17,6 +18,8 @@ from ehamj.report.sections.limits import of_each
 from ehamj.report.shown import Shown
 from ehamj.result import Result
 
+ALONG: Final = {"z": "Vertical", "x": "Along x", "y": "Along y"}
+VELOCITY: Final = {"z": "Vertical velocity", "x": "Velocity along x", "y": "Velocity along y"}
 OF_THE_LAW: Final = ("measured", "controller_state")
 """Variables that repeat what the controller saw and how it counts; they stand in the result, not in the table."""
 
@@ -32,21 +35,22 @@ TIMING: Final = (
 
 def numbers(shown: Shown) -> Section:
     """What the figures show, as numbers."""
-    tables = [_bands(shown), _statistics(shown), _levels(shown), of_each("Computation", "timing", TIMING, shown)]
+    of_axes = [table(shown, axis) for axis in shown.judged_axes for table in (_bands, _statistics)]
+    tables = [*of_axes, _levels(shown), of_each("Computation", "timing", TIMING, shown)]
     return Section("tables", "Numbers", tables=tables)
 
 
-def _bands(shown: Shown) -> Table:
-    """Vertical levels and attenuation per band."""
+def _bands(shown: Shown, axis: str) -> Table:
+    """Levels along an axis and attenuation per band."""
     head = ["band [Hz]", "floor [µm/s]"]
     for label in shown.results:
         head += [f"{label} [µm/s]", f"{label} [dB]"]
     rows = []
-    for band, level in shown.first.summary.third_octave_velocity["floor"]["z"].items():
+    for band, level in shown.first.summary.third_octave_velocity["floor"][axis].items():
         row = [band, measured(scaled(level, MICRO))]
         for result in shown.results.values():
-            machine = result.summary.third_octave_velocity["machine"]["z"].get(band)
-            row += [measured(scaled(machine, MICRO)), decibel(result.summary.attenuation_db["z"].get(band))]
+            machine = result.summary.third_octave_velocity["machine"][axis].get(band)
+            row += [measured(scaled(machine, MICRO)), decibel(result.summary.attenuation_db[axis].get(band))]
         if set(row[1:]) != {DASH}:
             rows.append(row)
     note = (
@@ -54,13 +58,14 @@ def _bands(shown: Shown) -> Table:
         "gravity. Attenuation is counted from the mean of the mounts, which a passing wave makes smaller than a "
         "single mount's motion."
     )
-    return Table("Vertical, per third-octave band", head, rows, note)
+    return Table(f"{ALONG[axis]}, per third-octave band", head, rows, note)
 
 
-def _statistics(shown: Shown) -> Table:
-    """Vertical levels by every statistic in the bands that decide; without rows in results that are older."""
-    tables = {name: place for name, _, place in shown.with_floors(_by_statistic)}
-    bands = dict.fromkeys(band for result in shown.results.values() for band in _deciding(result.summary.criterion))
+def _statistics(shown: Shown, axis: str) -> Table:
+    """Levels along an axis by every statistic in the bands that decide; without rows in results that are older."""
+    tables = {name: place for name, _, place in shown.with_floors(partial(_by_statistic, axis))}
+    judged = [result.summary.criterion for result in shown.results.values()]
+    bands = dict.fromkeys(band for criterion in judged for band in _deciding(criterion, axis))
     found = [table for table in tables.values() if table]
     rows: list[list[str]] = []
     for band in bands if found else ():
@@ -77,22 +82,23 @@ def _statistics(shown: Shown) -> Table:
         peaks = [table.get("peak", {}).get(WHOLE) for table in tables.values()]
         rows += [["of all frequencies together"], [WORDS["peak"], *(measured(scaled(peak, MICRO)) for peak in peaks)]]
     note = (
-        "In the bands that decide the vertical verdict: of the floor at its worst mount, of the machine at its centre "
+        "In the bands that decide the verdict there: of the floor at its worst mount, of the machine at its centre "
         f"of gravity. Fast levels average {exact(AVERAGING['fast'])} s, or 1/bandwidth where that is longer."
     )
-    return Table("Vertical velocity by statistic [µm/s]", ["", *tables], rows, note, kind="numbers wide")
+    return Table(f"{VELOCITY[axis]} by statistic [µm/s]", ["", *tables], rows, note, kind="numbers wide")
 
 
-def _deciding(criterion: Criterion) -> Iterator[str | None]:
-    """Bands that decide the vertical verdict: of the floor, of the machine where it is worst and at its CG."""
-    yield criterion.floor.z.deciding_band
+def _deciding(criterion: Criterion, axis: str) -> Iterator[str | None]:
+    """Bands that decide along an axis: of the floor, of the machine where it is worst and at its CG."""
+    yield criterion.floor[axis].deciding_band
     if criterion.decisive is not None:
-        yield criterion.decisive.vertical.worst.verdict.deciding_band
-    yield criterion.machine.z.deciding_band
+        parts = (criterion.decisive.vertical, criterion.decisive.horizontal)
+        yield from (part.worst.verdict.deciding_band for part in parts if part.worst.axis == axis)
+    yield criterion.machine[axis].deciding_band
 
 
-def _by_statistic(result: Result) -> dict[str, Any]:
-    """Of floor and machine: vertical levels by statistic and band, and the averaging times."""
+def _by_statistic(axis: str, result: Result) -> dict[str, Any]:
+    """Of floor and machine: levels along an axis by statistic and band, and the averaging times."""
     summary = result.summary
     if summary.levels is None:
         return {}
@@ -100,8 +106,8 @@ def _by_statistic(result: Result) -> dict[str, Any]:
     return {
         place: {
             "averaging": averaging,
-            "peak": {WHOLE: levels.peak[place]["z"]},
-            **{name: summary.in_bands("velocity", name)[place]["z"] for name in ("rms", *levels.velocity)},
+            "peak": {WHOLE: levels.peak[place][axis]},
+            **{name: summary.in_bands("velocity", name)[place][axis] for name in ("rms", *levels.velocity)},
         }
         for place in ("floor", "machine")
     }
