@@ -19,6 +19,8 @@ NOTABLE = 0.005
 """Share, or slope, below which a table leaves a part out."""
 LEAST = 0.01
 """Share of a shape's largest part below which a part is left out."""
+PARTS = 8
+"""Shares up to which each is named; of more the larger half of so many."""
 MOST = 7
 """Parameters named per mode."""
 
@@ -157,7 +159,10 @@ def _shares(parts: Mapping[str, float], unit: str = "", alike: bool = False) -> 
     values = sorted(parts.items(), key=lambda part: -abs(part[1]))
     if alike and max(parts.values()) - min(parts.values()) <= least:
         return f"{factor * next(iter(parts.values())):.2g}{unit} each"
-    shares = ((name, factor * value) for name, value in values if abs(value) > least)
+    shares = [(name, factor * value) for name, value in values if abs(value) > least]
+    if len(shares) > PARTS:
+        left = shares[PARTS // 2 :]
+        shares = [*shares[: PARTS // 2], (f"the other {len(left)} together", sum(share for _, share in left))]
     return "; ".join(f"{name} {share:.{'0f' if abs(share) >= 9.5 else '2g'}}{unit}" for name, share in shares)
 
 
