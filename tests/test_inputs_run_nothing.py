@@ -227,6 +227,8 @@ def test_the_pickles_are_what_obspy_takes_for_a_stream(folder: Path) -> None:
 def test_records(cli: Cli, folder: Path, ending: str) -> None:
     name = f"x.{ending}".strip(".")
     # Endings without a reader all lead to the same one: there what runs code is enough.
+    (folder / name).write_bytes(b"")
+    cli(*RECORD, "--set", f"ground={{kind='record', file='{name}', unit='m'}}")  # imports what is imported once
     for what in CODE if ending in ("sac", "gse", "npy", "npz", "pkl", "h5", "gz", "dat", "unv") else HOSTILE:
         (folder / name).write_bytes(HOSTILE[what](folder))
         began = time.process_time()

@@ -26,6 +26,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "replay": (("here",), "result"),
     "report": (("here",), "result"),
     "bench": (("--repetitions", "0"), "--repetitions"),
+    "statics": (("benchmark", "--shims", "flat"), "shims"),
     "verify": (("--out", "here/there.html"), "cannot be written"),
 }
 """Arguments that each command refuses, beside a file called ``here``, and words of its message."""
@@ -45,6 +46,7 @@ SAID: dict[str, tuple[tuple[str, ...], set[str]]] = {
     "replay": (("stored", "--json"), {"replay", "opened"}),
     "report": (("stored", "--json"), {"report", "results"}),
     "bench": (("--json",), {"ratio"}),
+    "statics": (("benchmark", "--shims", "level", "--json"), {"mounts", "shims"}),
     "verify": (("--json",), {"cases"}),
 }
 """Arguments with which each command says JSON, and keys that it holds."""

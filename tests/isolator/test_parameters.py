@@ -343,6 +343,14 @@ def test_cg_on_the_outline_is_accepted(cg: tuple[float, float, float]) -> None:
     assert Machine(size=(2.0, 2.0, 2.0), cg=cg).cg == cg
 
 
-def test_a_mount_has_one_of_four_names() -> None:
-    with pytest.raises(ValidationError, match="'front-left', 'front-right', 'rear-left' or 'rear-right'"):
-        Mount(name="front", position=(0.0, 0.0))  # type: ignore[arg-type]
+def test_a_mount_has_a_place_a_direction_of_some_length_and_a_thin_shim() -> None:
+    mount = Mount(name="skew", position=(0.5, -0.25, 0.75), direction=(0.0, 3.0, 4.0), height=1e-4)
+    assert (mount.place, mount.along) == ((0.5, -0.25, 0.75), (0.0, 0.6, 0.8))
+    for bad, words in (
+        ({"position": (0.0,)}, "at least 2"),
+        ({"position": (0.0,) * 4}, "at most 3"),
+        ({"direction": (0.0, 0.0, 0.0)}, "no length"),
+        ({"height": 0.2}, "at most 0.05 m"),
+    ):
+        with pytest.raises(ValidationError, match=words):
+            Mount.model_validate({"name": "front", "position": (0.0, 0.0), **bad})

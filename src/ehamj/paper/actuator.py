@@ -52,7 +52,7 @@ WITHOUT_EFFECT: Final = (
     "moving_volume", "vapour_pressure", "polytropic_exponent", "edge_leakage_share", "laminar_ratio", "null_offset",
     "hysteresis", "threshold", "end_stops", "spool_drive_limit", "spool_stroke", "rated_drop", "voltage_limit",
     "plate_mass", "lateral_stiffness", "lateral_damping", "foot_damping", "null_drift", "null_drift_from",
-    "null_drift_limit", "spool_stuck_at", "check_valve",
+    "null_drift_limit", "spool_stuck_at", "check_valve", "passive",
 )  # fmt: skip
 """Those that change nothing about the centre, for small signals along the axis, under a stated mass, or alone."""
 

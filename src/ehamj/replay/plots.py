@@ -113,7 +113,7 @@ def mount_groups(label: str, mounts: Sequence[str]) -> dict[str, slice]:
     groups = [slice(int(first), int(last)) for first, last in itertools.pairwise(ends)]
     if count == 1:
         return {label: groups[0]}
-    return {f"{label}, {mounts[group][0]} to {mounts[group][-1]}": group for group in groups}
+    return {f"{mounts[group][0]} to {mounts[group][-1]} of {label}": group for group in groups}
 
 
 def isolator_plots(label: str, result: Result) -> dict[str, dict[str, Plot]]:
