@@ -26,7 +26,9 @@ class Installation(Settings):
 
     gravity: float = Field(9.80665, ge=0, description="gravitational acceleration, downwards [m/s²]")
     plates: Literal["sliding", "tied"] = Field(
-        "sliding", description="plates on joints of their own, or as inertia of the stroke coordinates (faster)"
+        "sliding",
+        description="plates on joints of their own, or as inertia of the stroke coordinates (faster); either way they "
+        "move along their isolators' directions only: across, the cylinders guide them and carry their weight",
     )
     machine: Machine = Machine()
     part: tuple[Part, ...] = Field((), description="rigid parts on the machine, which add to its mass and inertia")

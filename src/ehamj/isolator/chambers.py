@@ -23,7 +23,7 @@ class Held(NamedTuple):
     mass: Array
     energy: Array
     force: Array
-    """Of the oil on the piston, up positive [N], (time, mount)."""
+    """Of the oil on the piston, towards the machine positive [N], (time, mount)."""
 
 
 def held(actuators: Sequence[Actuator], states: Array, stroke: Array) -> Held:

@@ -56,5 +56,5 @@ def swept_flows(speed: float, own: "Cylinder") -> tuple[float, float]:
 
 @kernel
 def oil_force(pressure_1: float, pressure_2: float, own: "Cylinder") -> float:
-    """Force of the oil on the piston, up positive [N]: A_1 P_1 − A_2 P_2 (paper eq. 7)."""
+    """Force of the oil on the piston, towards the machine positive [N]: A_1 P_1 − A_2 P_2 (paper eq. 7)."""
     return own.piston_area * pressure_1 - own.piston_area_2 * pressure_2

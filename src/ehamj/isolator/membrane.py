@@ -1,4 +1,4 @@
-"""The membrane that carries the machine: vertical and lateral springs, the pressure plate, and the machine's foot."""
+"""The membrane that carries the machine: axial and lateral springs, the pressure plate, and the machine's foot."""
 
 import math
 from typing import Any, ClassVar
@@ -11,12 +11,14 @@ from ehamj.settings import Unlimited, quantity
 class Membrane(Component):
     """Membrane, plate and foot; the engine's model has their springs, dampers and masses."""
 
-    membrane_stiffness: float = quantity(
-        6.8e8, "N/m", "K_L", "vertical (static) stiffness of the membrane", "paper", ge=0
+    membrane_stiffness: float = quantity(6.8e8, "N/m", "K_L", "axial (static) stiffness of the membrane", "paper", ge=0)
+    membrane_damping: float = quantity(3900.0, "N s/m", "C", "axial viscous damping", "paper", ge=0)
+    lateral_stiffness: float = quantity(
+        2e8, "N/m", "k_h", "lateral stiffness, each direction across the action", "assumed", ge=0
     )
-    membrane_damping: float = quantity(3900.0, "N s/m", "C", "vertical viscous damping", "paper", ge=0)
-    lateral_stiffness: float = quantity(2e8, "N/m", "k_h", "lateral stiffness, each direction", "assumed", ge=0)
-    lateral_damping: float = quantity(2e4, "N s/m", "c_h", "lateral damping, each direction", "assumed", ge=0)
+    lateral_damping: float = quantity(
+        2e4, "N s/m", "c_h", "lateral damping, each direction across the action", "assumed", ge=0
+    )
     plate_mass: float = quantity(14.0, "kg", "m_p", "mass of the moving pressure plate", "assumed", ge=0)
     foot_stiffness: Unlimited = quantity(
         math.inf, "N/m", "k_f", "stiffness plate to machine (inf: rigid)", "assumed", gt=0
