@@ -55,4 +55,4 @@ def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
     )
     (tmp_path / "mine.toml").write_text(block, encoding="utf-8")
     scenario = load_scenario(tmp_path / "mine.toml")
-    assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 4000.0)
+    assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 5000.0)

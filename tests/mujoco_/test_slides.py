@@ -12,7 +12,9 @@ from scipy.integrate import cumulative_simpson
 from ehamj.linear.machine import linear_model
 from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOFS
-from ehamj.run.simulate import observed
+from ehamj.plant.kinematics import points_motion
+from ehamj.replay.scene import drawn_model, poses
+from ehamj.run.simulate import observed, simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
@@ -146,3 +148,17 @@ def test_mass_matrix_of_the_moving_machine_is_that_of_the_locked_one() -> None:
         matrices.append(matrix[:6, :6])
     np.testing.assert_allclose(*matrices, rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(moving.stat.meaninertia * moving.nv, locked.stat.meaninertia * 6 + MOVING, rtol=1e-2)
+
+
+def test_drawn_slide_goes_along_its_rail_on_the_moving_machine() -> None:
+    run = simulate(scenario(1e-3, duration=2.0))
+    model = drawn_model(run)
+    rows = np.array([0, 800, 2000])
+    drawn = poses(run, model, 1.0, rows)
+    still, machine = np.zeros((3, 6)), run.dataset.machine_displacement.values
+    moved = machine[rows] - machine[0]
+    for k, coordinate in enumerate(run.dataset.slide.values[rows, 0]):
+        place = (coordinate, 0.0, RAIL)
+        by = points_motion(moved, still, still, [place])[0][0][k]
+        np.testing.assert_allclose(drawn["slide table"].translation[k], place + by, atol=1e-12)
+    assert model.geom("slide table").bodyid == model.body("slide table").id

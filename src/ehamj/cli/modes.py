@@ -95,12 +95,25 @@ def modes(
         print_json(_plain(found, slopes, test) | ({} if replay is None else {"replay": str(replay)}))
         return
     if test is None or everything or sensitivity or points:
-        for key, some in found.items():
-            print_modes(f"{loaded.name}: {VARIANTS[key]}", some, everything, list(places), slopes.get(key))
+        _print(loaded, found, everything, list(places), slopes)
     if test is not None:
         print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})")
+
+
+def _print(
+    scenario: Scenario,
+    found: Mapping[str, Sequence[Mode]],
+    everything: bool,
+    places: list[str],
+    slopes: Mapping[str, xr.Dataset],
+) -> None:
+    """A table per variant, and where slides stand."""
+    for key, some in found.items():
+        print_modes(f"{scenario.name}: {VARIANTS[key]}", some, everything, places, slopes.get(key))
+    for said in scenario.where_slides_stand:
+        say(f"{said}; --set slide.NAME.start=… chooses another place", words=True)
 
 
 def _draw(path: Path, scenario: Scenario, found: Mapping[str, Sequence[Mode]]) -> None:

@@ -119,7 +119,8 @@ def cross_axes(along: Array) -> Array:
     """Two unit vectors at right angles to one and to each other, the first of them level, (2, 3): x and y of up."""
     x, y, _ = along
     flat = float(np.hypot(x, y))
-    level = np.array([1.0, 0.0, 0.0]) if flat == 0.0 else np.array([y, -x, 0.0]) / flat
+    # Numbers near the least that there is have no digits to divide.
+    level = np.array([1.0, 0.0, 0.0]) if flat < 1e-150 else np.array([y, -x, 0.0]) / flat
     return np.array([level, np.cross(along, level)])
 
 

@@ -85,6 +85,13 @@ class Installation(Settings):
         return (*(part.body for part in self.part), *(slide.body(slide.begins) for slide in self.slide))
 
     @property
+    def where_slides_stand(self) -> tuple[str, ...]:
+        """What a reader of a law, of modes and of other linear figures must know of slides that move."""
+        moving = [f"{slide.name} at {slide.begins:g} m" for slide in self.slide if slide.moves]
+        said = f"slides move: laws, modes and linear figures are those of the machine with {', '.join(moving)}"
+        return (said,) if moving else ()
+
+    @property
     def running(self) -> dict[str, Actuator]:
         """The actuators with the values that they run with, which is what is to be shown of them."""
         return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}

@@ -45,8 +45,8 @@ FOLDED: Final = "motion faster than half the recording rate"
 class Budget:
     """RMS velocities of floor and machine per third-octave band, (bands, `SLAB`) [m/s, rad/s], NaN where undecided.
 
-    ``contributions`` are those of the machine by what causes them. ``command`` is the RMS of one valve's command by the
-    floor and by noise [V], ``limit`` its range [V].
+    ``contributions`` are those of the machine by what causes them. ``command`` is the RMS by floor
+    and by noise of the command of the valve that needs most [V], ``limit`` its range [V].
     """
 
     floor: Array
@@ -82,7 +82,7 @@ class Budget:
 
     @property
     def command_rms(self) -> float:
-        """RMS of one valve's command by all causes [V]."""
+        """RMS of the command of the valve that needs most, by all causes [V]."""
         return float(np.sqrt(sum(part**2 for part in self.command.values())))
 
     @property
@@ -145,7 +145,8 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
     moved = _levels(np.asarray(sum(seen.causes.values())), rate, known)
     noises = _noises(model, loop, rate)
     command = seen.command[int(settled(duration) / duration * len(seen.command)) :]
-    of_floor = float(np.sqrt(command.var(axis=0).mean()))
+    spread = command.var(axis=0)
+    most = int(np.argmax(spread))
     levels = _levels(floor, rate, known)
     total = with_noises(moved, list(noises.values()))
     return Budget(
@@ -154,7 +155,7 @@ def budget(scenario: Scenario, model: LinearModel, law: LinearController) -> Bud
         contributions=contributions | noises,
         noises=tuple(noises),
         attenuation=attenuation_of(levels, total, _levels(seen.floor, rate, known), BANDS, scenario.plant),
-        command={"floor": of_floor, "noise": _noise_command(model, loop)},
+        command={"floor": float(np.sqrt(spread[most])), "noise": _noise_command(model, loop, most)},
         limit=law.converter.voltage_limit,
         phases=_phases(model, loop, scenario) if feeds_back(law) else {},
         notes=tuple(notes),
@@ -215,15 +216,15 @@ def _densities(loop: Loop, f: Array) -> Array:
     return np.array([np.zeros(f.size) if one is None else one.noise_density(f) for one in found]).reshape(-1, f.size).T
 
 
-def _noise_command(model: LinearModel, loop: Loop) -> float:
-    """RMS of the first valve's command by the instruments' noise, from 0.05 Hz to half the rate [V]."""
+def _noise_command(model: LinearModel, loop: Loop, valve: int) -> float:
+    """RMS of one valve's command by the instruments' noise, from 0.05 Hz to half the rate [V]."""
     nyquist = 0.5 / min(part.period for part in loop.law.parts)
     f = np.geomspace(0.05, 0.99 * nyquist, 300)
     cut = opened(model, loop, f)
     closed = cut.sensitivity @ cut.law
     # The hold belongs to what acts on the machine; the command itself jumps from sample to sample without it.
     held = np.abs(np.sinc(0.5 * f / nyquist))
-    noise = np.sum(np.abs(closed[:, 0]) ** 2 * _densities(loop, f) ** 2, axis=1)
+    noise = np.sum(np.abs(closed[:, valve]) ** 2 * _densities(loop, f) ** 2, axis=1)
     return float(np.sqrt(np.trapezoid(noise / held**2, f)))
 
 

@@ -1,5 +1,6 @@
 """What a design comes out with: answers, tables and figures of margins, loops and budget."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import grid, in_patterns
 from ehamj.pages.words import AXIS_NAMES, decibel
+from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
 
@@ -23,6 +25,8 @@ SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
 CLIPPED: Final = 1e-3
 """Share of the time beyond the valves' range from which on a prediction does not hold."""
+LIMITED: Final = {"z": "vertically", "x": "along x", "y": "along y"}
+"""Axes of which it is told what limits them."""
 LOUDER: Final = 0.5
 """By so much the machine must be louder than the floor before it is said [dB]."""
 
@@ -93,12 +97,12 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             found.append(f"Unstable: {'; '.join(unstable)}.")
     else:
         found.append("The law only measures the ground: there is no loop, and nothing that could become unstable.")
-    found += _predicted(limits)
+    found += _predicted(limits, scenario.plant.layout.motions)
     beyond = limits.saturated
     rarely = "hardly ever" if beyond < 1e-6 else f"for {100 * beyond:.2g} % of the time"
     found.append(
-        f"Commands: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V ({limits.command['noise']:.2f} V of it by "
-        f"noise), beyond their range {rarely}."
+        f"Commands, at the valve that needs most: {limits.command_rms:.2f} V RMS of ±{limits.limit:g} V "
+        f"({limits.command['noise']:.2f} V of it by noise), beyond their range {rarely}."
         + (" On so strong a floor that does not hold: clipped commands leave more." if beyond > CLIPPED else "")
     )
     if limits.phases:
@@ -117,8 +121,8 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
     return found
 
 
-def _predicted(limits: Budget) -> list[str]:
-    """What the run will show, axis by axis, and what limits it."""
+def _predicted(limits: Budget, driven: Sequence[str]) -> list[str]:
+    """What the run will show, axis by axis, and what limits it along those that the mounts drive."""
     found = []
     for motion, name in AXIS_NAMES.items():
         known = {band: value for band, value in limits.attenuation[motion].items() if value is not None}
@@ -135,14 +139,15 @@ def _predicted(limits: Budget) -> list[str]:
         found.append(text + ".")
     if not found:
         return ["Attenuation: undecided in every band; the run is too short, or its floor is not known."]
-    binding = dict(zip((band.name for band in limits.bands), limits.binding(), strict=True))
-    causes: dict[str, list[str]] = {}
-    for band in SHOWN:
-        if cause := binding[band]:
-            causes.setdefault(cause, []).append(band)
-    if causes:
-        words = "; ".join(f"{cause} at {', '.join(bands)} Hz" for cause, bands in causes.items())
-        found.append(f"What limits it vertically: {words}.")
+    for axis, words in LIMITED.items():
+        binding = dict(zip((band.name for band in limits.bands), limits.binding(axis), strict=True))
+        causes: dict[str, list[str]] = {}
+        for band in SHOWN:
+            if cause := binding[band]:
+                causes.setdefault(cause, []).append(band)
+        if causes and MOTION_NAMES[axis] in driven:
+            said = [f"{cause} at {', '.join(bands)} Hz" for cause, bands in causes.items()]
+            found.append(f"What limits it {words}: {'; '.join(said)}.")
     return found
 
 

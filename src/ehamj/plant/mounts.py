@@ -6,7 +6,7 @@ from typing import Final, Self
 from pydantic import Field, field_validator, model_validator
 
 from ehamj.plant.points import NAME, RESERVED
-from ehamj.settings import Position2, Settings, Vector3
+from ehamj.settings import Settings, Vector3
 
 MOUNTS: Final = ("front-left", "front-right", "rear-left", "rear-right")
 """Mounts of the default machine, in order; +x is front, +y is left."""
@@ -25,8 +25,8 @@ class Mount(Settings):
     """Where one isolator stands at the machine, and along what it acts."""
 
     name: str = Field(description="short name: at most 32 letters, digits, - and _")
-    position: Position2 | Vector3 = Field(
-        description="of the foot from the mount plane's centre: x and y, or x, y and z [m]"
+    position: tuple[float, ...] = Field(
+        min_length=2, max_length=3, description="of the foot from the mount plane's centre: x and y, or x, y and z [m]"
     )
     direction: Vector3 = Field(UP, description="along which it acts, towards the machine: x, y, z (any length); up")
     height: float = Field(0.0, description="shim below the isolator, along its direction [m]")

@@ -66,7 +66,13 @@ class Prepared:
         """What a reader of the result must know."""
         read = tuple(self.controller.inputs) if self.controller is not None else ()
         failing = (*unread(self.scenario.fault, read), *self.of_step)
-        notes = (*self.motion.notes, *self.scenario.machine.assumptions, *failing, *self._folded())
+        notes = (
+            *self.motion.notes,
+            *self.scenario.machine.assumptions,
+            *self.scenario.where_slides_stand,
+            *failing,
+            *self._folded(),
+        )
         if not isinstance(self.controller, PythonController):
             return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"

@@ -79,6 +79,12 @@ class Scenario(Installation, Course):
         if "points" not in self.model_fields_set:
             object.__setattr__(self, "points", default_points(self.machine))
         mounts = tuple(mount.name for mount in self._mounts)
+        held = tuple(mount.name for mount in self.nominal._mounts)
+        if held != mounts:
+            raise ValueError(
+                f"control.designed_for: the law is held for a machine on {', '.join(held)}, and this one stands on "
+                f"{', '.join(mounts)}; a law commands the mounts that it was derived for, in the same order"
+            )
         check_named(self, mounts)
         check_points(self.points, self.machine, mounts)
         check_relatives(self.relative, self.points, mounts)
