@@ -343,6 +343,8 @@ def test_cg_on_the_outline_is_accepted(cg: tuple[float, float, float]) -> None:
     assert Machine(size=(2.0, 2.0, 2.0), cg=cg).cg == cg
 
 
-def test_a_mount_has_one_of_four_names() -> None:
-    with pytest.raises(ValidationError, match="'front-left', 'front-right', 'rear-left' or 'rear-right'"):
-        Mount(name="front", position=(0.0, 0.0))  # type: ignore[arg-type]
+@pytest.mark.parametrize("name", ["", "front left", "machine"])
+def test_a_mount_has_a_name_that_fits_into_names_of_channels(name: str) -> None:
+    assert Mount(name="front_1", position=(0.0, 0.0)).name == "front_1"
+    with pytest.raises(ValidationError, match="letters, digits, - and _"):
+        Mount(name=name, position=(0.0, 0.0))
