@@ -354,3 +354,10 @@ def test_a_mount_has_a_place_a_direction_of_some_length_and_a_thin_shim() -> Non
     ):
         with pytest.raises(ValidationError, match=words):
             Mount.model_validate({"name": "front", "position": (0.0, 0.0), **bad})
+
+
+@pytest.mark.parametrize("name", ["", "front left", "machine"])
+def test_a_mount_has_a_name_that_fits_into_names_of_channels(name: str) -> None:
+    assert Mount(name="front_1", position=(0.0, 0.0)).name == "front_1"
+    with pytest.raises(ValidationError, match="letters, digits, - and _"):
+        Mount(name=name, position=(0.0, 0.0))
