@@ -1,4 +1,4 @@
-"""Closed-loop gains: the root locus of the whole machine, all four valves at once, and the limit of its gain."""
+"""Closed-loop gains: the root locus of the whole machine, all valves at once, and the limit of its gain."""
 
 from typing import Final
 

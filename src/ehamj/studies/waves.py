@@ -1,7 +1,7 @@
 """Travelling waves in the floor: which direction, speed and frequency rock the machine most.
 
 A wave of vertical velocity v and frequency f that runs at speed c turns the floor at the rate v·2πf/c; a machine on
-stiff mounts follows the plane through its four mounts, and most where half a wave lies between them. Rotation rates are
+stiff mounts follows the plane through its mounts, and most where half a wave lies between them. Rotation rates are
 given over the floor's velocity: [rad/s per m/s] = [rad/m].
 """
 
