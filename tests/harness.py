@@ -1,4 +1,4 @@
-"""What the command line said, for the tests of every room that has a command."""
+"""What tests of several rooms share: what the command line said, and a machine on mounts in any direction."""
 
 import json
 import re
@@ -34,3 +34,12 @@ class Said(NamedTuple):
 
 
 Cli = Callable[..., Said]
+
+SKEW_MOUNTS: list[dict[str, Any]] = [
+    {"name": "a", "position": [0.8, 0.1, 0.5], "direction": [0.2, 0.1, 1.0]},
+    {"name": "b", "position": [-0.7, 0.6, -0.5], "direction": [-0.3, 0.4, 1.0], "height": 0.002},
+    {"name": "c", "position": [-0.6, -0.7, 0.0], "direction": [0.0, -1.0, 0.3]},
+    {"name": "d", "position": [0.5, -0.6, 0.2]},
+    {"name": "level", "position": [0.9, 0.5, 0.4], "direction": [-1.0, 0.0, 0.0]},
+]
+"""Five mounts off the plane: two skew, one of them shimmed, one that leans over, one upright, one level."""

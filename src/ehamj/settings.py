@@ -8,13 +8,31 @@ A source is one of
 - ``given``: set by the user.
 """
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any, Literal, Self, Union
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 Source = Literal["paper", "identified", "assumed", "given"]
 Vector3 = tuple[float, float, float]
+
+
+def _has_length(direction: Vector3) -> Vector3:
+    if math.hypot(*direction) < 1e-9:
+        raise ValueError(f"{list(direction)} has no length; along x it is [1, 0, 0], up it is [0, 0, 1]")
+    return direction
+
+
+def unit(direction: Vector3) -> Vector3:
+    """A direction at length one."""
+    length = math.hypot(*direction)
+    x, y, z = (entry / length for entry in direction)
+    return (x, y, z)
+
+
+Direction = Annotated[Vector3, AfterValidator(_has_length)]
+"""x, y, z of any length but none; see `unit`."""
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Unlimited = Annotated[float, Field(allow_inf_nan=True)]

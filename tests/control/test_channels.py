@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ehamj.control.channels import CROSS, MountChannels, UnknownChannelError, channel_row, cross_axes
+from ehamj.control.channels import CROSS, MountChannels, UnknownChannelError, channel_row
 from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
+from ehamj.plant.levers import cross_axes
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
 

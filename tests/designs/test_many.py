@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from harness import SKEW_MOUNTS
 from oracles import linear
 
 from ehamj.designs.designs import Designs
@@ -12,9 +13,9 @@ from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
 from ehamj.designs.parameters import value_of, with_value
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.linear.elements import ACTUATOR_VALUES
 from ehamj.linear.machine import linear_model
 from ehamj.linear.response import ground_response
+from ehamj.linear.values import ACTUATOR_VALUES
 from ehamj.plant.axes import DOFS
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS
 from ehamj.scenario.load import parse_scenario
@@ -32,13 +33,7 @@ SLANTED: dict[str, Any] = {
 
 SKEW: dict[str, Any] = {
     "machine": {"mass": 2000.0, "cg": [0.1, -0.05, 0.7]},
-    "mount": [
-        {"name": "a", "position": [0.8, 0.1, 0.5], "direction": [0.2, 0.1, 1.0]},
-        {"name": "b", "position": [-0.7, 0.6, -0.5], "direction": [-0.3, 0.4, 1.0], "height": 0.002},
-        {"name": "c", "position": [-0.6, -0.7, 0.0], "direction": [0.0, -1.0, 0.3]},
-        {"name": "d", "position": [0.5, -0.6, 0.2]},
-        {"name": "level", "position": [0.9, 0.5, 0.4], "direction": [-1.0, 0.0, 0.0]},
-    ],
+    "mount": SKEW_MOUNTS,
 }
 
 SOFT_AND_SKEW = SKEW | {"actuators": {"isolator": {"membrane_stiffness": 4e6, "lateral_stiffness": 2e6}}}

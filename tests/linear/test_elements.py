@@ -4,22 +4,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from harness import SKEW_MOUNTS
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
-from ehamj.linear.elements import Elements, Values
+from ehamj.linear.elements import Elements
+from ehamj.linear.values import Values
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
 
 SKEW: dict[str, Any] = {
     "machine": {"mass": 900.0, "cg": [0.1, -0.05, 0.7], "inertia": [300.0, 400.0, 500.0]},
-    "mount": [
-        {"name": "a", "position": [0.8, 0.1, 0.5], "direction": [0.2, 0.1, 1.0]},
-        {"name": "b", "position": [-0.7, 0.6, -0.5], "direction": [-0.3, 0.4, 1.0], "height": 0.002},
-        {"name": "c", "position": [-0.6, -0.7, 0.0], "direction": [0.0, -1.0, 0.3]},
-        {"name": "d", "position": [0.5, -0.6, 0.2]},
-        {"name": "level", "position": [0.9, 0.5, 0.4], "direction": [-1.0, 0.0, 0.0]},
-    ],
+    "mount": SKEW_MOUNTS,
     "actuators": {"isolator": {"membrane_stiffness": 3e5, "lateral_stiffness": 2e5, "area_ratio": 0.999}},
 }
 

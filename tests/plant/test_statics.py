@@ -115,7 +115,7 @@ def test_level_shims_take_the_tilt_away_and_are_the_thinnest() -> None:
         (table(CORNERS[:2]), ["there are 2", "3 to 32"]),
         (table(np.linspace((-0.9, -0.6), (0.9, 0.6), 33).tolist()), ["there are 33", "3 to 32"]),
         (table(CORNERS, ((0.0, 0.0, 0.0), *((0.0, 0.0, 1.0),) * 3)), ["direction = [0.0, 0.0, 0.0]", "no length"]),
-        ({"mount": [table(CORNERS)["mount"][0]] * 4}, ["['m0'] appear more than once"]),
+        ({"mount": [table(CORNERS)["mount"][0]] * 4}, ["mount.1.name = 'm0' must be unique"]),
         (table(((0.9, 0.6, 2.0), *CORNERS[1:])), ["m0", "[0.9, 0.6, 2.0]", "±1.9 m in height", "machine.size"]),
         (table(((1.2, 0.6), *CORNERS[1:])), ["m0", "[1.2, 0.6]", "±1.1 by ±0.8 m"]),
     ],

@@ -439,7 +439,7 @@ BAD: dict[str, tuple[dict[str, Any], list[str]]] = {
         {"mount": mounts(front_left={"name": "front left"})},
         ["mount.0.name = 'front left'", "32 letters, digits"],
     ),
-    "mount named twice": ({"mount": mounts(front_left={"name": "rear-left"})}, ["rear-left", "more than once"]),
+    "mount named twice": ({"mount": mounts(front_left={"name": "rear-left"})}, ["rear-left", "must be unique"]),
     "two mounts": ({"mount": mounts()[2:]}, ["mount: there are 2", "3 to 32"]),
     "mount without position": ({"mount": [{"name": "front-left"}, *mounts()[1:]]}, ["mount.0.position", "missing"]),
     "front and rear swapped": (

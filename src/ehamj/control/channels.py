@@ -17,7 +17,7 @@ from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.memory import ISOLATOR_STATE, size
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
-from ehamj.plant.levers import lever
+from ehamj.plant.levers import cross_axes, lever
 from ehamj.plant.mounts import MOUNTS, UPRIGHT
 from ehamj.plant.plant import Plant
 
@@ -113,15 +113,6 @@ def axis_of(label: str, along: Array) -> Array:
     if label in AXES:
         return np.asarray(np.eye(len(AXES))[AXES.index(label)])
     return along if label == ALONG else cross_axes(along)[CROSS.index(label)]
-
-
-def cross_axes(along: Array) -> Array:
-    """Two unit vectors at right angles to one and to each other, the first of them level, (2, 3): x and y of up."""
-    x, y, _ = along
-    flat = float(np.hypot(x, y))
-    # Numbers near the least that there is have no digits to divide.
-    level = np.array([1.0, 0.0, 0.0]) if flat < 1e-150 else np.array([y, -x, 0.0]) / flat
-    return np.array([level, np.cross(along, level)])
 
 
 class MountChannels(NamedTuple):

@@ -15,6 +15,7 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import DEFAULT_MOUNTS, FEWEST, MOST, MOUNTS, UP, Mount
 from ehamj.plant.part import Part, check_parts
 from ehamj.plant.plant import Plant
+from ehamj.plant.points import check_unique
 from ehamj.plant.slide import Slide, check_slides
 from ehamj.plant.statics import check_standing
 from ehamj.scenario_files import scenario_path, scenario_table
@@ -45,9 +46,7 @@ class Installation(Settings):
         names = tuple(mount.name for mount in self.mount)
         if not FEWEST <= len(names) <= MOST:
             raise ValueError(f"mount: there are {len(names)}, there must be {FEWEST} to {MOST}")
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"mount names {twice} appear more than once; each must be unique")
+        check_unique("mount", self.mount)
         check_parts(self.part, self.machine)
         check_slides(self.slide, self.machine)
         half_x, half_y, high = self.machine.size[0] / 2, self.machine.size[1] / 2, self.machine.size[2]

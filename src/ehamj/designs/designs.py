@@ -19,7 +19,7 @@ from ehamj.arrays import Array
 from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
-from ehamj.linear.elements import ACTUATOR_VALUES, Values, body_of, of_body
+from ehamj.linear.values import ACTUATOR_VALUES, Values, body_of, of_body
 from ehamj.plant.axes import AXES
 from ehamj.plant.bodies import joined
 from ehamj.scenario.model import Scenario

@@ -22,7 +22,9 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.designs.designs import Designs
 from ehamj.errors import InputError
 from ehamj.labels import labelled
-from ehamj.linear.elements import Elements, Oil, body_of, solve
+from ehamj.linear.elements import Elements, solve
+from ehamj.linear.oil import Oil
+from ehamj.linear.values import body_of
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS, JOINTS
 from ehamj.plant.levers import lever
 

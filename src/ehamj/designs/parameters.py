@@ -9,7 +9,7 @@ from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
-from ehamj.linear.elements import ACTUATOR_VALUES, MACHINE_VALUES
+from ehamj.linear.values import ACTUATOR_VALUES, MACHINE_VALUES
 from ehamj.plant.axes import AXES
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant

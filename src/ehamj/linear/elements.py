@@ -1,4 +1,4 @@
-"""Mass, springs, dampers and oil of the machine as matrices from closed forms, for many designs at once.
+"""Mass, springs and dampers of the machine as matrices from closed forms, for many designs at once.
 
 Every array may have leading axes, one element per design. Coordinates are the model's joints
 (`ehamj.plant.axes.JOINTS`) at the mount plane's centre, then the plates of flexible feet along their mounts; deviations
@@ -8,19 +8,17 @@ feet.
 Sources: docs/physics.md, sections 2 and 3.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ehamj.arrays import Array
-from ehamj.isolator.fluid import ATMOSPHERE
+from ehamj.linear.values import Values, body_of
 from ehamj.plant.axes import AXES, DOFS, JOINTS
-from ehamj.plant.bodies import Body
 from ehamj.plant.kinematics import rotations
-from ehamj.plant.mounts import UPRIGHT
-from ehamj.plant.plant import STANDARD_GRAVITY, STIFF, Plant
+from ehamj.plant.plant import Plant
 
 NEWTON_STEPS = 3
 """From level to the static equilibrium; micro-radians need one."""
@@ -29,107 +27,11 @@ _SHIFTS = [JOINTS.index(dof) for dof in DOFS[:3]]
 _TURNS = [JOINTS.index(dof) for dof in DOFS[3:]]
 """Columns of x, y, z and of rx, ry, rz."""
 
-MACHINE_VALUES = ("mass", "inertia.0", "inertia.1", "inertia.2", "cg.0", "cg.1", "cg.2")
-"""Values of the machine (`ehamj.plant.machine.Machine`), entries of vectors by number; of a tensor its moments."""
-
-PRODUCTS = {"product.xy": (0, 1), "product.xz": (0, 2), "product.yz": (1, 2)}
-"""Products of inertia, and where they stand in the tensor."""
-
-ACTUATOR_VALUES = (
-    "piston_area", "chamber_volume", "bulk_modulus", "vapour_pressure", "area_ratio", "volume_share", "air_fraction",
-    "polytropic_exponent", "wall_modulus", "membrane_stiffness", "membrane_damping", "lateral_stiffness",
-    "lateral_damping", "plate_mass", "foot_stiffness", "foot_damping", "flow_gain", "flow_pressure",
-    "edge_leakage_share", "laminar_ratio", "valve_gain", "valve_frequency", "valve_damping", "spool_stroke",
-    "rated_flow", "rated_drop",
-)  # fmt: skip
-"""Values of an actuator (`ehamj.isolator.actuator.Actuator`) that the linear machine depends on."""
-
-
-@dataclass(frozen=True)
-class Values:
-    """Physical values, each an array over the designs; those of the mounts with a last axis (mount,).
-
-    ``common`` holds `MACHINE_VALUES`, `PRODUCTS` [kg m²], ``gravity``, ``pressure`` and ``tank_pressure``;
-    ``mounts`` holds `ACTUATOR_VALUES`, the positions ``x``, ``y`` and ``z``, the shims ``height`` [m] and
-    ``moving_volume`` (0 or 1). SI, spools in mA.
-    """
-
-    common: Mapping[str, Array]
-    mounts: Mapping[str, Array]
-    frames: Array
-    """Axes of each mount in rows, two across it and the one along it, (mount, 3, 3): x, y, z of upright ones."""
-
-    @classmethod
-    def of(cls, plant: Plant) -> "Values":
-        """The values of one plant, shapes () and (mount,)."""
-        common = {"gravity": np.asarray(plant.gravity), **of_body(plant.machine.body)}
-        common["pressure"] = np.asarray(plant.supply.pressure)
-        common["tank_pressure"] = np.asarray(plant.supply.tank_pressure)
-        own = plant.actuators
-        mounts: dict[str, Sequence[float]] = {name: [getattr(a, name) for a in own] for name in ACTUATOR_VALUES}
-        mounts |= {axis: [position[k] for position in plant.positions] for k, axis in enumerate(AXES)}
-        mounts |= {"height": plant.heights, "moving_volume": [float(a.moving_volume) for a in own]}
-        return cls(
-            {name: np.asarray(value, float) for name, value in common.items()},
-            {name: np.asarray(value, float) for name, value in mounts.items()},
-            np.array([_frame(direction) for direction in plant.directions]),
-        )
-
-    @property
-    def middle(self) -> Array:
-        """Pressure of all chambers at rest, (P_s + P_t)/2 [Pa]: both edges of a port leak alike."""
-        return 0.5 * (self.common["pressure"] + self.common["tank_pressure"])
-
-    @property
-    def flat(self) -> Array:
-        """Designs (…,) whose mounts are all upright and in the mount plane (`ehamj.plant.plant.Plant.flat`)."""
-        upright = bool((self.frames[:, 2, 2] > 1.0 - UPRIGHT).all())
-        return np.asarray((self.mounts["z"] == 0.0).all(axis=-1) & upright)
-
-    @property
-    def level_enough(self) -> Array:
-        """Designs (…,) whose feet move as when the machine is level (`ehamj.plant.plant.Plant.level_enough`)."""
-        own = self.mounts
-        oil = 4.0 * own["bulk_modulus"] * own["piston_area"] ** 2 / own["chamber_volume"]
-        spring = own["membrane_stiffness"] + np.where(own["flow_pressure"] == 0.0, oil, 0.0)
-        share = 1.0 / (1.0 + spring / own["foot_stiffness"])
-        weight = (self.common["mass"] + own["plate_mass"].sum(axis=-1)) * STANDARD_GRAVITY
-        return np.asarray(self.flat & (weight < STIFF * (spring * share).sum(axis=-1)))
-
-
-def _frame(direction: ArrayLike) -> Array:
-    """Two unit vectors across a direction and the direction itself, (3, 3); x, y, z of the upright one."""
-    along = np.asarray(direction, float)
-    if along[2] > 1.0 - UPRIGHT:
-        return np.eye(3)
-    first = np.eye(3)[int(np.argmin(np.abs(along)))]
-    first = first - along * float(along @ first)
-    first /= np.linalg.norm(first)
-    return np.array([first, np.cross(along, first), along])
-
 
 def coordinates(plant: Plant) -> tuple[str, ...]:
     """Names of the coordinates of a plant's `Elements`, as states of the linear model have them."""
     soft = (name for name, a in zip(plant.mounts, plant.actuators, strict=True) if not a.rigid_foot)
     return (*JOINTS, *(f"plate {name}" for name in soft))
-
-
-def of_body(body: Body) -> dict[str, Array]:
-    """Values of the machine, by name, of its mass properties (…,)."""
-    moments = {f"inertia.{k}": body.tensor[..., k, k] for k in range(3)}
-    products = {name: body.tensor[..., row, column] for name, (row, column) in PRODUCTS.items()}
-    return {"mass": body.mass, **moments, **products, **{f"cg.{k}": body.cg[..., k] for k in range(3)}}
-
-
-def body_of(common: Mapping[str, Array]) -> Body:
-    """The other way."""
-    shape = np.broadcast_shapes(*(common[name].shape for name in (*MACHINE_VALUES, *PRODUCTS)))
-    cg, tensor = np.empty((*shape, 3)), np.empty((*shape, 3, 3))
-    for k in range(3):
-        cg[..., k], tensor[..., k, k] = common[f"cg.{k}"], common[f"inertia.{k}"]
-    for name, (row, column) in PRODUCTS.items():
-        tensor[..., row, column] = tensor[..., column, row] = common[name]
-    return Body(np.broadcast_to(common["mass"], shape), cg, tensor)
 
 
 @dataclass(frozen=True)
@@ -283,52 +185,6 @@ def _turning(common: Mapping[str, Array], shape: tuple[int, ...], n: int, angles
 def _axis(rate: Array) -> Array:
     """Vector (…, 3) whose cross product a skew matrix (…, 3, 3) is."""
     return np.stack([rate[..., 2, 1], rate[..., 0, 2], rate[..., 1, 0]], axis=-1)
-
-
-@dataclass(frozen=True)
-class Oil:
-    """The chambers' oil about rest; last axis the mounts."""
-
-    areas: Array
-    """Areas of chambers 1 and 2 [m²], (2, …, mount)."""
-    compliances: Array
-    """Of chambers 1 and 2, (2, …, mount): oil that enters per pressure, walls included, V (w/β + 1/β_w) [m³/Pa]."""
-    stretch: Array
-    """w = 1 + (p − p₀)/β_w [-]."""
-    edge: Array
-    """g₀ [m³/s/Pa]."""
-    cross: Array
-    """c [m³/s/Pa]."""
-
-    @classmethod
-    def of(cls, values: Values, strokes: Array, pressures: tuple[Array, Array] | None = None) -> "Oil":
-        """The oil with the pistons at ``strokes`` [m], chambers at ``pressures`` [Pa] (without: their middle)."""
-        at, wall = values.mounts, values.mounts["wall_modulus"]
-        middle = values.middle[..., None]
-        areas = np.stack([at["piston_area"], at["piston_area"] * at["area_ratio"]])
-        moved = at["moving_volume"] * strokes
-        compliances = []
-        shares = at["volume_share"], 1.0 - at["volume_share"]
-        for share, swept, p in zip(shares, (areas[0], -areas[1]), pressures or (middle, middle), strict=True):
-            volume = share * at["chamber_volume"] + swept * moved
-            compliances.append(volume * ((1.0 + (p - ATMOSPHERE) / wall) / oil_modulus(values, p) + 1.0 / wall))
-        edge = at["edge_leakage_share"] * at["flow_pressure"]
-        stretch = 1.0 + (middle - ATMOSPHERE) / wall
-        return cls(areas, np.stack(compliances), stretch, edge, at["flow_pressure"] - edge)
-
-    @property
-    def empty(self) -> Array:
-        """Where a chamber would have no room left (…,), or there is no rest at all."""
-        return np.asarray(~(self.compliances > 0.0).all(axis=(0, -1)))
-
-
-def oil_modulus(values: Values, pressure: Array) -> Array:
-    """Bulk modulus of oil with entrained air [Pa], as `ehamj.isolator.fluid.oil_modulus`, (…, mount)."""
-    at = values.mounts
-    liquid = (1.0 - at["air_fraction"]) * np.exp((ATMOSPHERE - pressure) / at["bulk_modulus"])
-    gas = at["air_fraction"] * (ATMOSPHERE / pressure) ** (1.0 / at["polytropic_exponent"])
-    compliance = liquid / at["bulk_modulus"] + gas / (at["polytropic_exponent"] * pressure)
-    return np.asarray((liquid + gas) / compliance)
 
 
 def _quadratic(motion: Array, weight: Array) -> Array:

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.linear.elements import Elements, Oil, Values, coordinates
+from ehamj.linear.elements import Elements, coordinates
+from ehamj.linear.oil import Oil
+from ehamj.linear.values import Values
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import lever
 from ehamj.plant.machine import Machine

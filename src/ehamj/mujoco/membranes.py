@@ -7,8 +7,8 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.plant.axes import DOFS
-from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
+from ehamj.plant.statics import assembled
 
 NOTHING: Final = 1e-12
 """Share of the largest stiffness below which a direction has none."""
@@ -56,14 +56,6 @@ def _add_level(spec: mujoco.MjSpec, plant: Plant, kind: str, k: Array) -> None:
         put(tendon, **{kind: total})
 
 
-def lateral(plant: Plant, k: Array) -> Array:
-    """Σ k (1 − d dᵀ) of all mounts as seen by the machine's motion, in the order of `DOFS`, (6, 6)."""
-    total = np.zeros((len(DOFS), len(DOFS)))
-    for each, place, along in zip(k, plant.positions, plant.directions, strict=True):
-        total += each * lever(place).T @ (np.eye(3) - np.outer(along, along)) @ lever(place)
-    return total
-
-
 def _add_general(spec: mujoco.MjSpec, plant: Plant, values: dict[str, Array]) -> None:
     """At most six tendons, which have stiffness and damping both.
 
@@ -71,7 +63,8 @@ def _add_general(spec: mujoco.MjSpec, plant: Plant, values: dict[str, Array]) ->
     ones: K = Σ k w wᵀ, C = Σ c w wᵀ. Rotations count times a length, so that all entries are of one size.
     """
     scale = np.repeat([1.0, plant.layout.span], 3)
-    matrices = {kind: lateral(plant, k) / np.outer(scale, scale) for kind, k in values.items()}
+    lateral = {kind: assembled(plant, [(0.0, each) for each in k]) for kind, k in values.items()}
+    matrices = {kind: matrix / np.outer(scale, scale) for kind, matrix in lateral.items()}
     total = {kind: float(np.trace(matrix)) for kind, matrix in matrices.items()}
     matrices = {kind: matrix / total[kind] for kind, matrix in matrices.items()}
     sizes, vectors = np.linalg.eigh(sum(matrices.values()))

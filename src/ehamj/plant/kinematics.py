@@ -1,11 +1,15 @@
 """Motion of points of the rigid machine from its six degrees of freedom; exact, and without loss at 1e-9 rad."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
+
+ORDER: Final = (2, 0, 1)
+"""Axes in the order of their turns: yaw, then rx, then ry, each about the already turned axis."""
 
 
 def _turn(axis: int, angle: Array) -> tuple[Array, Array, Array]:
@@ -23,6 +27,20 @@ def _turn(axis: int, angle: Array) -> tuple[Array, Array, Array]:
     return excess, first, second
 
 
+def _turned(angles: Array) -> tuple[Array, Callable[..., Array]]:
+    """R − 1 (n, 3, 3) at angles (n, 3) [rad], and R differentiated by any two of them at most, named by number."""
+    turns = [_turn(axis, angles[:, axis]) for axis in range(3)]
+    factors = [(np.eye(3) + excess, first, second) for excess, first, second in turns]
+
+    def derivative(*axes: int) -> Array:
+        z, x, y = (factors[axis][axes.count(axis)] for axis in ORDER)
+        return np.asarray(z @ x @ y)
+
+    # R − 1 = A + B + C + AB + … keeps the small parts small.
+    a, b, c = (turns[axis][0] for axis in ORDER)
+    return a + b + c + a @ b + a @ c + b @ c + a @ b @ c, derivative
+
+
 def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
     """The machine's rotation R at angles (…, 3), rx, ry, rz [rad], in the order of `points_motion`, and how it changes.
 
@@ -30,18 +48,9 @@ def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
         R − 1 (…, 3, 3); its derivatives (…, 3, 3, 3) and second derivatives (…, 3, 3, 3, 3), the angles first.
     """
     given = np.asarray(angles, float)
-    turns = [_turn(axis, given[..., axis].ravel()) for axis in range(3)]
-    whole = [np.eye(3) + turns[axis][0] for axis in range(3)]
-    factors = [(whole[axis], *turns[axis][1:]) for axis in range(3)]
-
-    def product(*derivatives: int) -> Array:
-        times = [derivatives.count(axis) for axis in range(3)]
-        return np.asarray(factors[2][times[2]] @ factors[0][times[0]] @ factors[1][times[1]])
-
-    a, b, c = (turns[axis][0] for axis in (2, 0, 1))
-    excess = a + b + c + a @ b + a @ c + b @ c + a @ b @ c
-    first = np.stack([product(j) for j in range(3)], axis=1)
-    second = np.stack([np.stack([product(j, k) for k in range(3)], axis=1) for j in range(3)], axis=1)
+    excess, derivative = _turned(given.reshape(-1, 3))
+    first = np.stack([derivative(j) for j in range(3)], axis=1)
+    second = np.stack([np.stack([derivative(j, k) for k in range(3)], axis=1) for j in range(3)], axis=1)
     lead = given.shape[:-1]
     return excess.reshape(*lead, 3, 3), first.reshape(*lead, 3, 3, 3), second.reshape(*lead, 3, 3, 3, 3)
 
@@ -58,30 +67,15 @@ def points_motion(
         acceleration: its second derivative, (n, 6).
         points: positions on the machine at rest, from the mount plane's centre (3,) [m].
     """
-    one = np.eye(3)
-    turns = [_turn(axis, displacement[:, 3 + axis]) for axis in range(3)]
-    order = (2, 0, 1)
-    rotations = {axis: one + turns[axis][0] for axis in order}
-    # R − 1 = A + B + C + AB + … keeps the small parts small.
-    a, b, c = (turns[axis][0] for axis in order)
-    excess = a + b + c + a @ b + a @ c + b @ c + a @ b @ c
-
-    def product(**derivatives: int) -> Array:
-        factors = []
-        for axis in order:
-            times = derivatives.get("xyz"[axis], 0)
-            factors.append(rotations[axis] if times == 0 else turns[axis][times])
-        return factors[0] @ factors[1] @ factors[2]
-
-    first = {axis: product(**{"xyz"[axis]: 1}) for axis in range(3)}
+    excess, derivative = _turned(displacement[:, 3:])
     rates, accelerations = velocity[:, 3:], acceleration[:, 3:]
+    first = [derivative(axis) for axis in range(3)]
     spin = sum(rates[:, axis, None, None] * first[axis] for axis in range(3))
     gain = sum(accelerations[:, axis, None, None] * first[axis] for axis in range(3))
     for axis in range(3):
-        gain = gain + (rates[:, axis] ** 2)[:, None, None] * product(**{"xyz"[axis]: 2})
+        gain = gain + (rates[:, axis] ** 2)[:, None, None] * derivative(axis, axis)
         for other in range(axis):
-            both = product(**{"xyz"[axis]: 1, "xyz"[other]: 1})
-            gain = gain + 2.0 * (rates[:, axis] * rates[:, other])[:, None, None] * both
+            gain = gain + 2.0 * (rates[:, axis] * rates[:, other])[:, None, None] * derivative(axis, other)
     bases = (displacement, velocity, acceleration)
     turned = (excess, spin, gain)
     found = []

@@ -28,3 +28,13 @@ def levers(points: Sequence[ArrayLike] | Array) -> Array:
 def slab_fit(positions: Sequence[Sequence[float]]) -> Array:
     """Motion of the rigid slab that fits the mounts' displacements best, (6, 3 mounts): the inverse of `levers`."""
     return np.asarray(np.linalg.pinv(levers(positions)))
+
+
+def cross_axes(along: ArrayLike) -> Array:
+    """Two unit vectors at right angles to one and to each other, the first of them level, (2, 3): x and y of up."""
+    up = np.asarray(along, float)
+    x, y, _ = up
+    flat = float(np.hypot(x, y))
+    # Numbers near the least that there is have no digits to divide.
+    level = np.array([1.0, 0.0, 0.0]) if flat < 1e-150 else np.array([y, -x, 0.0]) / flat
+    return np.array([level, np.cross(up, level)])

@@ -1,12 +1,11 @@
 """Where the isolators stand, and along what they act."""
 
-import math
 from typing import Final, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from ehamj.plant.points import NAME, RESERVED
-from ehamj.settings import Settings, Vector3
+from ehamj.settings import Direction, Settings, Vector3, unit
 
 MOUNTS: Final = ("front-left", "front-right", "rear-left", "rear-right")
 """Mounts of the default machine, in order; +x is front, +y is left."""
@@ -28,7 +27,7 @@ class Mount(Settings):
     position: tuple[float, ...] = Field(
         min_length=2, max_length=3, description="of the foot from the mount plane's centre: x and y, or x, y and z [m]"
     )
-    direction: Vector3 = Field(UP, description="along which it acts, towards the machine: x, y, z (any length); up")
+    direction: Direction = Field(UP, description="along which it acts, towards the machine: x, y, z (any length); up")
     height: float = Field(0.0, description="shim below the isolator, along its direction [m]")
     actuator: str = Field("isolator", description="name of a table [actuators.NAME]")
 
@@ -40,13 +39,6 @@ class Mount(Settings):
                 f"must consist of at most 32 letters, digits, - and _, and not be one of {', '.join(RESERVED)}"
             )
         return name
-
-    @field_validator("direction")
-    @classmethod
-    def _has_length(cls, direction: Vector3) -> Vector3:
-        if math.hypot(*direction) < 1e-9:
-            raise ValueError(f"direction = {list(direction)} has no length; up is [0, 0, 1]")
-        return direction
 
     @model_validator(mode="after")
     def _reachable(self) -> Self:
@@ -63,11 +55,7 @@ class Mount(Settings):
     @property
     def along(self) -> Vector3:
         """The direction at length one."""
-        if abs(self.direction[0]) + abs(self.direction[1]) == 0.0 and self.direction[2] > 0.0:
-            return UP
-        length = math.hypot(*self.direction)
-        x, y, z = (entry / length for entry in self.direction)
-        return (x, y, z)
+        return unit(self.direction)
 
 
 HIGHEST: Final = 0.05

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from ehamj.plant.bodies import Body, Inertia, check_inertia
 from ehamj.plant.machine import Machine
-from ehamj.plant.points import check_place
+from ehamj.plant.points import check_place, check_unique
 from ehamj.settings import Settings, Vector3
 
 
@@ -39,8 +39,6 @@ def check_parts(parts: Sequence[Part], machine: Machine) -> None:
     Raises:
         ValueError: naming the key, the value and what is allowed.
     """
-    names = [part.name for part in parts]
-    for k, part in enumerate(parts):
-        if part.name in names[:k]:
-            raise ValueError(f"part.{k}.name = {part.name!r} must be unique")
+    check_unique("part", parts)
+    for part in parts:
         check_place(f"part {part.name}: position", part.position, machine)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Final, Protocol
 
 from pydantic import ConfigDict, Field
 
@@ -57,6 +57,26 @@ def check_points(points: Points, machine: Machine, mounts: Sequence[str]) -> Non
         check_place(f"points.{name}", place, machine)
 
 
+class Named(Protocol):
+    """Whatever a user gives a name."""
+
+    @property
+    def name(self) -> str:
+        """By which it is found."""
+
+
+def check_unique(key: str, entries: Sequence[Named]) -> None:
+    """Refuse a name that an earlier entry of a list has.
+
+    Raises:
+        ValueError: naming the key and the value.
+    """
+    names = [entry.name for entry in entries]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise ValueError(f"{key}.{k}.name = {name!r} must be unique")
+
+
 def check_place(key: str, place: Vector3, machine: Machine) -> None:
     """Refuse what is too far from the machine to belong to it.
 
@@ -81,12 +101,9 @@ def check_relatives(relatives: Sequence[Relative], points: Points, mounts: Seque
         ValueError: naming the key, the value and what is allowed.
     """
     known = places(points, mounts)
-    taken: set[str] = set()
+    check_unique("relative", relatives)
     for k, relative in enumerate(relatives):
         _check_name(f"relative.{k}.name", relative.name, mounts)
-        if relative.name in taken:
-            raise ValueError(f"relative.{k}.name = {relative.name!r} must be unique")
-        taken.add(relative.name)
         for key, place in (("from", relative.origin), ("to", relative.to)):
             if place not in known:
                 raise ValueError(f"relative.{k}.{key} = {place!r} must be one of {', '.join(map(repr, known))}")

@@ -1,6 +1,5 @@
 """Slides: heavy parts that move along a rail of the machine, and stay where they went."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Self
 
@@ -9,8 +8,8 @@ from pydantic import Field, field_validator, model_validator
 from ehamj.errors import InputError
 from ehamj.plant.bodies import Body, Inertia, check_inertia
 from ehamj.plant.machine import Machine, box_inertia
-from ehamj.plant.points import NAME, check_place
-from ehamj.settings import Positive, Settings, Vector3
+from ehamj.plant.points import NAME, check_place, check_unique
+from ehamj.settings import Direction, Positive, Settings, Vector3, unit
 from ehamj.signals import Signal
 from ehamj.slides.kinds import AnyProfile
 from ehamj.slides.rest import Rest
@@ -32,7 +31,7 @@ class Slide(Settings):
     position: Vector3 = Field(
         description="of its centre of gravity at coordinate 0, from the mount plane's centre: x, y, z [m]"
     )
-    rail: Vector3 = Field(description="direction in which its coordinate grows: x, y, z (any length)")
+    rail: Direction = Field(description="direction in which its coordinate grows: x, y, z (any length)")
     travel: tuple[float, float] = Field(description="where its coordinate must stay: from and to [m]")
     start: float | None = Field(
         None, description="coordinate at which it stands until its profile moves it [m]; without: the profile's, or 0"
@@ -45,13 +44,6 @@ class Slide(Settings):
         if not NAME.fullmatch(name):
             raise ValueError(f"{name!r} must consist of at most 32 letters, digits, - and _")
         return name
-
-    @field_validator("rail")
-    @classmethod
-    def _has_length(cls, rail: Vector3) -> Vector3:
-        if math.hypot(*rail) < 1e-9:
-            raise ValueError(f"{list(rail)} has no length; along x it is [1, 0, 0]")
-        return rail
 
     @model_validator(mode="after")
     def _on_its_rail(self) -> Self:
@@ -83,9 +75,7 @@ class Slide(Settings):
     @property
     def along(self) -> Vector3:
         """The rail's direction at length one."""
-        length = math.hypot(*self.rail)
-        x, y, z = (entry / length for entry in self.rail)
-        return (x, y, z)
+        return unit(self.rail)
 
     @property
     def moves(self) -> bool:
@@ -117,10 +107,8 @@ def check_slides(slides: Sequence[Slide], machine: Machine) -> None:
     Raises:
         ValueError: naming the key, the value and what is allowed.
     """
-    names = [slide.name for slide in slides]
-    for k, slide in enumerate(slides):
-        if slide.name in names[:k]:
-            raise ValueError(f"slide.{k}.name = {slide.name!r} must be unique")
+    check_unique("slide", slides)
+    for slide in slides:
         for end, coordinate in zip(("begin", "end"), slide.travel, strict=True):
             check_place(f"slide {slide.name}: place at the {end} of its travel", slide.place(coordinate), machine)
 

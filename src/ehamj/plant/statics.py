@@ -1,6 +1,6 @@
 """Whether a machine stands on its mounts: the stiffness of its six rigid motions, gravity's share of it, and shims."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -26,11 +26,12 @@ def elastic_stiffness(plant: Plant) -> Array:
     Each mount adds K_L along its direction (a stiffness that a load which stays meets: `Actuator.static_stiffness`) and
     k_h across it, at its foot: docs/physics.md, statics.
     """
-    return _assembled(plant, [(a.static_stiffness, a.lateral_stiffness) for a in plant.actuators])
+    return assembled(plant, [(a.static_stiffness, a.lateral_stiffness) for a in plant.actuators])
 
 
-def _assembled(plant: Plant, springs: Sequence[tuple[float, float]]) -> Array:
-    """Σ Lᵀ (k_along ddᵀ + k_across (1 − ddᵀ)) L over the mounts (6, 6)."""
+def assembled(plant: Plant, springs: Iterable[tuple[float, float]]) -> Array:
+    """Σ Lᵀ (k_along ddᵀ + k_across (1 − ddᵀ)) L over the mounts (6, 6), of springs or dampers along and across each
+    [N/m or N s/m], against motions x, y, z [m], rx, ry, rz [rad] of the mount plane's centre."""
     total = np.zeros((6, 6))
     for position, direction, (along, across) in zip(plant.positions, plant.directions, springs, strict=True):
         line, foot = np.outer(direction, direction), lever(position)
@@ -108,7 +109,7 @@ def check_standing(plant: Plant, gravity: bool) -> None:
     """
     stiffness = elastic_stiffness(plant)
     alike = [(float(a.static_stiffness > 0.0), float(a.lateral_stiffness > 0.0)) for a in plant.actuators]
-    loose = _loose(plant, _assembled(plant, alike), stiffness, UNHELD)
+    loose = _loose(plant, assembled(plant, alike), stiffness, UNHELD)
     if loose:
         raise ValueError(
             f"mount: the machine cannot stand, since nothing holds {_listed(loose)}: it needs feet that do not lie in "

@@ -7,9 +7,10 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.labels import table
-from ehamj.linear.elements import Elements, Values, coordinates
+from ehamj.linear.elements import Elements, coordinates
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
+from ehamj.linear.values import Values
 
 
 def static_forces(model: LinearModel) -> dict[str, Array]:
