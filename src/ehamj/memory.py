@@ -38,10 +38,10 @@ def record(*fields: str | tuple[str, np.dtype[Any]]) -> np.dtype[Any]:
 PLACES: Final = {option: f"{option.__name__.lower()}_at" for option in STATEFUL}
 """Field that says where the states of an isolator's option begin among the activations; 0: it has none."""
 
-HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "flat", "slides")
+HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "level_enough", "slides")
 """What the first row says of the whole model: how many mounts, actuators and activations it has; the row of the shared
-supply, and where its states and the ledger's begin among the activations (0: there is none); whether all mounts are
-upright in the mount plane (1), so that strokes are linear; how many slides it has."""
+supply, and where its states and the ledger's begin among the activations (0: there is none); whether constant
+levers serve (1; `ehamj.plant.plant.Plant.level_enough`), so that strokes are linear; how many slides it has."""
 
 ISOLATOR: Final = record(
     *HEAD,
@@ -274,7 +274,7 @@ def rows(plant: Plant) -> list[Row]:
             **actuator.record(),
             "connected": float(connected),
             **_place(plant, mount),
-            "flat": float(plant.level_enough),
+            "level_enough": float(plant.level_enough),
             "slides": float(len(plant.slides)),
         }
         for name, value in values.items():

@@ -15,7 +15,7 @@ from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
 from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 
 HEAVY = {"machine": {"mass": 6000.0, "cg": [0.0, 0.0, 1.1], "inertia": [4000.0, 5000.0, 6000.0]}}
@@ -157,3 +157,11 @@ def test_the_default_law_keeps_its_margins_on_the_varied_machine(factors: dict[s
     assert gain >= 6.0
     assert phase >= 45.0
     assert disk >= 0.5
+
+
+def test_factors_and_shifts_are_those_of_the_machine_with_all_that_is_on_it() -> None:
+    scenario = load_scenario("moving-slide", ["part=[{name='workpiece', mass=500.0, position=[0.3, 0.1, 1.0]}]"])
+    machine = scenario.plant.machine
+    assert with_factors(scenario, mass=1.3).plant.machine.mass == pytest.approx(1.3 * machine.mass, rel=1e-12)
+    (_, shifted) = Variations(mass=(), oil=(), flow=(), cg=(0.02,)).scenarios(scenario).values()
+    np.testing.assert_allclose(np.subtract(shifted.plant.machine.cg, machine.cg), [0.02, 0.02, 0.0], atol=1e-12)

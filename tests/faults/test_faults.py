@@ -54,6 +54,14 @@ def test_a_drift_ends_at_its_bound() -> None:
     assert offsets == pytest.approx([0.0, -0.2, -0.5])
 
 
+def test_a_drift_begins_where_that_of_the_actuator_itself_is() -> None:
+    drift = {"kind": "spool-drift", "mount": "front-right", "time": 1.0}
+    own = {"null_drift": -0.01, "null_drift_limit": 2.0, "null_offset": 0.5}
+    scenario = parse_scenario({"actuators": {"isolator": own}, "fault": [drift]})
+    struck = scenario.fault[0].after(scenario.plant, SPOOLS).actuators[1]
+    assert struck.null_offset == pytest.approx(0.49)
+
+
 def test_a_drift_begins_where_an_earlier_one_ended() -> None:
     drift = {"kind": "spool-drift", "mount": "front-right", "rate": -0.5, "limit": 1.0}
     scenario = parse_scenario({"fault": [{**drift, "time": 1.0}, {**drift, "time": 3.0, "rate": 0.2}]})
@@ -109,6 +117,7 @@ def test_a_channel_needs_no_mount() -> None:
             {"kind": "sensor-dead", "sensor": "foot_velocity front z"},
             "no mount has this name: 'front' in fault.0.sensor",
         ),
+        ({"kind": "sensor-dead", "sensor": "cg_velocity w"}, "near it are"),
         ({"kind": "sensor-dead", "sensor": "cg_velocity z"}, "fault.0.mount = 'front-right' is not that of sensor"),
     ],
 )

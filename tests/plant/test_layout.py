@@ -98,3 +98,14 @@ def test_a_passive_mount_drives_nothing(active: tuple[bool, ...]) -> None:
     layout = Layout(rng.uniform(-1, 1, (6, 3)), ways / np.linalg.norm(ways, axis=1)[:, None], active)
     assert layout.rank == sum(active)
     assert not layout.spread[~np.array(active)].any()
+
+
+@settings(deadline=None, max_examples=60)
+@given(layouts())
+def test_passive_mounts_have_no_part_in_what_motions_are(layout: Layout) -> None:
+    """The active mounts by themselves drive the same motions under the same names."""
+    kept = list(layout.active)
+    alone = Layout(layout.positions[kept], layout.directions[kept], (True,) * sum(kept))
+    if any(kept):
+        assert layout.motions == alone.motions
+        np.testing.assert_allclose(layout.basis, alone.basis, atol=1e-9)

@@ -95,7 +95,8 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     for motion, places in told_attenuation(summary).items():
         for place, words in places.items():
             if words:
-                say(f"{motion} attenuation, floor to machine's {place}{mixed}: {words}")
+                whose = "machine" if place == "rotation" else f"machine's {place}"
+                say(f"{motion} attenuation, floor to {whose}{mixed}: {words}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

@@ -40,7 +40,7 @@ def design_page(outcome: Outcome, scenario: Scenario, design: Design, limits: Bu
         Section("notes", "What holds, and what does not", items=outcome.notes),
         Section("files", notes=[files]),
     ]
-    lead = f"{outcome.question} Machine: {scenario.name}, {exact(scenario.machine.mass)} kg."
+    lead = f"{outcome.question} Machine: {scenario.name}, {exact(scenario.plant.machine.mass)} kg."
     verdict = [("", answer) for answer in outcome.answers]
     return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, verdict)
 

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Positive, Settings
+from ehamj.settings import Positive, Settings, Vector3
 
 
 class Requirements(Settings):
@@ -35,14 +35,27 @@ class Variations(Settings):
             for factor in getattr(self, name):
                 found[f"{words} × {factor:g}"] = with_factors(scenario, **{name: factor})
         for shift in self.cg:
-            x, y, z = scenario.machine.cg
-            machine = scenario.machine.with_values({"cg": (x + shift, y + shift, z)})
-            found[f"centre of gravity off by {shift:g} m"] = scenario.model_copy(update={"machine": machine})
+            found[f"centre of gravity off by {shift:g} m"] = _shifted(scenario, shift)
         return found
 
 
+def _shifted(scenario: Scenario, shift: float) -> Scenario:
+    """A scenario whose machine, with all that is on it, stands off by a shift along x and y [m] on its mounts."""
+
+    def off(place: Vector3) -> Vector3:
+        x, y, z = place
+        return (x + shift, y + shift, z)
+
+    machine = scenario.machine.with_values({"cg": off(scenario.machine.cg)})
+    others = {
+        key: tuple(one.model_copy(update={"position": off(one.position)}) for one in getattr(scenario, key))
+        for key in ("part", "slide")
+    }
+    return scenario.model_copy(update={"machine": machine, **others})
+
+
 def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: float = 1.0) -> Scenario:
-    """A scenario whose machine's mass, oil stiffness and valves' flow gain are multiplied."""
+    """A scenario whose masses (machine and all on it), oil stiffness and valves' flow gain are multiplied."""
     actuators = {
         name: actuator.with_values(
             {"bulk_modulus": oil * actuator.bulk_modulus, "flow_gain": flow * actuator.flow_gain}
@@ -51,7 +64,11 @@ def with_factors(scenario: Scenario, mass: float = 1.0, oil: float = 1.0, flow: 
         for name, actuator in scenario.actuators.items()
     }
     machine = scenario.machine.with_values({"mass": mass * scenario.machine.mass})
-    return scenario.model_copy(update={"actuators": actuators, "machine": machine})
+    others = {
+        key: tuple(one.model_copy(update={"mass": mass * one.mass}) for one in getattr(scenario, key))
+        for key in ("part", "slide")
+    }
+    return scenario.model_copy(update={"actuators": actuators, "machine": machine, **others})
 
 
 Machines = Mapping[str, LinearModel]

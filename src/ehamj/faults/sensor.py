@@ -5,10 +5,10 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from ehamj.control.channels import check_channel
+from ehamj.control.channels import channel_names, check_channel
 from ehamj.control.sensors import Sensors, class_of
 from ehamj.faults.fault import FaultSettings
-from ehamj.plant.axes import DOFS
+from ehamj.plant.mounts import MOUNTS
 
 CLASSES = tuple(Sensors.model_fields)
 """Classes of sensors, as the tables in [sensors]."""
@@ -47,8 +47,9 @@ class SensorFault(FaultSettings):
 
     def named_mounts(self) -> Iterator[tuple[str, str]]:
         yield from super().named_mounts()
-        _, *labels = self.sensor.split(" ")
-        if labels and labels[0] not in DOFS:
+        variable, *labels = self.sensor.split(" ")
+        # Only where a name of a mount is missing for a channel: else what is wrong is the channel.
+        if labels and " ".join((variable, MOUNTS[0], *labels[1:])) in channel_names():
             yield "sensor", labels[0]
 
     def check(self, mounts: Sequence[str]) -> None:

@@ -1,6 +1,5 @@
 """A valve whose null drifts, as of a torque motor that warms up or a feedback spring that gives way."""
 
-import math
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -46,8 +45,9 @@ class SpoolDrift(MountFault):
 
     def after(self, plant: Plant, spools: Array) -> Plant:
         own = plant.actuators[plant.mounts.index(self.mount)]
-        # A drift before this one has ended, and stays.
-        offset = own.null_offset + math.copysign(own.null_drift_limit, own.null_drift)
+        # A drift before this one, of an earlier fault or of the actuator itself, stays where it is.
+        drifted = own.null_drift * max(self.time - own.null_drift_from, 0.0)
+        offset = own.null_offset + min(max(drifted, -own.null_drift_limit), own.null_drift_limit)
         values = {
             "null_offset": offset, "null_drift": self.rate, "null_drift_from": self.time,
             "null_drift_limit": self.limit,

@@ -1,6 +1,6 @@
 """One isolator as a user writes it: the components that it has, and the options of its valve."""
 
-from typing import Final, Self
+from typing import Any, Final, Self
 
 from pydantic import Field, model_validator
 
@@ -19,6 +19,16 @@ from ehamj.isolator.spool import Spool
 from ehamj.isolator.stuck_spool import StuckSpool
 from ehamj.isolator.supply import Supply
 from ehamj.isolator.threshold import Threshold
+
+
+def hydraulic_stiffness(bulk_modulus: Any, piston_area: Any, chamber_volume: Any) -> Any:
+    """Stiffness of trapped oil, K_h = 4βA_p²/V_t [N/m], of numbers or arrays in SI."""
+    return 4.0 * bulk_modulus * piston_area**2 / chamber_volume
+
+
+def static_stiffness(spring: Any, foot_stiffness: Any) -> Any:
+    """A spring with a foot in series [N/m], of numbers or arrays; of an infinite foot the spring alone."""
+    return spring / (1.0 + spring / foot_stiffness)
 
 
 class Actuator(
@@ -75,14 +85,14 @@ class Actuator(
     @property
     def hydraulic_stiffness(self) -> float:
         """Stiffness of the trapped oil, K_h = 4βA_p²/V_t [N/m]."""
-        return 4.0 * self.bulk_modulus * self.piston_area**2 / self.chamber_volume
+        return hydraulic_stiffness(self.bulk_modulus, self.piston_area, self.chamber_volume)
 
     @property
     def static_stiffness(self) -> float:
         """Stiffness along the isolator against a load that stays [N/m]: the membrane, oil only where nothing leaks, and
         the foot in series."""
-        spring = self.membrane_stiffness + (self.hydraulic_stiffness if self.flow_pressure == 0.0 else 0.0)
-        return spring if self.rigid_foot else spring * self.foot_stiffness / (spring + self.foot_stiffness)
+        oil = self.hydraulic_stiffness * (self.flow_pressure == 0.0)
+        return float(static_stiffness(self.membrane_stiffness + oil, self.foot_stiffness))
 
     @property
     def foot_share(self) -> float:

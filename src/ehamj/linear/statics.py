@@ -54,7 +54,8 @@ class StaticLoads:
     def tilt(self) -> float:
         """Angle between the mount plane and the level [rad]."""
         rx, ry = self.displacement[[DOFS.index("rx"), DOFS.index("ry")]]
-        return math.acos(math.cos(rx) * math.cos(ry)) if max(abs(rx), abs(ry)) > 1e-3 else math.hypot(rx, ry)
+        across = math.hypot(math.sin(rx), math.cos(rx) * math.sin(ry))  # of the third row of the turn: no loss near 0
+        return math.atan2(across, math.cos(rx) * math.cos(ry))
 
     def shims(self, goal: str = "level") -> Array:
         """Heights of shims (mount,) [m], in place of those that are there, that make the machine stand without tilt.

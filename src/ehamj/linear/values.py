@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.isolator.actuator import hydraulic_stiffness, static_stiffness
 from ehamj.plant.axes import AXES
 from ehamj.plant.bodies import Body
 from ehamj.plant.levers import cross_axes
@@ -73,11 +74,11 @@ class Values:
     def level_enough(self) -> Array:
         """Designs (…,) whose feet move as when the machine is level (`ehamj.plant.plant.Plant.level_enough`)."""
         own = self.mounts
-        oil = 4.0 * own["bulk_modulus"] * own["piston_area"] ** 2 / own["chamber_volume"]
-        spring = own["membrane_stiffness"] + np.where(own["flow_pressure"] == 0.0, oil, 0.0)
-        share = 1.0 / (1.0 + spring / own["foot_stiffness"])
+        oil = hydraulic_stiffness(own["bulk_modulus"], own["piston_area"], own["chamber_volume"])
+        springs = own["membrane_stiffness"] + oil * (own["flow_pressure"] == 0.0)
+        held = static_stiffness(springs, own["foot_stiffness"]).sum(axis=-1)
         weight = (self.common["mass"] + own["plate_mass"].sum(axis=-1)) * STANDARD_GRAVITY
-        return np.asarray(self.flat & (weight < STIFF * (spring * share).sum(axis=-1)))
+        return np.asarray(self.flat & (weight < STIFF * held))
 
 
 def of_body(body: Body) -> dict[str, Array]:

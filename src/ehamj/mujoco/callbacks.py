@@ -123,7 +123,7 @@ def callbacks() -> Callbacks:
         machine = machine_of(model, data, at, joints, joints)
         step, force = machine.step[0], numbers_at(data, at.qfrc_passive, joints + machine.slides.size)
         s = (machine.time[0] - step.start) * step.rate  # a rate of zero: the ground rests, and only ctrl commands
-        if machine.isolators[0].flat > 0.0:
+        if machine.isolators[0].level_enough > 0.0:
             upright_stage(machine, s, force)
         else:
             turned_stage(machine, s, force)

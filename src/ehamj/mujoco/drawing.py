@@ -18,7 +18,23 @@ POST_RADIUS = 0.07
 SLIDE_COLOUR = (0.20, 0.55, 0.45, 1.0)
 
 FLOOR = -(PAD_DEPTH + PAD_HALF_HEIGHT)
-"""Height of the floor of the drawing [m]: what the pads of upright mounts in the mount plane stand on."""
+"""Height of the floor of the drawing [m] where all mounts are upright and in the mount plane."""
+
+
+def floor_height(plant: Plant) -> float:
+    """Height of the floor of the drawing [m]: below the lowest pad."""
+    return min(FLOOR, *(round(centre - reach, 9) for centre, reach in _pads(plant).values()))
+
+
+def _pads(plant: Plant) -> dict[str, tuple[float, float]]:
+    """Of each mount's pad: height of its centre, and how far it reaches below [m]."""
+    return {
+        name: (
+            below(place, along, PAD_DEPTH)[2],
+            PAD_HALF_HEIGHT * abs(along[2]) + PAD_RADIUS * float(np.hypot(*along[:2])),
+        )
+        for name, place, along in zip(plant.mounts, plant.positions, plant.directions, strict=True)
+    }
 
 
 def upright_to(along: Vector3) -> list[float]:
@@ -66,17 +82,11 @@ def _lay_floor(spec: mujoco.MjSpec, plant: Plant) -> None:
     """Lay the floor below the lowest pad; pads that do not reach it stand on posts, which move with them."""
     floor = spec.geom("floor")
     floor.size = [0.8 * plant.machine.size[0], 0.8 * plant.machine.size[1], floor.size[2]]
-    centres = {name: spec.body(f"pad {name}").pos for name in plant.mounts}
-    reach = {
-        name: PAD_HALF_HEIGHT * abs(along[2]) + PAD_RADIUS * np.hypot(*along[:2])
-        for name, along in zip(plant.mounts, plant.directions, strict=True)
-    }
-    top = floor.pos[2] + floor.size[2]
-    lower = max(0.0, round(float(max(top - centres[name][2] + reach[name] for name in plant.mounts)), 9))
-    floor.pos = floor.pos - [0.0, 0.0, lower]
-    for name in plant.mounts:
-        height = float(centres[name][2] - (top - lower))
-        if height - reach[name] < 1e-6:
+    top = floor_height(plant)
+    floor.pos = floor.pos - [0.0, 0.0, FLOOR - top]
+    for name, (centre, reach) in _pads(plant).items():
+        height = centre - top
+        if height - reach < 1e-6:
             continue
         pad, up, back = spec.body(f"pad {name}"), np.zeros(3), np.zeros(4)
         mujoco.mju_negQuat(back, pad.quat)

@@ -47,9 +47,10 @@ class Layout:
 
     @cached_property
     def span(self) -> float:
-        """Root mean square of the feet's distances from the origin [m], which makes angles lengths; 1 where all stand
-        in it."""
-        return float(np.sqrt((self.positions**2).sum(axis=1).mean())) or 1.0
+        """Root mean square of the active feet's distances from the origin (of all, where none is active) [m], which
+        makes angles lengths; 1 where all stand in it."""
+        feet = self.positions[list(self.active)] if any(self.active) else self.positions
+        return float(np.sqrt((feet**2).sum(axis=1).mean())) or 1.0
 
     @cached_property
     def _reached(self) -> Array:
@@ -137,7 +138,7 @@ class Layout:
 
     @property
     def _parallel(self) -> list[Array]:
-        """Active mounts that act along the same line, by groups of more than three."""
+        """Active mounts that act along the same line, by groups of two and more."""
         groups: list[list[int]] = []
         for k in np.flatnonzero(self.active):
             for group in groups:

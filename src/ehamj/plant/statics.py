@@ -85,7 +85,7 @@ def gravity_stiffness(plant: Plant) -> Array:
 def _loose(plant: Plant, matrix: Array, stiffness: Array, least: float) -> tuple[str, ...]:
     """Motions of which a symmetric matrix (6, 6) has no more than this share of its largest eigenvalue, in words.
 
-    Rotations count as lengths at the feet's mean distance; ``stiffness`` gives the value that is told.
+    Rotations count as lengths at `Layout.span`; ``stiffness`` gives the value that is told.
     """
     scale = np.array([1.0, 1.0, 1.0, *[1.0 / plant.layout.span] * 3])
     values, vectors = np.linalg.eigh(matrix * np.outer(scale, scale))

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import rerun as rr
 
-from ehamj.mujoco.drawing import FLOOR
+from ehamj.mujoco.drawing import floor_height
 from ehamj.plant.plant import Plant
 from ehamj.replay.recording import FAULT_COLOR, GROUND_COLOR, Array, Color, entity, fixed, moving
 from ehamj.replay.scene import LARGEST_DRAWN, drawn_rows, nice, pose_rows
@@ -41,7 +41,7 @@ def log_bar(recording: rr.RecordingStream, label: str, result: Result, factor: f
     """A bar in front of the machine that says how long a motion is drawn."""
     length = nice(1.5 * LARGEST_DRAWN / factor)
     x, y = 0.5 * result.scenario.machine.size[0] + 0.4, -0.05 * result.scenario.machine.size[1]
-    bottom = FLOOR + LARGEST_DRAWN  # the floor moves, the bar does not
+    bottom = floor_height(result.scenario.plant) + LARGEST_DRAWN  # the floor moves, the bar does not
     top, wing = bottom + factor * length, 0.03
     strips = [
         [[x, y, bottom], [x, y, top]],

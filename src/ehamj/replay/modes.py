@@ -21,7 +21,7 @@ from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import in_phase
-from ehamj.mujoco.drawing import FLOOR
+from ehamj.mujoco.drawing import floor_height
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.levers import lever, levers
 from ehamj.plant.machine import Machine
@@ -246,7 +246,7 @@ def _log_axis(recording: rr.RecordingStream, label: str, plant: Plant, model: mu
     path = entity(label, "world", "axis")
     fixed(recording, path, rr.LineStrips3D([ends], radii=0.022, colors=[AXIS_COLOR]))
     fixed(recording, f"{path}/ends", rr.Points3D(ends, radii=0.07, colors=[AXIS_COLOR]))
-    if ends[:, 2].min() < FLOOR and abs(direction[2]) < 0.5:
+    if ends[:, 2].min() < floor_height(plant) and abs(direction[2]) < 0.5:
         floor = model.geom("floor")
         lines = rr.Boxes3D(half_sizes=[floor.size], centers=[floor.pos], colors=[GHOST], fill_mode="majorwireframe")
         fixed(recording, entity(label, "world", "floor", "geoms", "floor"), lines)
@@ -289,9 +289,10 @@ def _view(plant: Plant, label: str, title: str, swing: Swing, away: float = 1.08
     kind = int(np.argmax([max(turn[0], shift[1]), max(turn[1], shift[0]), turn[2], shift[2]]))
     eye = np.array([(0.95, -0.34, 0.22), (0.34, -0.95, 0.22), (0.55, -0.55, 0.85), (0.80, -0.62, 0.16)][kind])
     axis = drawn_axis(plant, swing)
-    lowest = min(FLOOR, axis[0][2] - 0.1) if axis is not None and kind < 2 else FLOOR
-    away *= 1.0 + 0.6 * (FLOOR - lowest) / math.hypot(*size)
-    return scene_view(label, title, plant.machine, eye, away, 0.5 * (FLOOR - lowest))
+    floor = floor_height(plant)
+    lowest = min(floor, axis[0][2] - 0.1) if axis is not None and kind < 2 else floor
+    away *= 1.0 + 0.6 * (floor - lowest) / math.hypot(*size)
+    return scene_view(label, title, plant.machine, eye, away, 0.5 * (floor - lowest))
 
 
 def _table(title: str, variants: Mapping[str, Sequence[Swing]]) -> str:

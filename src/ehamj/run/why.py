@@ -21,12 +21,11 @@ from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.modes import Mode, modes
 from ehamj.linear.response import machine_channels, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.levers import MOTIONS as UPRIGHT_MOTIONS
 from ehamj.plant.levers import lever, levers
 from ehamj.run.limits import WORDS
 from ehamj.run.prepare import Prepared
 
-UPRIGHT_MOTIONS: Final = ("heave", "roll", "pitch")
-"""What upright mounts drive."""
 PER_BAND: Final = 7
 """Frequencies of a band at which the linear machine answers."""
 EXPLAINED: Final = 4.0

@@ -135,8 +135,8 @@ def level_table(laws: Sequence[str], chosen: Sequence[str], runs: Sequence[Resul
 def warp_share(run: Result, part: xr.Dataset) -> float:
     """Largest load pressure in patterns that move nothing (warp), over the supply pressure [-]; 0 without any."""
     pressure = (part["chamber_pressure"].sel(chamber=1) - part["chamber_pressure"].sel(chamber=2)).values
-    patterns = run.scenario.plant.layout.stresses
-    still = pressure @ (patterns @ np.linalg.pinv(patterns))
+    layout = run.scenario.plant.layout
+    still = pressure @ layout.stresses @ layout.stresses.T / max(sum(layout.active), 1)  # orthogonal, of length √n each
     return float(np.abs(still).max() / run.scenario.supply.pressure)
 
 

@@ -7,22 +7,20 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.labels import table
-from ehamj.linear.elements import Elements, coordinates
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
-from ehamj.linear.values import Values
+from ehamj.linear.statics import loads_at
+from ehamj.plant.axes import DOFS
 
 
 def static_forces(model: LinearModel) -> dict[str, Array]:
     """What mounts carry at rest: ``stroke`` [m], ``oil`` and ``membrane``, forces on the plate along the mount, towards
     the machine [N], (mount,)."""
     plant, rest = model.plant, dict(zip(model.states, model.equilibrium.tolist(), strict=True))
-    place = np.array([rest[f"displacement {name}"] for name in coordinates(plant)])
-    stroke = Elements.of(Values.of(plant), place).stroke
-    pressure = np.array([[rest[f"pressure_{k} {mount}"] for k in (1, 2)] for mount in plant.mounts])
-    area = np.array([[a.piston_area, a.piston_area * a.area_ratio] for a in plant.actuators])
-    stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
-    return {"stroke": stroke, "oil": (pressure * area) @ [1.0, -1.0], "membrane": -stiffness * stroke}
+    moved = np.array([rest[f"displacement {dof}"] for dof in DOFS])
+    pressures = [np.array([rest[f"pressure_{k} {mount}"] for mount in plant.mounts]) for k in (1, 2)]
+    loads = loads_at(plant, moved, *pressures)
+    return {"stroke": loads.stroke, "oil": loads.oil, "membrane": loads.along - loads.oil}
 
 
 def modes_table(models: Mapping[str, LinearModel]) -> xr.Dataset:

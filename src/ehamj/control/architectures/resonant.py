@@ -17,7 +17,7 @@ from pydantic import Field
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
-from ehamj.control.inverse import Inverse, carried_in, instrument_poles, valve_poles, volts
+from ehamj.control.inverse import creep, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings
@@ -44,7 +44,7 @@ class ResonantSettings(DigitalSettings):
         actuator, sensor = plant.obeying.actuators[0], sensors.of(inputs[0])
         loops = []
         for k, motion in enumerate(layout.motions):
-            slow = Inverse.of(actuator, carried_in(plant, layout.spread[:, k])).creep
+            slow = creep(plant, layout.spread[:, k])
             answers = [self._answer(line, motion, actuator, slow, sensor, others) for line in self.lines]
             loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
         law = beside(loops).between(layout.fit, volts(plant) @ layout.spread)

@@ -41,7 +41,7 @@ def _drawings(scenario: Scenario) -> Iterator[Picture]:
         for part in ground_parts(scenario)
         if getattr(part, "wave", None) is not None
     )
-    size, cg = scenario.machine.size, scenario.machine.cg
+    size, cg = scenario.machine.size, plant.machine.cg
     points = [Mark(name, place) for name, place in scenario.points.items()]
     caption = "To scale; dimensions in metres."
     if not plant.flat:
