@@ -53,7 +53,7 @@ def _shown(value: float) -> str:
 
 def _print(loads: StaticLoads, heights: Array | None, goal: str | None) -> None:
     plant, across = loads.plant, np.linalg.norm(loads.across + loads.guided, axis=1)
-    upward = loads.along * np.array(plant.directions)[:, 2]
+    upward = loads.along * np.array(plant.directions)[:, 2] + (loads.across + loads.guided)[:, 2]
     columns: dict[str, Array] = {
         "along [N]": loads.along,
         "share %": 100.0 * upward / loads.weight if loads.weight else 0.0 * upward,

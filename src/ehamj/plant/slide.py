@@ -62,8 +62,11 @@ class Slide(Settings):
         places += [(f"profile.{key}", place) for key, place in self.profile.farthest(self.begins)]
         for key, place in places:
             if not low - 1e-9 <= place <= high + 1e-9:
-                raise ValueError(f"{key} = {place:g} m is off its rail: travel = [{low:g}, {high:g}] m")
-        self.course()  # refuses what cannot be driven
+                raise ValueError(f"{key} takes it to {place:g} m, off its rail: travel = [{low:g}, {high:g}] m")
+        try:
+            self.course()
+        except ValueError as error:  # it cannot be driven so
+            raise ValueError(f"profile.{error}") from None
         return self
 
     @property

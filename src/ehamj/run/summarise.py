@@ -48,9 +48,9 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     shares = saturation(driven.tally, states, plant.mounts)
     isolated, undecided = isolation(dataset, plant, rate, usable_to, prepared.norms, usable_from)
     clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
-    louder = worsened(prepared, dataset, isolated, shares)
     margins = loop_margins(scenario, prepared.law)
     runaway = margins.unstable if margins is not None else None
+    louder = worsened(prepared, dataset, isolated, shares, margins is not None and not margins.stable)
     unstable = [f"{UNSTABLE}: {runaway.words}"] if runaway else []
     limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
     peak, rms = peak_and_rms(dataset)

@@ -41,9 +41,13 @@ TAKES_PART: Final = 0.01
 """Share of a mode's motion along the axis, turns at a metre, times that in what drives it, from which it takes part."""
 
 
-def worsened(prepared: Prepared, dataset: xr.Dataset, isolated: Isolation, shares: dict[str, ByMount]) -> list[Worse]:
+def worsened(
+    prepared: Prepared, dataset: xr.Dataset, isolated: Isolation, shares: dict[str, ByMount], unstable: bool = False
+) -> list[Worse]:
     """Every axis that gets worse, with the reason as far as it is known; ``shares`` of the time at each limit."""
     found = worse(isolated)
+    if unstable:  # no response is there to ask
+        return [one.changed(why="the control loop is unstable") for one in found]
     if prepared.scenario.fault:  # there is no one linear machine to ask
         return [one.changed(why="the run is that of a machine before and after its faults") for one in found]
     reasons = Reasons(prepared, dataset, shares) if found else None
