@@ -7,12 +7,19 @@ from pathlib import Path
 
 import pytest
 from harness import Cli, Said
+from hypothesis import settings
 
 # Tests run side by side, one process a core. BLAS, read at numpy's import, would start a thread a core in each, and
 # threads that wait for each other by spinning slow large decompositions down tenfold.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from ehamj.mujoco.hold import installed
+
+# A change is judged by the examples that the one before it was judged by; `--hypothesis-profile hunt` looks for new
+# ones. No example has a deadline: machines stall.
+settings.register_profile("same", deadline=None, derandomize=True)
+settings.register_profile("hunt", deadline=None, print_blob=True)
+settings.load_profile("same")
 
 
 @pytest.fixture(autouse=True)

@@ -6,13 +6,10 @@ difference quotient's own error.
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.signals import Chirp, Faded, Lines, Multisine, Product, Sampled, Signal, Step, Total, Zero
-
-settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
-settings.load_profile("untimed")
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 

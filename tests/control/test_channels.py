@@ -60,7 +60,7 @@ def test_a_law_for_passive_mounts_alone_is_refused() -> None:
 direction = st.tuples(*(st.floats(-1.0, 1.0),) * 3).filter(lambda d: np.hypot(*d[:2]) > 1e-3 or abs(d[2]) > 1e-3)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(direction)
 def test_across_is_at_right_angles_and_one_of_it_level(d: tuple[float, float, float]) -> None:
     along = np.array(d) / np.linalg.norm(d)

@@ -24,7 +24,7 @@ def inverted(actuator: Actuator, s: complex) -> complex:
     return complex(np.prod(poles) / np.prod(s - poles) / inverse.volts / (s + inverse.creep))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.floats(0.1, 100.0), st.floats(0.3, 3.0), st.floats(0.3, 3.0), st.floats(0.3, 3.0), st.floats(0.3, 3.0),
     st.floats(0.0, 3.0),

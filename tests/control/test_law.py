@@ -7,7 +7,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -19,9 +19,6 @@ from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 VALVES = [f"valve_command {mount}" for mount in MOUNTS]
 STROKES = [f"stroke {mount}" for mount in MOUNTS]

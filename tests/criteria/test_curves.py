@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -14,9 +14,6 @@ from ehamj.criteria.verdict import WHOLE
 from ehamj.errors import InputError
 from ehamj.estimate.bands import bands
 from ehamj.estimate.reading import band_rms
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 NORMS = (vc.CLASSIC, vc.FLAT, nist.NIST_A, iso2631.ISO_2631_2)
 QUANTITIES = ("displacement", "velocity", "acceleration")

@@ -9,9 +9,6 @@ from scipy.integrate import solve_ivp
 from ehamj.criteria.response_spectrum import frequencies, oscillator, response_spectrum
 from ehamj.estimate.bands import bands
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 RATE = 1000.0
 DAMPING = 0.05
 

@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.criteria.vc import CLASSES, CLASSIC, FLAT, limit
 from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.bands import bands
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 TABLE = {
     "workshop": 800.0,

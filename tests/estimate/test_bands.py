@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.estimate.bands import BAND_LOG_WIDTH, Band, bands
 from ehamj.estimate.counted import LEAST_BINS
 from ehamj.estimate.reading import band_rms
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 NOMINAL = (
     *("1", "1.25", "1.6", "2", "2.5", "3.15", "4", "5", "6.3", "8"),

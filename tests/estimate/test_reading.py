@@ -11,9 +11,6 @@ from ehamj.estimate.counted import Counted
 from ehamj.estimate.reading import band_rms
 from ehamj.ground.synthetic import HalfSine
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 RATE = 1000.0
 ALL = bands(1.0, 315.0)
 TIMES = np.arange(20001) / RATE

@@ -11,9 +11,6 @@ from ehamj.estimate.counted import Counted
 from ehamj.estimate.reading import Reading
 from ehamj.estimate.stationarity import chance, largest_by_chance, shares, white
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 RUNS = 1500
 
 

@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.forces.transients import Blows, Pieces
 from ehamj.forces.vibrations import Rotating, random_force
 from ehamj.signals import Signal
 from ehamj.slides.scurve import jerk_limited
-
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
 
 
 @pytest.mark.parametrize(

@@ -5,16 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.errors import InputError
 from ehamj.ground import Motion
 from ehamj.ground.waves import Coherence
 from ehamj.scenario.load import parse_scenario
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 MOUNTS = np.array([(0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)])
 REALISATIONS = 20

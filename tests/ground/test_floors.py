@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.criteria.vc import FLAT
@@ -16,9 +16,6 @@ from ehamj.ground import Motion
 from ehamj.ground.broadband import LEAST_REPEAT, Swell
 from ehamj.ground.floors import FLOORS, LINES
 from ehamj.scenario.load import load_scenario, parse_scenario, shipped_scenarios
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 PASSING = {"wave": {"speed": 200.0, "direction": 30.0}, "coherence": {}}
 RATE = 1000.0

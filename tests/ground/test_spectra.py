@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.errors import InputError
@@ -15,9 +15,6 @@ from ehamj.ground import Motion
 from ehamj.ground.spectra import from_psd, from_third_octaves
 from ehamj.ground.targets import FileTarget, PetersonTarget
 from ehamj.scenario.load import parse_scenario
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 ORDERS = {"displacement": -1, "velocity": 0, "acceleration": 1}

@@ -4,16 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles import linear
 
 from ehamj.errors import InputError
 from ehamj.ground import Motion
 from ehamj.scenario.load import parse_scenario
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)

@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import actual_pressure, pressure_rate
 from ehamj.isolator.supply import Feed
-
-settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
-settings.load_profile("untimed")
 
 GAIN, STROKE, EPS = 1.94e-6, 20.0, 1e-3
 K_C, SHARE = 6.6e-11, 0.05

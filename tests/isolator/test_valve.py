@@ -4,15 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ehamj.isolator.edges import Edges, port_flow, turbulence
 from ehamj.isolator.spool import Spool, spool_acceleration, spool_target
 from ehamj.isolator.supply import Feed
-
-settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
-settings.load_profile("untimed")
 
 GAIN, LEAK, EPS = 1.94e-6, 3.3e-12, 1e-3
 SUPPLY, TANK = 70e5, 2e5

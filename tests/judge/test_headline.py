@@ -19,9 +19,6 @@ from ehamj.plant.mounts import MOUNTS
 from ehamj.result import make_dataset
 from ehamj.scenario.load import parse_scenario
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 RATE = 500.0
 TIMES = np.arange(10001) / RATE
 PLANT = parse_scenario({}).plant

@@ -26,9 +26,6 @@ from ehamj.result import Result, make_dataset
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 RATE = 500.0
 TIMES = np.arange(10001) / RATE
 """20 s, of which 19 s count: enough for the band at 1 Hz; bands to 200 Hz."""

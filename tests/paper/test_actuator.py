@@ -256,7 +256,7 @@ def test_bandwidth_is_3_db_below_the_static_value(actuator: Actuator) -> None:
     assert before.min() >= static * 10 ** (-3 / 20)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(actuators(), st.floats(0.0, 20.0), st.floats(0.0, 90.0))
 @example(Actuator(bulk_modulus=5.6e9, valve_frequency=3142.0), 0.0, math.nextafter(90.0, 0.0))  # a root at 1e19 rad/s
 @example(Actuator(membrane_stiffness=1.36e9, valve_frequency=3142.0, valve_damping=1.3), 0.0, 90.0)

@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -11,9 +11,6 @@ from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.kinematics import points_motion
 from ehamj.scenario.model import Scenario
-
-settings.register_profile("untimed", deadline=None)  # the first call compiles, and machines stall
-settings.load_profile("untimed")
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 

@@ -28,13 +28,13 @@ def moved(layout: Layout, motion: np.ndarray) -> np.ndarray:
     ])  # fmt: skip
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts(), st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6))
 def test_rows_are_the_strokes_of_any_motion(layout: Layout, motion: list[float]) -> None:
     np.testing.assert_allclose(layout.rows @ motion, moved(layout, np.array(motion)), rtol=0, atol=1e-14)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts())
 def test_motions_are_as_many_as_j_has_ranks_and_each_has_its_name_once(layout: Layout) -> None:
     rank = np.linalg.matrix_rank(layout.driven, tol=1e-7)
@@ -43,7 +43,7 @@ def test_motions_are_as_many_as_j_has_ranks_and_each_has_its_name_once(layout: L
     assert set(layout.motions) <= set(MOTION_NAMES.values())
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts())
 def test_the_basis_reaches_every_stroke_and_the_fit_takes_it_back(layout: Layout) -> None:
     for column, motion in zip(layout.spread.T, layout.basis.T, strict=True):
@@ -53,7 +53,7 @@ def test_the_basis_reaches_every_stroke_and_the_fit_takes_it_back(layout: Layout
     np.testing.assert_allclose(layout.spread @ layout.fit @ layout.driven, layout.driven, rtol=0, atol=1e-7)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts())
 def test_self_stresses_move_nothing_and_are_all_there_is_beside(layout: Layout) -> None:
     n = sum(layout.active)
@@ -65,7 +65,7 @@ def test_self_stresses_move_nothing_and_are_all_there_is_beside(layout: Layout) 
     assert np.linalg.matrix_rank(layout.pattern_basis, tol=1e-7) == n
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts(), st.randoms(use_true_random=False))
 def test_in_another_order_mounts_have_the_same_rows(layout: Layout, random) -> None:  # type: ignore[no-untyped-def]
     order = list(range(len(layout.active)))
@@ -100,7 +100,7 @@ def test_a_passive_mount_drives_nothing(active: tuple[bool, ...]) -> None:
     assert not layout.spread[~np.array(active)].any()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(layouts())
 def test_passive_mounts_have_no_part_in_what_motions_are(layout: Layout) -> None:
     """The active mounts by themselves drive the same motions under the same names."""

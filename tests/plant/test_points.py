@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles.levels import whole_run_rms
 
@@ -18,9 +18,6 @@ from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 POINTS = {"nose": [0.3, 0.1, 1.1], "table": [0.5, -0.2, 0.7], "at-cg": [0.1, 0.05, 0.75], "low": [-0.9, -0.6, 0.0]}
 RELATIVE = [

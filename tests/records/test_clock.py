@@ -4,13 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ehamj.records.clock import FEW, clock, on_grid, plainest
-
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
 
 TAU = 2 * np.pi
 

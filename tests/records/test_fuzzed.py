@@ -165,7 +165,7 @@ def test_damaged_files_are_refused_or_read(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("ending", ["uff", "unv", "wav", "mat", "tdms", "ide", "at2", "asc"])
 @given(st.binary(max_size=400))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 def test_any_bytes_are_refused_by_name(tmp_path: Path, ending: str, content: bytes) -> None:
     (tmp_path / f"a.{ending}").write_bytes(content)
     with pytest.raises(ValueError, match=r"^ground\.(file = 'a\.|axes does not say which axis 'a\.)"):

@@ -50,7 +50,7 @@ def counts(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @given(st.sampled_from(SPELLED), st.sampled_from(sorted(PREFIXES)), st.booleans())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=120, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=120)
 def test_every_spelling_of_every_unit_is_the_same_motion(
     counts: Path, tmp_path: Path, spelled: tuple[int, str], prefix: str, upper: bool
 ) -> None:

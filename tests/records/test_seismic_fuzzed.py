@@ -129,7 +129,7 @@ def test_damaged_poles_and_zeros_are_refused_or_evaluated(tmp_path: Path) -> Non
 
 
 @given(st.text("mMsSnukcgGEC/^*²(){}[]0123.- ·", max_size=9), st.booleans())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)
 def test_any_unit_is_refused_or_means_one_thing(tmp_path: Path, unit: str, overall: bool) -> None:
     from ehamj.records.units import motion_unit
 
@@ -150,7 +150,7 @@ def test_any_unit_is_refused_or_means_one_thing(tmp_path: Path, unit: str, overa
 
 
 @given(st.binary(max_size=700))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 def test_any_bytes_are_no_record_and_no_response(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "a.mseed").write_bytes(content)
     assert outcome(tmp_path / "a.mseed", **SI)

@@ -17,9 +17,6 @@ from ehamj.records.choices import Choices
 from ehamj.records.readers import reader_of
 from ehamj.records.tables import read_table
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 
 def read_text(folder: Path, text: str | bytes, name: str = "a.csv", **choices: Any) -> Record:
     path = folder / name

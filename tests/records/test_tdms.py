@@ -44,7 +44,7 @@ SECONDS = {"s": 1.0, "S": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "": 1.0}
 
 
 @given(st.sampled_from(list(UNITS)), st.sampled_from(list(SECONDS)), st.floats(1.0, 1e5), st.sampled_from("dfhib"))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 def test_every_unit_of_samples_and_steps(tmp_path: Path, unit: str, second: str, rate: float, kind: str) -> None:
     data = (100 * np.sin(np.arange(40))).astype(kind)
     properties = {"unit_string": unit, "wf_increment": 1 / rate / SECONDS[second], "wf_xunit_string": second}

@@ -10,9 +10,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles.records import NOISE, RATE, TIMES, by_axis, motion, read
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 
 def response(samples: np.ndarray, direction: int, label: str = "m/s", node: int = 1, **other: Any) -> dict[str, Any]:
     """Dataset 58 of a time response."""

@@ -54,7 +54,7 @@ def packed(samples: np.ndarray, width: int) -> bytes:
     st.floats(1e-6, 1.0),
     st.integers(8, 48_000),
 )
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_integers_are_shares_of_the_full_scale(tmp_path: Path, data: np.ndarray, full: float, rate: int) -> None:
     wavfile.write(tmp_path / "a.wav", rate, data)
     axes = {str(n + 1): "xyz"[n] for n in range(data.shape[1])}

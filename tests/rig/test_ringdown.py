@@ -9,9 +9,6 @@ from ehamj.estimate.identification import realise
 from ehamj.rig.modal_test import modal_test
 from ehamj.scenario.load import parse_scenario
 
-settings.register_profile("untimed", deadline=None)  # machines stall
-settings.load_profile("untimed")
-
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(5.0, 80.0), st.floats(0.005, 0.2)), min_size=1, max_size=3), st.integers(0, 99))

@@ -317,7 +317,6 @@ tables = st.fixed_dictionaries(
 )
 
 
-@settings(deadline=None)  # what it takes is no matter of right or wrong
 @given(tables)
 def test_resolved_scenario_is_a_fixed_point(table: dict[str, Any]) -> None:
     scenario = parse_scenario(table)
@@ -327,7 +326,6 @@ def test_resolved_scenario_is_a_fixed_point(table: dict[str, Any]) -> None:
     assert again.to_toml() == text
 
 
-@settings(deadline=None)
 @given(tables)
 def test_resolved_scenario_holds_what_was_written(table: dict[str, Any]) -> None:
     def check(wanted: Any, found: Any) -> None:
@@ -572,7 +570,6 @@ def outcome(read: Callable[[], Scenario]) -> Scenario | str:
         return str(error)
 
 
-@settings(deadline=None)
 @given(st.dictionaries(keys, values, max_size=5))
 def test_any_table_is_a_scenario_or_bad_input(table: dict[str, Any]) -> None:
     assert outcome(lambda: parse_scenario(table))
@@ -587,7 +584,7 @@ def places(node: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int,
 WHOLE = load_scenario("benchmark", ["ground={kind='record', file='example:BW.RJOB', axes={EHZ='z'}}"]).to_toml()
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(st.sampled_from(places(tomllib.loads(WHOLE))), values)
 def test_anything_at_any_place_gives_a_scenario_or_bad_input(place: tuple[str | int, ...], value: Any) -> None:
     table: Any = tomllib.loads(WHOLE)
@@ -598,7 +595,6 @@ def test_anything_at_any_place_gives_a_scenario_or_bad_input(place: tuple[str | 
     assert outcome(lambda: parse_scenario(table))
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.one_of(keys, st.integers(-1, 5).map(str), st.text(max_size=3)), max_size=4).map(".".join),
     st.one_of(st.text(max_size=8), values.map(lambda value: tomli_w.dumps({"a": value})[4:].strip()), words),

@@ -134,7 +134,7 @@ def test_the_linear_loop_is_the_law_held_on_the_true_machine() -> None:
     assert held(own) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.fixed_dictionaries(
         {},
