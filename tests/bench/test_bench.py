@@ -3,6 +3,7 @@
 from ehamj.bench.case import benchmark_case
 from ehamj.bench.mounts import COUNTS, cost_over_mounts
 from ehamj.bench.steps import additions, step_times, thread_scaling
+
 from ehamj.scenario.load import load_scenario
 
 

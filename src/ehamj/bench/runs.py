@@ -7,25 +7,35 @@ import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.control import AnyController
 from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import NOT_LOADED, advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
-from ehamj.run.drive import sample_inputs
+from ehamj.run.drive import drive, sample_inputs
+from ehamj.run.prepare import prepare
 from ehamj.scenario.model import Scenario
 
 
 def interleaved(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, Array]:
-    """Wall times of each work [s], (repetition,), taken in turn; a first round, which warms up, is left out."""
+    """Wall times of each work [s], (repetition,), taken in turn; a first round, which warms up, is left out.
+
+    A work that returns a float has timed itself: that is its time [s].
+    """
     times = np.empty((repetitions + 1, len(works)))
     for repetition in times:
         for k, work in enumerate(works.values()):
             began = time.perf_counter()
-            work()
-            repetition[k] = time.perf_counter() - began
+            found = work()
+            repetition[k] = found if isinstance(found, float) else time.perf_counter() - began
     return dict(zip(works, times[1:].T, strict=True))
+
+
+def medians(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, float]:
+    """Median of each work's `interleaved` times [s]."""
+    return {name: float(np.median(each)) for name, each in interleaved(works, repetitions).items()}
 
 
 class Run:
@@ -47,3 +57,16 @@ class Run:
         recording = Recording.of(self.model, loop, self.every, self.steps // self.every + 1)
         with hydraulics():
             advance(self.model, data, 0, self.steps, self.inputs, recording, True, loop, noise, load)
+
+
+class Stepping:
+    """A scenario from its start to its end, as `ehamj.simulate` steps it; a call gives the seconds in the loop [s]."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.controller: AnyController | None = scenario.controller()  # once: to derive it takes as long as many steps
+
+    def __call__(self) -> float:
+        """Step it."""
+        with hydraulics():
+            return drive(prepare(self.scenario, self.controller)).seconds
