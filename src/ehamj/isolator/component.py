@@ -6,7 +6,7 @@ from that list: the keys of the user's table, the fields in memory (`ehamj.memor
 """
 
 from collections import namedtuple
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any, ClassVar, NamedTuple
 
 from ehamj.compiled import kernel
@@ -78,6 +78,9 @@ class Option(Component):
     State: ClassVar[Any] = None
     scales: ClassVar[tuple[float, ...]] = ()
     """A small motion of each state, as a step for differences."""
+    arithmetic: ClassVar[bool] = True
+    """Whether its kernels are arithmetic alone, which the compiler does for many isolators at once; others (a lookup in
+    a table) go one by one, and valves that have them."""
 
     def on(self) -> bool:
         """Whether the isolator has these states."""
@@ -89,18 +92,18 @@ def _begin(value, at, isolator, states):  # type: ignore[no-untyped-def]
     return value, ()
 
 
-def in_turn(stage: str, components: Iterable[type[Component]]) -> Any:
+def in_turn(stage: str, components: Iterable[type[Component]], absent: Collection[type[Component]] = ()) -> Any:
     """The kernels of all components at a stage as one, in their order: (value, at, isolator, states) → (value, rates).
 
     ``isolator`` and ``states`` are the tuples of `ehamj.isolator.equations`; rates are those of the states of the
-    options that take part, one after the other.
+    options that take part, one after the other. ``absent`` ones are left out, for isolators that have none of them.
     """
     composed = _begin
     number = 0
     for place, component in enumerate(components):
         if not issubclass(component, Option):
             continue
-        if stage in component.path:
+        if stage in component.path and component not in absent:
             follows = _then if component.State is None else _then_with_states
             composed = follows(composed, component.path[stage], place, number, len(component.scales))
         number += component.State is not None

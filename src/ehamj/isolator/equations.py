@@ -5,11 +5,12 @@ calls has unpacked them, from records or from arrays of many machines.
 """
 
 from collections import namedtuple
-from typing import Any, NamedTuple
+from collections.abc import Collection
+from typing import Any, Final, NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.actuator import COMPONENTS
-from ehamj.isolator.component import STAGES, At, in_turn
+from ehamj.isolator.component import STAGES, At, Component, in_turn
 from ehamj.isolator.cylinder import chamber_volumes, oil_force, swept_flows
 from ehamj.isolator.edges import chamber_flows, lapped_chamber_flows
 from ehamj.isolator.fluid import actual_pressure, chamber_rate, crossing
@@ -40,77 +41,110 @@ class Plate(NamedTuple):
     ground_rate: float
 
 
-_target, _error, _motion, _metering, _opening, _flow, _settled = (in_turn(stage, COMPONENTS) for stage in STAGES)
+class Equations(NamedTuple):
+    """Kernels of an isolator."""
+
+    rates: Any
+    """(state, states, command, stroke, speed, held, time, feed, own) → derivative, rates of options, flows, oil force.
+
+    - state: `State`; states: of each option with states its own tuple.
+    - command: [V]; stroke, speed: of the plate over the ground [m, m/s].
+    - held: where the metering edges stood at the end of the last step [mA]; time: [s].
+    - feed: `ehamj.isolator.supply.Feed`; own: `Isolator`.
+    - oil force: on the plate [N].
+    """
+    settled: Any
+    """(state, held, time, states, own) → what a step leaves to be put right at its end: position and rate of the spool,
+    and where its edges stand."""
 
 
 @kernel
-def spool_rates(command, at, states, own):  # type: ignore[no-untyped-def]
-    """Rate and acceleration of the spool at a ``command`` [V], and the rates of the options' states."""
-    target, rates = _target(spool_target(command, own.spool), at, own, states)
-    error, more = _error(target - at.position, at, own, states)
-    acceleration = spool_acceleration(error, at.rate, own.spool)
-    motion, last = _motion((at.rate, acceleration), at, own, states)
-    return motion, rates + more + last
-
-
-@kernel
-def metered(at, states, own):  # type: ignore[no-untyped-def]
-    """Position of the metering edges [mA]."""
-    return _metering(at.position, at, own, states)[0]
-
-
-@kernel
-def valve_flows(at, pressure_1, pressure_2, feed, states, own):  # type: ignore[no-untyped-def]
-    """Flows of the valve, and the rates of the options' states."""
-    position, rates = _metering(at.position, at, own, states)
-    opening, more = _opening(position, at, own, states)
-    opening, last = _flow(full_stroke(opening, at.stroke), at, own, states)
+def any_flows(opening, stroke, pressure_1, pressure_2, feed, own):  # type: ignore[no-untyped-def]
+    """Flows of a valve, with overlap or without."""
     if own.overlap.lapped == 0.0:
-        flows = chamber_flows(opening, pressure_1, pressure_2, feed, own.edges)
-    else:
-        openings = edge_openings(opening, at.stroke, own.overlap)
-        flows = lapped_chamber_flows(openings, pressure_1, pressure_2, feed, own.edges)
-    return flows, rates + more + last
+        return unlapped_flows(opening, stroke, pressure_1, pressure_2, feed, own)
+    return lapped_flows(opening, stroke, pressure_1, pressure_2, feed, own)
+
+
+@kernel
+def unlapped_flows(opening, stroke, pressure_1, pressure_2, feed, own):  # type: ignore[no-untyped-def]
+    """Flows of a valve without overlap."""
+    return chamber_flows(opening, pressure_1, pressure_2, feed, own.edges)
+
+
+@kernel
+def lapped_flows(opening, stroke, pressure_1, pressure_2, feed, own):  # type: ignore[no-untyped-def]
+    """Flows of a valve with overlap."""
+    openings = edge_openings(opening, stroke, own.overlap)
+    return lapped_chamber_flows(openings, pressure_1, pressure_2, feed, own.edges)
+
+
+def equations(absent: Collection[type[Component]] = (), flows_of: Any = any_flows, chamber: Any = chamber_rate) -> Any:
+    """The kernels of isolators, composed.
+
+    Args:
+        absent: options that none of them has.
+        flows_of: of their edges.
+        chamber: rate of a chamber's pressure.
+    """
+    target, error, motion, metering, opening, flow, at_end = (in_turn(stage, COMPONENTS, absent) for stage in STAGES)
+
+    @kernel
+    def spool_rates(command, at, states, own):  # type: ignore[no-untyped-def]
+        wanted, rates = target(spool_target(command, own.spool), at, own, states)
+        driving, more = error(wanted - at.position, at, own, states)
+        acceleration = spool_acceleration(driving, at.rate, own.spool)
+        moves, last = motion((at.rate, acceleration), at, own, states)
+        return moves, rates + more + last
+
+    @kernel
+    def valve_flows(at, pressure_1, pressure_2, feed, states, own):  # type: ignore[no-untyped-def]
+        position, rates = metering(at.position, at, own, states)
+        opened, more = opening(position, at, own, states)
+        opened, last = flow(full_stroke(opened, at.stroke), at, own, states)
+        return flows_of(opened, at.stroke, pressure_1, pressure_2, feed, own), rates + more + last
+
+    @kernel
+    def rates(state, states, command, stroke, speed, held, time, feed, own):  # type: ignore[no-untyped-def]
+        at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
+        pressure_1 = actual_pressure(state.pressure_1, own.fluid.vapour_pressure)
+        pressure_2 = actual_pressure(state.pressure_2, own.fluid.vapour_pressure)
+        volume_1, volume_2 = chamber_volumes(stroke, own.cylinder)
+        swept_1, swept_2 = swept_flows(speed, own.cylinder)
+        (rate, acceleration), of_options = spool_rates(command, at, states, own)
+        flows, more = valve_flows(at, pressure_1, pressure_2, feed, states, own)
+        derivative = State(
+            rate,
+            acceleration,
+            chamber(state.pressure_1, flows.into_1, swept_1, volume_1, own.fluid),
+            chamber(state.pressure_2, flows.into_2, swept_2, volume_2, own.fluid),
+        )
+        return derivative, of_options + more, flows, oil_force(pressure_1, pressure_2, own.cylinder)
+
+    @kernel
+    def settled(state, held, time, states, own):  # type: ignore[no-untyped-def]
+        at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
+        (position, rate), _ = at_end((state.spool, state.spool_rate), at, own, states)
+        edges = metering(position, At(position, rate, at.stroke, held, time), own, states)[0]
+        return position, rate, edges
+
+    return Equations(rates, settled)
+
+
+WHOLE: Final = equations()
+"""Of any isolator."""
+
+oil_rates, settled = WHOLE
 
 
 @kernel
 def isolator_rates(state, states, command, plate, held, time, feed, own):  # type: ignore[no-untyped-def]
-    """Time derivatives of an isolator's states and of its options', its flows, and its force on the plate [N].
-
-    Args:
-        state: `State`.
-        states: of each option with states its own tuple.
-        command: [V].
-        plate: `Plate`.
-        held: where the metering edges stood at the end of the last step [mA].
-        time: [s].
-        feed: `ehamj.isolator.supply.Feed`.
-        own: `Isolator`.
-    """
-    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
-    pressure_1 = actual_pressure(state.pressure_1, own.fluid.vapour_pressure)
-    pressure_2 = actual_pressure(state.pressure_2, own.fluid.vapour_pressure)
-    volume_1, volume_2 = chamber_volumes(plate.stroke, own.cylinder)
-    swept_1, swept_2 = swept_flows(plate.speed, own.cylinder)
-    (rate, acceleration), rates = spool_rates(command, at, states, own)
-    flows, more = valve_flows(at, pressure_1, pressure_2, feed, states, own)
-    derivative = State(
-        rate,
-        acceleration,
-        chamber_rate(state.pressure_1, flows.into_1, swept_1, volume_1, own.fluid),
-        chamber_rate(state.pressure_2, flows.into_2, swept_2, volume_2, own.fluid),
+    """As `Equations.rates`, for the motion of a `Plate`; its force is the ground's on the membrane too."""
+    derivative, rates, flows, force = oil_rates(
+        state, states, command, plate.stroke, plate.speed, held, time, feed, own
     )
     still, moving = lift(plate.ground, plate.ground_rate, own.membrane)
-    force = oil_force(pressure_1, pressure_2, own.cylinder) + still + moving
-    return derivative, rates + more, flows, force
-
-
-@kernel
-def settled(state, held, time, states, own):  # type: ignore[no-untyped-def]
-    """What a step leaves to be put right at its end: position and rate of the spool, and where its edges stand."""
-    at = At(state.spool, state.spool_rate, own.spool.spool_stroke, held, time)
-    (position, rate), _ = _settled((state.spool, state.spool_rate), at, own, states)
-    return position, rate, metered(At(position, rate, at.stroke, held, time), states, own)
+    return derivative, rates, flows, force + still + moving
 
 
 @kernel

@@ -39,6 +39,7 @@ class FlowCurve(Option):
 
     takes: ClassVar[Any] = (*(f"flow_curve_{k}" for k in range(POINTS)), "curved")
     path: ClassVar[Any] = {"flow": curved_opening}
+    arithmetic: ClassVar[bool] = False
 
     @classmethod
     def values_of(cls, isolator: Any) -> Any:

@@ -116,6 +116,12 @@ def chamber_rate(state: float, flow: float, swept: float, volume: float, oil: "F
 
 
 @kernel
+def liquid_rate(state: float, flow: float, swept: float, volume: float, oil: "Fluid") -> float:
+    """As `chamber_rate`, to the bit, for oil without air that does not cavitate."""
+    return pressure_rate(flow, swept, state, volume, oil.bulk_modulus, oil.wall_compliance)
+
+
+@kernel
 def specific_energy(pressure: float, oil: "Fluid") -> float:
     """Energy stored by compression from atmospheric pressure, over the volume there [J/m³]: e = −∫p dv.
 
