@@ -5,9 +5,11 @@ from typing import Any
 
 from ehamj.bench import (  # noqa: F401  # isort: skip
     engines,
+    lanes,
     controller,
     growth,
     stages,
+    peer,
 )
 from ehamj.bench.parts import PARTS, Effort, Part
 from ehamj.plots.style import Figure
@@ -17,14 +19,15 @@ from ehamj.run.progress import Progress, silent
 __all__ = ["PARTS", "bench", "bench_chart"]
 
 
-def chosen(names: Iterable[str] = ()) -> list[Part]:
-    """Parts by name, in their order; without names all but those that have to be asked for.
+def chosen(names: Iterable[str] = (), more: Iterable[str] = ()) -> list[Part]:
+    """Parts by name, in their order; without names all but those that have to be asked for. ``more`` come in any case.
 
     Raises:
         InputError: if there is no such part.
     """
-    wanted = {PARTS.find(name).name for name in names}
-    return [one for one in PARTS.values() if (one.name in wanted if wanted else not one.asked)]
+    named = [PARTS.find(name) for name in names] or [one for one in PARTS.values() if not one.asked]
+    wanted = {one.name for one in named} | {PARTS.find(name).name for name in more}
+    return [one for one in PARTS.values() if one.name in wanted]
 
 
 def bench(
@@ -39,7 +42,10 @@ def bench(
         share: of the usual steps.
     """
     figures: dict[str, Any] = {}
-    for one in parts or chosen():
+    wanted = list(parts) or chosen()
+    for one in wanted:
+        one.check()
+    for one in wanted:
         progress(one.name)
         figures |= one(Effort(repetitions, share))
     return figures

@@ -34,7 +34,7 @@ def _panels(figures: Mapping[str, Any]) -> list[Panel]:
         sizes, times = [float(size) for size in found[key]], list(found[key].values())
         x, y = [size / sizes[0] for size in sizes], [each / times[0] for each in times]
         lines.append(Line(name, x, y, color, marker="o^sD"[color]))
-    return [Lines("How cost grows, MuJoCo engine", "size, over the smallest", "time, over its", lines)]
+    return [Lines("How cost grows, MuJoCo engine", "size, over the smallest", "time, over the smallest's", lines)]
 
 
 @part("growth", "how cost grows with duration, rows, mounts and states of the law", _panels)

@@ -27,6 +27,18 @@ class Effort(NamedTuple):
         return max(0.01, round(self.share * usual, 2))
 
 
+Show = Callable[[Mapping[str, Any]], Sequence[Panel]]
+
+
+def nothing() -> None:
+    """Everything that it needs is there."""
+
+
+def unseen(_: Mapping[str, Any]) -> Sequence[Panel]:
+    """The figure shows nothing of it."""
+    return ()
+
+
 @dataclass(frozen=True)
 class Part:
     """One part: what it is ``about``, how it ``measure``s, and which panels of the figure ``show`` what it found."""
@@ -34,9 +46,11 @@ class Part:
     name: str
     about: str
     measure: Callable[[Effort], Figures]
-    show: Callable[[Mapping[str, Any]], Sequence[Panel]]
+    show: Show
     asked: bool = False
     """Measured only where it is asked for by name."""
+    check: Callable[[], object] = nothing
+    """Raises InputError where it cannot be measured; called before anything is."""
 
     def __call__(self, effort: Effort) -> Figures:
         """What it measures."""
@@ -46,8 +60,6 @@ class Part:
 PARTS: Final[Registry[Part]] = Registry("part")
 
 
-def part(
-    name: str, about: str, show: Callable[[Mapping[str, Any]], Sequence[Panel]] = lambda _: (), asked: bool = False
-) -> Callable[[Callable[[Effort], Figures]], Part]:
-    """Decorator that registers what measures a part; list its file in `ehamj.bench.bench`."""
-    return lambda measure: PARTS.add(name, Part(name, about, measure, show, asked))
+def part(name: str, about: str, show: Show = unseen, **more: Any) -> Callable[[Callable[[Effort], Figures]], Part]:
+    """Decorator that registers what measures a part (see `Part`); list its file in `ehamj.bench.bench`."""
+    return lambda measure: PARTS.add(name, Part(name, about, measure, show, **more))

@@ -16,22 +16,27 @@ SUFFIX = ".svg"
 
 @app.command()
 def bench(
-    parts: Annotated[list[str] | None, typer.Argument(help="What to time [default: all but peer].")] = None,
+    parts: Annotated[
+        list[str] | None,
+        typer.Argument(help="What to time: engines, lanes, controller, growth, stages [default: all of these], peer."),
+    ] = None,
     repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
+    peer: Annotated[bool, typer.Option("--peer", help="Also time Exudyn, where it is installed.")] = False,
     figure: Annotated[Path | None, typer.Option("--figure", help="Also draw the figures into this SVG file.")] = None,
     as_json: Json = False,
 ) -> None:
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios.
 
-    Parts are engines (one machine alone), controller (under control), growth (how cost grows), stages (from command to
-    picture). All of them take about a minute.
+    Parts are engines (one machine alone), lanes (many machines side by side), controller (under control), growth (how
+    cost grows), stages (from command to picture), and peer (Exudyn, where it is installed). Without names all but peer
+    are timed, in about a minute.
     """
     from ehamj.bench.bench import bench as measure
     from ehamj.bench.bench import bench_chart, chosen
 
     if figure is not None:
         _check(figure)
-    wanted = chosen(parts or ())
+    wanted = chosen(parts or (), ("peer",) if peer else ())
     with doing("timing") as step:
         figures = measure(repetitions, wanted, step)
     if figure is not None:

@@ -4,10 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from ehamj.plots import style
-from ehamj.plots.axes import linear_axis, plain
+from ehamj.plots.axes import linear_axis
 from ehamj.plots.charts import HEIGHT, Line, draw, entries_of, set_scales
 from ehamj.plots.style import Axes, Figure
 
@@ -48,12 +46,13 @@ class Bars:
 
 @dataclass(frozen=True)
 class Lines:
-    """Lines over an axis of their own, both logarithmic."""
+    """Points with lines between them, both axes logarithmic."""
 
     title: str
     axis: str
     quantity: str
     lines: Sequence[Line]
+    """With markers."""
 
     @property
     def height(self) -> float:
@@ -61,17 +60,12 @@ class Lines:
         return 0.7 * HEIGHT
 
     def draw(self, axes: Axes) -> None:
-        """Draw them, each number on the axis that a line has a point at."""
-        from matplotlib.ticker import FixedLocator, FuncFormatter
-
+        """Draw them."""
         for line in self.lines:
             axes.plot(line.x, line.y, color=line.hue, linewidth=line.width, alpha=0.5)
         draw(axes, self.lines)
         axes.set(xlabel=self.axis, ylabel=self.quantity, xscale="log", yscale="log")
         set_scales(axes, "xy")
-        places = np.unique(np.concatenate([np.asarray(line.x, float) for line in self.lines]))
-        axes.xaxis.set_major_locator(FixedLocator(places))
-        axes.xaxis.set_major_formatter(FuncFormatter(plain))
 
 
 Panel = Bars | Lines
