@@ -1,0 +1,248 @@
+"""The stepping loop of the small-motion engine, compiled: as that of `ehamj.mujoco.advance`, for all lanes at once."""
+
+from functools import cache
+from typing import Any, Final, NamedTuple
+
+import numba
+import numpy as np
+
+from ehamj.compiled import compiled_here, kernel
+from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
+from ehamj.control.compiled.sensing import read_sensors
+from ehamj.control.compiled.signals import gather
+from ehamj.isolator.cylinder import chamber_volumes
+from ehamj.isolator.spool import limits_reached
+from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE
+from ehamj.smallmotion.isolators import (
+    AT,
+    BLOCK,
+    COMMAND,
+    DRAWN,
+    INTO_1,
+    STATE,
+    STROKE,
+    SUPPLY,
+    isolator_in,
+    settle,
+    state_in,
+)  # fmt: skip
+from ehamj.smallmotion.lanes import add_product, copy_lanes, peek, poke
+from ehamj.smallmotion.stage import CONNECTED, evaluate, runge_kutta
+
+TOO_LARGE: Final = 5
+"""Status of a machine that turns by more than `LARGEST_TURN`."""
+
+LARGEST_TURN: Final = 1e-3
+"""Angle beyond which motions are not small [rad]: what is left out is a thousandth there."""
+
+TURNS: Final = range(3, 6)
+"""Coordinates that are angles."""
+
+LIMITS: Final = ("command", "spool", "spool_drive", "cavitation")
+
+
+class Counted(NamedTuple):
+    """Added to at every state; flat with the lane last."""
+
+    limits: Any
+    """(m, 4) states at each of `LIMITS`."""
+    drawn: Any
+    """(3,) sum of flows, largest flow, sum of power."""
+
+
+class Recorded(NamedTuple):
+    """Rows, flat with the lane last."""
+
+    states: Any
+    """(rows, 2 n + activations)"""
+    accelerations: Any
+    """(rows, n)"""
+    commands: Any
+    """(rows, m)"""
+    flows: Any
+    """(rows, m, 2)"""
+    laws: Any
+    """(rows, states of the law)"""
+    readings: Any
+    """(rows, channels)"""
+    states_of_law: int
+    every: int
+
+
+class Plates(NamedTuple):
+    """What a law's channels see of the mechanics; flat with the lane last."""
+
+    rest: Any
+    """(6,) coordinates in the equilibrium [m, rad]."""
+    plate: Any
+    """(m,) plates in the equilibrium [m]."""
+    levers: Any
+    """(m, n) plates per coordinate."""
+
+
+@kernel
+def within(own, scratch, alive, lanes):  # type: ignore[no-untyped-def]
+    """Whether nothing has failed in any lane that is ``alive``; what is wrong where, `failing` says."""
+    w, n, wrong, live = len(lanes), own.sizes.coordinates, 0, alive
+    state, rate, blocks = scratch.state, scratch.rate, own.blocks
+    for k in range(3, 6):
+        for lane in range(w):
+            wrong |= (abs(peek(state, k * w + lane)) > LARGEST_TURN) & peek(live, lane)
+    for k in range(state.size // w):
+        for lane in range(w):
+            value = peek(state, k * w + lane)
+            wrong |= (value - value != 0.0) & peek(live, lane)
+    for k in range(n, 2 * n):
+        for lane in range(w):
+            value = peek(rate, k * w + lane)
+            wrong |= (value - value != 0.0) & peek(live, lane)
+    for mount in range(own.forms.size):
+        for lane in range(w):
+            at = mount * BLOCK * w + lane
+            cylinder = isolator_in(blocks, at, lanes).cylinder
+            one, two = chamber_volumes(peek(blocks, at + STROKE * w), cylinder)
+            wrong |= ((one <= 0.0) | (two <= 0.0)) & peek(live, lane)
+    return wrong == 0
+
+
+@kernel
+def failing(own, scratch, lane, lanes):  # type: ignore[no-untyped-def]
+    """Status and mount (−1: the machine) of one lane."""
+    w, n = len(lanes), own.sizes.coordinates
+    least, status, where = 0.0, DONE, -1
+    for mount in range(own.forms.size):
+        at = mount * BLOCK * w + lane
+        for k in range(8):
+            value = peek(own.blocks, at + (STATE + k) * w)
+            if value - value != 0.0:
+                return NOT_FINITE, mount
+        cylinder = isolator_in(own.blocks, at, lanes).cylinder
+        one, two = chamber_volumes(peek(own.blocks, at + STROKE * w), cylinder)
+        share_1, share_2 = one / cylinder.volume_1, two / cylinder.volume_2
+        if share_1 <= least:
+            least, status, where = share_1, CHAMBER_1_EMPTY, mount
+        if share_2 <= least:
+            least, status, where = share_2, CHAMBER_2_EMPTY, mount
+    for k in range(scratch.state.size // w):
+        if scratch.state[k * w + lane] - scratch.state[k * w + lane] != 0.0:
+            return NOT_FINITE, -1
+    for k in range(n):
+        value = scratch.rate[(n + k) * w + lane]
+        if value - value != 0.0:
+            return NOT_FINITE, -1
+    if status == DONE:
+        for k in range(3, 6):
+            if abs(scratch.state[k * w + lane]) > LARGEST_TURN:
+                return TOO_LARGE, -1
+    return status, where
+
+
+@kernel
+def count_limits(own, counted, lanes):  # type: ignore[no-untyped-def]
+    """Add the present state to what is counted."""
+    w = len(lanes)
+    for lane in range(w):
+        drawn, power = 0.0, 0.0
+        for mount in range(own.forms.size):
+            at, to = mount * BLOCK * w + lane, mount * len(LIMITS) * w + lane
+            isolator, state = isolator_in(own.blocks, at, lanes), state_in(own.blocks, at + STATE * w, lanes)
+            command, spool, drive = limits_reached(peek(own.blocks, at + COMMAND * w), state.spool, isolator.spool)
+            vapour = isolator.fluid.vapour_pressure
+            poke(counted.limits, to, peek(counted.limits, to) + command)
+            poke(counted.limits, to + w, peek(counted.limits, to + w) + spool)
+            poke(counted.limits, to + 2 * w, peek(counted.limits, to + 2 * w) + drive)
+            void = (state.pressure_1 <= vapour) | (state.pressure_2 <= vapour)
+            poke(counted.limits, to + 3 * w, peek(counted.limits, to + 3 * w) + void)
+            taken = peek(own.blocks, at + CONNECTED * w) * peek(own.blocks, at + DRAWN * w)
+            drawn += taken
+            power += taken * peek(own.blocks, at + SUPPLY * w)
+        poke(counted.drawn, lane, peek(counted.drawn, lane) + drawn)
+        poke(counted.drawn, w + lane, max(peek(counted.drawn, w + lane), drawn))
+        poke(counted.drawn, 2 * w + lane, peek(counted.drawn, 2 * w + lane) + power)
+
+
+@kernel
+def write_row(own, recorded, row, values, readings, scratch, lanes):  # type: ignore[no-untyped-def]
+    """Record the present state."""
+    w, n, mounts = len(lanes), own.sizes.coordinates, own.forms.size
+    size = scratch.state.size
+    copy_lanes(scratch.state, 0, recorded.states, row * size, size)
+    copy_lanes(scratch.rate, n * w, recorded.accelerations, row * n * w, n * w)
+    for mount in range(mounts):
+        at, to = mount * BLOCK * w, (row * mounts + mount) * w
+        copy_lanes(own.blocks, at + COMMAND * w, recorded.commands, to, w)
+        copy_lanes(own.blocks, at + INTO_1 * w, recorded.flows, 2 * to, 2 * w)
+    laws, channels = recorded.states_of_law * w, readings.size
+    copy_lanes(values, 0, recorded.laws, row * laws, laws)
+    copy_lanes(readings, 0, recorded.readings, row * channels, channels)
+
+
+@kernel
+def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore[no-untyped-def]
+    """What channels are made of: machine's coordinates and rates, and the plates'."""
+    w, n = len(lanes), own.sizes.coordinates
+    qpos, qvel, qacc = motion
+    copy_lanes(scratch.state, n * w, qvel, 0, 6 * w)
+    copy_lanes(scratch.rate, n * w, qacc, 0, 6 * w)
+    for k in range(6 * w):
+        poke(qpos, k, peek(plates.rest, k) + peek(scratch.state, k))
+    copy_lanes(plates.plate, 0, length, 0, length.size)
+    for k in range(velocity.size):
+        poke(velocity, k, 0.0)
+    for mount in range(own.forms.size):
+        for i in range(n):
+            add_product(length, mount, plates.levers, mount * n + i, scratch.state, i, lanes)
+            add_product(velocity, mount, plates.levers, mount * n + i, scratch.state, n + i, lanes)
+
+
+@cache
+def compiled_advance() -> Any:
+    """The loop; it is compiled for a width when it is first called with it."""
+
+    def advance(own, given, stretch, recorded, counted, plates, law, scratch, control, alive, lanes):  # type: ignore[no-untyped-def]
+        first, steps, last = stretch
+        laws, memory, sensing, readings, noise, first_noise = law
+        w, h, n = len(lanes), own.sizes.step, own.sizes.coordinates
+        mounts, row, acts = own.forms.size, 0, 2 * own.sizes.coordinates
+        signals = np.zeros(sensing.layout.size * w)
+        motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
+        length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
+        ground = given.inputs.size // (steps + last)
+        for k in range(steps + last):
+            number = first + k
+            time = number * h
+            release(number, laws, memory, control, lanes)
+            evaluate(own, given, k, 0, time, control, scratch, lanes)
+            if not within(own, scratch, alive, lanes):
+                for lane in range(w):
+                    if alive[lane]:
+                        status, mount = failing(own, scratch, lane, lanes)
+                        if status != DONE:
+                            return k, row, lane, status, mount
+            sampled = laws.base > 0 and number % laws.base == 0
+            if sampled or sensing.filters.shape[1] > 0:
+                look(own, plates, scratch, motion, length, velocity, lanes)
+                inputs = given.inputs[k * ground : (k + 1) * ground]
+                gather(
+                    signals, sensing.layout, motion, scratch.state[acts * w :], length, velocity, inputs, 1.0 / h, lanes
+                )
+                sample = number // laws.base - first_noise if sampled else -1
+                read_sensors(number, sample, sensing, noise, signals, readings, lanes)
+            if sampled:
+                answer = take_sample(number, time, laws, readings.readings, memory, lanes)
+                if answer == FAILED:
+                    return k, row, 0, LAW_FAILED, -1
+                if answer == AT_ONCE:
+                    convert_held(laws, memory, control, lanes)
+                    evaluate(own, given, k, 0, time, control, scratch, lanes)
+            count_limits(own, counted, lanes)
+            if number % recorded.every == 0:
+                write_row(own, recorded, row, memory.values, readings.readings, scratch, lanes)
+                row += 1
+            if k < steps:
+                runge_kutta(own, given, k, time, control, scratch, lanes)
+                settle(own.forms, own.blocks, scratch.state, acts, time, lanes)
+        return steps, row, -1, DONE, -1
+
+    with compiled_here() as kept:
+        return numba.njit(nogil=True, error_model="numpy", cache=kept)(advance)
