@@ -22,7 +22,7 @@ RANKS = (
     ("control",),
     ("faults",),
     ("mujoco", "scenario"),
-    ("linear", "result"),
+    ("linear", "result", "smallmotion"),
     ("designs", "pages"),
     ("run", "replay"),
     ("rig", "bench"),

@@ -6,7 +6,7 @@ joint's coordinate counts from where the slide starts.
 """
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 import mujoco
 import numpy as np
@@ -82,21 +82,37 @@ def write_slides(machine, driven):  # type: ignore[no-untyped-def]
         own.place, own.speed = driven[k, 3], driven[k, 4]
 
 
-def drives(plant: Plant, courses: Sequence[Signal], first: int, steps: int, timestep: float) -> Array:
-    """What drives the slides in some steps, (step, slide, field) as `SLIDE`.
+class Pace(NamedTuple):
+    """What lets a slide end each of some steps where its profile is."""
 
-    Forces at start, middle and end of a step are those that let the integrator, whose weights of velocity are 1, 4, 1
-    and of position 1, 2, 0, end where the profile is: so momentum and its moment are exact also in a step within which
-    the jerk changes, and the order of the whole is kept.
+    accelerations: Array
+    """At the start, in the middle and at the end of each step (step, 3) [m/s²]."""
+    place: Array
+    """Coordinate at the end of each step [m]."""
+    speed: Array
+    """[m/s]"""
+
+
+def paced(course: Signal, times: Array, timestep: float) -> Pace:
+    """The pace of a slide in the steps that begin at each of ``times`` [s] but the last, where the last ends.
+
+    Accelerations at start, middle and end of a step are those that let the integrator, whose weights of velocity are
+    1, 4, 1 and of position 1, 2, 0, end where the profile is: so momentum and its moment are exact also in a step
+    within which the jerk changes, and the order of the whole is kept.
     """
+    x, v, a = course.sample(times)
+    place = 6.0 * (np.diff(x) - timestep * v[:-1]) / timestep**2
+    speed = 6.0 * np.diff(v) / timestep
+    middle = 0.5 * (place - a[:-1])
+    return Pace(np.column_stack([a[:-1], middle, speed - a[:-1] - 4.0 * middle]), x[1:], v[1:])
+
+
+def drives(plant: Plant, courses: Sequence[Signal], first: int, steps: int, timestep: float) -> Array:
+    """What drives the slides in some steps, (step, slide, field) as `SLIDE`: forces of their `paced` accelerations."""
     times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
     found = np.zeros((steps, len(courses), len(SLIDE.names or ())))
     for k, (slide, course) in enumerate(zip(plant.slides, courses, strict=True)):
-        x, v, a = course.sample(times)
-        place = 6.0 * (np.diff(x) - timestep * v[:-1]) / timestep**2
-        speed = 6.0 * np.diff(v) / timestep
-        middle = 0.5 * (place - a[:-1])
-        accelerations = (a[:-1], middle, speed - a[:-1] - 4.0 * middle)
+        accelerations, place, speed = paced(course, times, timestep)
         carried = (1.0 + ARMATURE) * slide.mass
-        found[:, k] = np.column_stack([*(carried * part for part in accelerations), x[1:] - slide.begins, v[1:]])
+        found[:, k] = np.column_stack([carried * accelerations, place - slide.begins, speed])
     return found

@@ -1,4 +1,5 @@
-"""The small-motion engine: the linear mechanics of the compiled model, and the isolators' own equations, in lanes.
+"""The small-motion engine: the compiled machine as matrices about its equilibrium, its isolators in lanes.
 
-A lane is one simulation. Those of equal structure advance together as structure of arrays, the lane last.
+`probe` moves the compiled model and reads its forces, `machine` makes matrices of them, `slides` how they follow slides
+that move. A lane is one simulation; those of equal structure advance together as structure of arrays, the lane last.
 """

@@ -14,7 +14,7 @@ from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.spool import limits_reached
 from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE
 from ehamj.smallmotion.isolators import (
-    AT,
+    AT_LIMIT,
     BLOCK,
     COMMAND,
     DRAWN,
@@ -22,11 +22,12 @@ from ehamj.smallmotion.isolators import (
     STATE,
     STROKE,
     SUPPLY,
+    TAKEN,
     isolator_in,
     settle,
     state_in,
 )  # fmt: skip
-from ehamj.smallmotion.lanes import add_product, copy_lanes, peek, poke
+from ehamj.smallmotion.lanes import add_products, copy_lanes, peek, poke
 from ehamj.smallmotion.stage import CONNECTED, evaluate, runge_kutta
 
 TOO_LARGE: Final = 5
@@ -44,10 +45,8 @@ LIMITS: Final = ("command", "spool", "spool_drive", "cavitation")
 class Counted(NamedTuple):
     """Added to at every state; flat with the lane last."""
 
-    limits: Any
-    """(m, 4) states at each of `LIMITS`."""
     drawn: Any
-    """(3,) sum of flows, largest flow, sum of power."""
+    """(5,) flow [m³/s] and power [W] at the present state; sum of flows, largest flow, sum of power."""
 
 
 class Recorded(NamedTuple):
@@ -81,27 +80,21 @@ class Plates(NamedTuple):
 
 
 @kernel
-def within(own, scratch, alive, lanes):  # type: ignore[no-untyped-def]
-    """Whether nothing has failed in any lane that is ``alive``; what is wrong where, `failing` says."""
-    w, n, wrong, live = len(lanes), own.sizes.coordinates, 0, alive
+def within(own, scratch, lanes):  # type: ignore[no-untyped-def]
+    """Whether nothing has failed in any lane; what is wrong where, `failing` says."""
+    w, n, wrong = len(lanes), own.sizes.coordinates, 0
     state, rate, blocks = scratch.state, scratch.rate, own.blocks
-    for k in range(3, 6):
-        for lane in range(w):
-            wrong |= (abs(peek(state, k * w + lane)) > LARGEST_TURN) & peek(live, lane)
-    for k in range(state.size // w):
-        for lane in range(w):
-            value = peek(state, k * w + lane)
-            wrong |= (value - value != 0.0) & peek(live, lane)
-    for k in range(n, 2 * n):
-        for lane in range(w):
-            value = peek(rate, k * w + lane)
-            wrong |= (value - value != 0.0) & peek(live, lane)
+    for k in range(3 * w, 6 * w):
+        wrong |= abs(peek(state, k)) > LARGEST_TURN
+    for k in range(state.size):
+        wrong |= peek(state, k) - peek(state, k) != 0.0
+    for k in range(n * w, 2 * n * w):
+        wrong |= peek(rate, k) - peek(rate, k) != 0.0
     for mount in range(own.forms.size):
         for lane in range(w):
             at = mount * BLOCK * w + lane
-            cylinder = isolator_in(blocks, at, lanes).cylinder
-            one, two = chamber_volumes(peek(blocks, at + STROKE * w), cylinder)
-            wrong |= ((one <= 0.0) | (two <= 0.0)) & peek(live, lane)
+            one, two = chamber_volumes(peek(blocks, at + STROKE * w), isolator_in(blocks, at, lanes).cylinder)
+            wrong |= (one <= 0.0) | (two <= 0.0)
     return wrong == 0
 
 
@@ -139,26 +132,28 @@ def failing(own, scratch, lane, lanes):  # type: ignore[no-untyped-def]
 
 @kernel
 def count_limits(own, counted, lanes):  # type: ignore[no-untyped-def]
-    """Add the present state to what is counted."""
-    w = len(lanes)
+    """Add the present state to what is counted: at each mount in its block, oil drawn in ``counted``."""
+    w, blocks, drawn = len(lanes), own.blocks, counted.drawn
+    for k in range(2 * w):
+        poke(drawn, k, 0.0)
+    for mount in range(own.forms.size):
+        for lane in range(w):
+            at = mount * BLOCK * w + lane
+            isolator, state, to = isolator_in(blocks, at, lanes), state_in(blocks, at + STATE * w, lanes), at + AT_LIMIT * w
+            command, spool, drive = limits_reached(peek(blocks, at + COMMAND * w), state.spool, isolator.spool)
+            void = (state.pressure_1 <= isolator.fluid.vapour_pressure) | (state.pressure_2 <= isolator.fluid.vapour_pressure)
+            poke(blocks, to, peek(blocks, to) + command)
+            poke(blocks, to + w, peek(blocks, to + w) + spool)
+            poke(blocks, to + 2 * w, peek(blocks, to + 2 * w) + drive)
+            poke(blocks, to + 3 * w, peek(blocks, to + 3 * w) + void)
+            poke(blocks, at + TAKEN * w, peek(blocks, at + CONNECTED * w) * peek(blocks, at + DRAWN * w))
+    add_products(drawn, 0, blocks, CONNECTED, BLOCK, blocks, DRAWN, BLOCK, own.forms.size, lanes)
+    add_products(drawn, 1, blocks, TAKEN, BLOCK, blocks, SUPPLY, BLOCK, own.forms.size, lanes)
     for lane in range(w):
-        drawn, power = 0.0, 0.0
-        for mount in range(own.forms.size):
-            at, to = mount * BLOCK * w + lane, mount * len(LIMITS) * w + lane
-            isolator, state = isolator_in(own.blocks, at, lanes), state_in(own.blocks, at + STATE * w, lanes)
-            command, spool, drive = limits_reached(peek(own.blocks, at + COMMAND * w), state.spool, isolator.spool)
-            vapour = isolator.fluid.vapour_pressure
-            poke(counted.limits, to, peek(counted.limits, to) + command)
-            poke(counted.limits, to + w, peek(counted.limits, to + w) + spool)
-            poke(counted.limits, to + 2 * w, peek(counted.limits, to + 2 * w) + drive)
-            void = (state.pressure_1 <= vapour) | (state.pressure_2 <= vapour)
-            poke(counted.limits, to + 3 * w, peek(counted.limits, to + 3 * w) + void)
-            taken = peek(own.blocks, at + CONNECTED * w) * peek(own.blocks, at + DRAWN * w)
-            drawn += taken
-            power += taken * peek(own.blocks, at + SUPPLY * w)
-        poke(counted.drawn, lane, peek(counted.drawn, lane) + drawn)
-        poke(counted.drawn, w + lane, max(peek(counted.drawn, w + lane), drawn))
-        poke(counted.drawn, 2 * w + lane, peek(counted.drawn, 2 * w + lane) + power)
+        flow = peek(drawn, lane)
+        poke(drawn, 2 * w + lane, peek(drawn, 2 * w + lane) + flow)
+        poke(drawn, 3 * w + lane, max(peek(drawn, 3 * w + lane), flow))
+        poke(drawn, 4 * w + lane, peek(drawn, 4 * w + lane) + peek(drawn, w + lane))
 
 
 @kernel
@@ -190,9 +185,8 @@ def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore
     for k in range(velocity.size):
         poke(velocity, k, 0.0)
     for mount in range(own.forms.size):
-        for i in range(n):
-            add_product(length, mount, plates.levers, mount * n + i, scratch.state, i, lanes)
-            add_product(velocity, mount, plates.levers, mount * n + i, scratch.state, n + i, lanes)
+        add_products(length, mount, plates.levers, mount * n, 1, scratch.state, 0, 1, n, lanes)
+        add_products(velocity, mount, plates.levers, mount * n, 1, scratch.state, n, 1, n, lanes)
 
 
 @cache
@@ -213,7 +207,7 @@ def compiled_advance() -> Any:
             time = number * h
             release(number, laws, memory, control, lanes)
             evaluate(own, given, k, 0, time, control, scratch, lanes)
-            if not within(own, scratch, alive, lanes):
+            if not within(own, scratch, lanes):
                 for lane in range(w):
                     if alive[lane]:
                         status, mount = failing(own, scratch, lane, lanes)

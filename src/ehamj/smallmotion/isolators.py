@@ -30,6 +30,11 @@ EXCHANGE: Final = (
     "drawn",  # from the supply [m³/s]
     "force",  # of the oil on the plate, over that at rest [N]
     "rest",  # the force at rest [N]
+    "at_command_limit",  # states that were counted there
+    "at_spool_limit",
+    "at_drive_limit",
+    "cavitating",
+    "taken",  # drawn from the shared supply [m³/s]
     *State._fields,
     *(f"{state}'" for state in State._fields),  # their rates
 )
@@ -41,7 +46,7 @@ BLOCK: Final = EXCHANGE_AT + len(EXCHANGE)
 OWN: Final = len(State._fields)
 """States of an isolator."""
 
-STROKE, SPEED, COMMAND, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, STATE = range(
+STROKE, SPEED, COMMAND, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, AT_LIMIT, _1, _2, _3, TAKEN, STATE = range(
     EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1
 )
 RATE: Final = STATE + len(State._fields)

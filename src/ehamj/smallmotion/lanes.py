@@ -72,19 +72,35 @@ def _vector(context: Any, builder: Any, kind: Any, array: Any, place: Any, width
 
 
 @intrinsic
-def add_product(typing_context: Any, result: Any, r: Any, factor: Any, f: Any, value: Any, v: Any, lanes: Any) -> Any:
-    """result[r] += factor[f]·value[v] in all lanes, at places of flat arrays: a product and a sum, each rounded."""
+def add_products(
+    typing_context: Any, result: Any, r: Any, a: Any, f: Any, over: Any, b: Any, v: Any, by: Any, count: Any, lanes: Any
+) -> Any:
+    """result[r] += Σ a[f + k·over]·b[v + k·by] over ``count`` terms in their order, in all lanes; places of flat arrays.
+
+    Each product and each sum is rounded.
+    """
+    width = len(lanes)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        at = [
-            _vector(context, builder, signature.args[k], arguments[k], arguments[k + 1], len(signature.args[6]))
-            for k in (0, 2, 4)
-        ]
-        total, one, two = (builder.load(each, align=DOUBLE) for each in at)
-        builder.store(builder.fadd(total, builder.fmul(one, two)), at[0], align=DOUBLE)
+        kinds = signature.args
+        total_at, a_first, b_first = arguments[1], arguments[3], arguments[6]
+        target = _vector(context, builder, kinds[0], arguments[0], total_at, width)
+        total = cgutils.alloca_once_value(builder, builder.load(target, align=DOUBLE))
+        with cgutils.for_range(builder, arguments[8]) as loop:
+            k = loop.index
+            one = _vector(
+                context, builder, kinds[2], arguments[2], builder.add(a_first, builder.mul(k, arguments[4])), width
+            )
+            two = _vector(
+                context, builder, kinds[5], arguments[5], builder.add(b_first, builder.mul(k, arguments[7])), width
+            )
+            product = builder.fmul(builder.load(one, align=DOUBLE), builder.load(two, align=DOUBLE))
+            builder.store(builder.fadd(builder.load(total), product), total)
+        builder.store(builder.load(total), target, align=DOUBLE)
         return context.get_dummy_value()
 
-    return types.void(result, types.intp, factor, types.intp, value, types.intp, lanes), codegen
+    place = types.intp
+    return types.void(result, place, a, place, place, b, place, place, place, lanes), codegen
 
 
 @kernel

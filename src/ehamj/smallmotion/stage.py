@@ -24,7 +24,7 @@ from ehamj.smallmotion.isolators import (
     isolators,
     state_in,
 )  # fmt: skip
-from ehamj.smallmotion.lanes import add_product, copy_lanes, peek, poke
+from ehamj.smallmotion.lanes import add_products, copy_lanes, peek, poke
 
 CONNECTED, PRESSURE, TANK = AT["connected"], AT["supply_pressure"], AT["tank_pressure"]
 RATED: Final = AT["rated_pressure"]
@@ -96,8 +96,6 @@ class Scratch(NamedTuple):
     """State at the start of the step."""
     total: Any
     """Weighted sum of the rates."""
-    parts: Any
-    """(2 n + m) coordinates, velocities and forces, of which accelerations are made."""
 
 
 supply_in: Final = _supply_in()
@@ -113,9 +111,8 @@ def hand_over(own, given, here, state, control, stage, lanes):  # type: ignore[n
         copy_lanes(own.at_rest, mount * w, blocks, (at + STROKE) * w, w)
         for lane in range(w):
             poke(blocks, (at + SPEED) * w + lane, 0.0)
-        for i in range(n):
-            add_product(blocks, at + STROKE, own.levers, mount * n + i, state, i, lanes)
-            add_product(blocks, at + SPEED, own.levers, mount * n + i, state, n + i, lanes)
+        add_products(blocks, at + STROKE, own.levers, mount * n, 1, state, 0, 1, n, lanes)
+        add_products(blocks, at + SPEED, own.levers, mount * n, 1, state, n, 1, n, lanes)
         if given.ground.size > 0:
             place = (here * mounts + mount) * 2 * w
             for lane in range(w):
@@ -185,21 +182,17 @@ def ledger_stage(own, rate, lanes):  # type: ignore[no-untyped-def]
 @kernel
 def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-untyped-def]
     """Velocities and accelerations as rates of coordinates and velocities."""
-    w, n, mounts, parts, rate = len(lanes), own.sizes.coordinates, own.forms.size, scratch.parts, scratch.rate
-    copy_lanes(scratch.state, 0, parts, 0, 2 * n * w)
-    for mount in range(mounts):
-        copy_lanes(own.blocks, (mount * BLOCK + FORCE) * w, parts, (2 * n + mount) * w, w)
+    w, n, mounts, rate = len(lanes), own.sizes.coordinates, own.forms.size, scratch.rate
     copy_lanes(scratch.state, n * w, rate, 0, n * w)
     if given.pushed.size > 0:
         copy_lanes(given.pushed, here * n * w, rate, n * w, n * w)
     else:
         for k in range(n * w):
             poke(rate, n * w + k, 0.0)
-    rows = 2 * n + mounts
-    first = here * rows * n if given.times > 1 else 0
-    for j in range(rows):
-        for i in range(n):
-            add_product(rate, n + i, given.matrix, first + j * n + i, parts, j, lanes)
+    first = here * (2 * n + mounts) * n if given.times > 1 else 0
+    for i in range(n):
+        add_products(rate, n + i, given.matrix, first + i, n, scratch.state, 0, 1, 2 * n, lanes)
+        add_products(rate, n + i, given.matrix, first + 2 * n * n + i, n, own.blocks, FORCE, BLOCK, mounts, lanes)
 
 
 @kernel

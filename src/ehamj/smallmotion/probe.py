@@ -1,0 +1,124 @@
+"""The compiled model's forces near its equilibrium, and how they change: by moving it and asking the engine."""
+
+from collections.abc import Callable
+from typing import Final
+
+import mujoco
+import numpy as np
+
+from ehamj.arrays import Array
+from ehamj.memory import MACHINE_BODY, exchange, isolators, mounts_of, slides_of
+from ehamj.mujoco.equilibrium import Inputs
+from ehamj.mujoco.slides import FIRST
+from ehamj.plant.axes import AXES, DOFS
+
+SMALL: Final = 1e-4
+"""Motion for differences over positions [m, rad]: with its fourth power left out, rounding and truncation are both
+below 1e-14 of a membrane's stiffness, and below 1e-9 of gravity's."""
+
+
+def slope(of: Callable[[Array], Array], size: int, step: float = 1.0) -> Array:
+    """∂of/∂x at 0, (value, size), by differences whose error is of the fifth derivative; exact for cubics."""
+    columns = []
+    for k in range(size):
+        shift = np.zeros(size)
+        shift[k] = step
+        near, far = (of(n * shift) - of(-n * shift) for n in (1.0, 2.0))
+        columns.append((8.0 * near - far) / (12.0 * step))
+    return np.array(columns).reshape(size, -1).T
+
+
+class Probe:
+    """A copy of a model's state at its equilibrium, which is moved; use it with the hydraulics installed.
+
+    Motions q are of the coordinates that are free: ``coordinates`` (model's velocities, n) makes the model's motion of
+    them, without slides, plates on rigid feet with the machine.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        mounts = exchange(data, mounts_of(model))
+        self.model, self.data = model, mujoco.MjData(model)
+        self.data.time, self.data.act[:] = data.time, data.act
+        self.rest = data.qpos.copy()
+        self.ground = np.column_stack([mounts[f"ground_{axis}"]["value"] for axis in AXES])
+        self.command = mounts["open_loop"]["value"].copy()
+        self.slides = slides_of(model)
+        self.coordinates = free_coordinates(model)
+
+    def moved(self, **by: Array) -> mujoco.MjData:
+        """The engine's state with what is named moved by so much, all else at the equilibrium.
+
+        q, v (n): motions [m, rad] and their rates; ground, ground_rate (mount, 3) [m, m/s]; load (6,) at the machine's
+        centre of gravity [N, N m]; place, speed (slide): coordinates [m] and speeds [m/s] of the slides.
+        """
+        model, data, mounts = self.model, self.data, self.ground.shape
+        still, slides = np.zeros(self.coordinates.shape[1]), np.zeros(self.slides)
+        at = slice(FIRST, FIRST + self.slides)
+        data.qpos[:] = self.rest + self.coordinates @ by.get("q", still)
+        data.qvel[:] = self.coordinates @ by.get("v", still)
+        data.qpos[at] += by.get("place", slides)
+        data.qvel[at] += by.get("speed", slides)
+        ground = self.ground + by.get("ground", np.zeros(mounts)).reshape(mounts)
+        rate = by.get("ground_rate", np.zeros(mounts)).reshape(mounts)
+        Inputs(ground, rate, self.command).write(data)
+        data.xfrc_applied[:] = 0.0
+        data.xfrc_applied[MACHINE_BODY] = by.get("load", np.zeros(len(DOFS)))
+        mujoco.mj_forward(model, data)
+        return data
+
+    def force(self, **by: Array) -> Array:
+        """What accelerates the free coordinates (n,) [N, N m], the oil's pressures held: as `moved`.
+
+        ``acceleration`` (slide) of the slides [m/s²] counts by their reaction.
+        """
+        data = self.moved(**by)
+        pushed, carried = np.zeros(self.model.nv), np.zeros(self.model.nv)
+        pushed[FIRST : FIRST + self.slides] = by.get("acceleration", np.zeros(self.slides))
+        mujoco.mj_mulM(self.model, data, carried, pushed)
+        return np.asarray(self.coordinates.T @ (data.qfrc_smooth - carried))
+
+    def stiffness(self, **by: Array) -> Array:
+        """−∂force/∂q (n, n), gravity and held oil included: symmetric where no slide is driven."""
+        return -slope(lambda q: self.force(q=q, **by), self.coordinates.shape[1], SMALL)
+
+    def damping(self, **by: Array) -> Array:
+        """−∂force/∂v (n, n)."""
+        return -slope(lambda v: self.force(v=v, **by), self.coordinates.shape[1])
+
+    def mass(self, **by: Array) -> Array:
+        """Mass matrix of the free coordinates (n, n)."""
+        full = np.empty((self.model.nv, self.model.nv))
+        mujoco.mj_fullM(self.model, self.moved(**by), full)
+        return np.asarray(self.coordinates.T @ full @ self.coordinates)
+
+    def strokes(self) -> tuple[Array, Array]:
+        """At the equilibrium, strokes, and where plates stand along their actions with shims left out, (mount,) [m]."""
+        length = self.moved().actuator_length[: self.ground.shape[0]]
+        mounts = exchange(self.data, length.size)
+        return length - mounts["ground"], length + mounts["turn"] - isolators(self.model)["height"]
+
+    def levers(self) -> Array:
+        """Rates of the strokes per rate of each free coordinate (mount, n): the engine's are linear in them."""
+
+        def rates(v: Array) -> Array:
+            data = self.moved(v=v)
+            mounts = exchange(data, self.ground.shape[0])
+            return np.asarray(data.actuator_velocity[: mounts.size] - mounts["ground_rate"])
+
+        return slope(rates, self.coordinates.shape[1])
+
+
+def free_coordinates(model: mujoco.MjModel) -> Array:
+    """The model's velocities per free coordinate, (velocity, n): slides stand, tied feet move their plates."""
+    matrix = np.eye(model.nv)
+    fixed = list(range(FIRST, FIRST + slides_of(model)))
+    for tie in np.flatnonzero(model.eq_active0):
+        first, size = (int(table[model.eq_obj1id[tie]]) for table in (model.tendon_adr, model.tendon_num))
+        wraps = range(first, first + size)
+        joints = [int(model.jnt_dofadr[model.wrap_objid[k]]) for k in wraps]
+        shares = np.array([model.wrap_prm[k] for k in wraps])
+        # Its plate's joint is the first, as `ehamj.mujoco.plates` puts it there.
+        matrix[joints[0]] = 0.0
+        matrix[joints[0], joints[1:]] = -shares[1:] / shares[0]
+        fixed.append(joints[0])
+    return np.delete(matrix, fixed, axis=1)
