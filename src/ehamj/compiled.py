@@ -69,6 +69,7 @@ COMPILED = (
     "isolator",
     "memory.py",
     "mujoco",
+    "smallmotion",
     "control/compiled",
     "compiled.py",
     "plant/axes.py",

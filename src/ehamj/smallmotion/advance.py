@@ -66,6 +66,14 @@ class Recorded(NamedTuple):
     """(rows, channels)"""
     states_of_law: int
     every: int
+    """Each step whose number is a multiple of this is recorded."""
+    count: int
+    """Rows that there is room for."""
+
+    def after(self, rows: int) -> "Recorded":
+        """The same, from a later row on."""
+        tables = (table[rows * (table.size // self.count) :] for table in self[:6])
+        return Recorded(*tables, self.states_of_law, self.every, self.count - rows)
 
 
 class Plates(NamedTuple):
@@ -139,9 +147,15 @@ def count_limits(own, counted, lanes):  # type: ignore[no-untyped-def]
     for mount in range(own.forms.size):
         for lane in range(w):
             at = mount * BLOCK * w + lane
-            isolator, state, to = isolator_in(blocks, at, lanes), state_in(blocks, at + STATE * w, lanes), at + AT_LIMIT * w
+            isolator, state, to = (
+                isolator_in(blocks, at, lanes),
+                state_in(blocks, at + STATE * w, lanes),
+                at + AT_LIMIT * w,
+            )
             command, spool, drive = limits_reached(peek(blocks, at + COMMAND * w), state.spool, isolator.spool)
-            void = (state.pressure_1 <= isolator.fluid.vapour_pressure) | (state.pressure_2 <= isolator.fluid.vapour_pressure)
+            void = (state.pressure_1 <= isolator.fluid.vapour_pressure) | (
+                state.pressure_2 <= isolator.fluid.vapour_pressure
+            )
             poke(blocks, to, peek(blocks, to) + command)
             poke(blocks, to + w, peek(blocks, to + w) + spool)
             poke(blocks, to + 2 * w, peek(blocks, to + 2 * w) + drive)
@@ -189,16 +203,30 @@ def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore
         add_products(velocity, mount, plates.levers, mount * n, 1, scratch.state, n, 1, n, lanes)
 
 
+@kernel
+def end_failed(own, scratch, ended, number, lanes):  # type: ignore[no-untyped-def]
+    """Note where lanes that have failed ended; whether one is left."""
+    left = 0
+    for lane in range(len(lanes)):
+        if ended[lane, 1] == DONE:
+            status, mount = failing(own, scratch, lane, lanes)
+            if status == DONE:
+                left += 1
+            else:
+                ended[lane, 0], ended[lane, 1], ended[lane, 2] = number, status, mount
+    return left > 0
+
+
 @cache
 def compiled_advance() -> Any:
     """The loop; it is compiled for a width when it is first called with it."""
 
-    def advance(own, given, stretch, recorded, counted, plates, law, scratch, control, alive, lanes):  # type: ignore[no-untyped-def]
+    def advance(own, given, stretch, recorded, counted, plates, law, scratch, ended, lanes):  # type: ignore[no-untyped-def]
         first, steps, last = stretch
-        laws, memory, sensing, readings, noise, first_noise = law
-        w, h, n = len(lanes), own.sizes.step, own.sizes.coordinates
-        mounts, row, acts = own.forms.size, 0, 2 * own.sizes.coordinates
-        signals = np.zeros(sensing.layout.size * w)
+        laws, memory, sensing, readings, noise, first_noise, control = law
+        w, h, mounts = len(lanes), own.sizes.step, own.forms.size
+        row, acts = 0, 2 * own.sizes.coordinates
+        signals, act = np.zeros(sensing.layout.size * w), scratch.state[acts * w :]
         motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
         length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
         ground = given.inputs.size // (steps + last)
@@ -207,25 +235,20 @@ def compiled_advance() -> Any:
             time = number * h
             release(number, laws, memory, control, lanes)
             evaluate(own, given, k, 0, time, control, scratch, lanes)
-            if not within(own, scratch, lanes):
-                for lane in range(w):
-                    if alive[lane]:
-                        status, mount = failing(own, scratch, lane, lanes)
-                        if status != DONE:
-                            return k, row, lane, status, mount
+            if not within(own, scratch, lanes) and not end_failed(own, scratch, ended, number, lanes):
+                return k, row
             sampled = laws.base > 0 and number % laws.base == 0
-            if sampled or sensing.filters.shape[1] > 0:
+            if sampled or sensing.order > 0:
                 look(own, plates, scratch, motion, length, velocity, lanes)
                 inputs = given.inputs[k * ground : (k + 1) * ground]
-                gather(
-                    signals, sensing.layout, motion, scratch.state[acts * w :], length, velocity, inputs, 1.0 / h, lanes
-                )
+                gather(signals, sensing.layout, motion, act, length, velocity, inputs, 1.0 / h, lanes)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings, lanes)
             if sampled:
                 answer = take_sample(number, time, laws, readings.readings, memory, lanes)
                 if answer == FAILED:
-                    return k, row, 0, LAW_FAILED, -1
+                    ended[0, 0], ended[0, 1], ended[0, 2] = number, LAW_FAILED, -1
+                    return k, row
                 if answer == AT_ONCE:
                     convert_held(laws, memory, control, lanes)
                     evaluate(own, given, k, 0, time, control, scratch, lanes)
@@ -236,7 +259,7 @@ def compiled_advance() -> Any:
             if k < steps:
                 runge_kutta(own, given, k, time, control, scratch, lanes)
                 settle(own.forms, own.blocks, scratch.state, acts, time, lanes)
-        return steps, row, -1, DONE, -1
+        return steps, row
 
     with compiled_here() as kept:
         return numba.njit(nogil=True, error_model="numpy", cache=kept)(advance)

@@ -1,7 +1,7 @@
 """The isolators of many lanes: the equations of `ehamj.isolator`, fed from and to memory of lanes.
 
-Of each mount there is a block: its values (`ehamj.memory.ISOLATOR`), then what it exchanges (`EXCHANGE`); a field has one
-number per lane. Isolators are computed in the simplest form that gives all lanes' bits (`PLAIN` to `ANY`).
+Of each mount there is a block: its values (`ehamj.memory.ISOLATOR`), then what it exchanges (`EXCHANGE`); a field has
+one number per lane. Isolators are computed in the simplest form that gives all lanes' bits (`PLAIN` to `ANY`).
 """
 
 from collections.abc import Collection
@@ -46,8 +46,8 @@ BLOCK: Final = EXCHANGE_AT + len(EXCHANGE)
 OWN: Final = len(State._fields)
 """States of an isolator."""
 
-STROKE, SPEED, COMMAND, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, AT_LIMIT, _1, _2, _3, TAKEN, STATE = range(
-    EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1
+STROKE, SPEED, COMMAND, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, AT_LIMIT, _1, _2, _3, TAKEN, STATE = (
+    range(EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1)
 )
 RATE: Final = STATE + len(State._fields)
 

@@ -4,6 +4,7 @@ The width, how many lanes there are, is a constant for the compiler: kernels tak
 numbers.
 """
 
+from collections.abc import Iterable
 from typing import Any, Final
 
 import numpy as np
@@ -25,13 +26,13 @@ def lanes_of(width: int) -> tuple[float, ...]:
     return (0.0,) * width
 
 
-def stacked(parts: Any) -> Array:
+def stacked(parts: Iterable[Any]) -> Array:
     """Arrays of equal shape, one per lane, as one flat array with the lane last."""
-    return np.ascontiguousarray(np.stack([np.asarray(part, float) for part in parts], axis=-1)).ravel()
+    return np.ascontiguousarray(np.stack([np.asarray(part, np.float64) for part in parts], axis=-1)).ravel()
 
 
-def lane(flat: Array, shape: tuple[int, ...], width: int, number: int) -> Array:
-    """One lane of a flat array, as a view."""
+def lane(flat: Array, shape: tuple[int, ...], width: int, number: int | slice) -> Array:
+    """One lane of a flat array, or some, as a view."""
     return flat.reshape(*shape, width)[..., number]
 
 
@@ -75,7 +76,7 @@ def _vector(context: Any, builder: Any, kind: Any, array: Any, place: Any, width
 def add_products(
     typing_context: Any, result: Any, r: Any, a: Any, f: Any, over: Any, b: Any, v: Any, by: Any, count: Any, lanes: Any
 ) -> Any:
-    """result[r] += Σ a[f + k·over]·b[v + k·by] over ``count`` terms in their order, in all lanes; places of flat arrays.
+    """result[r] += Σ a[f + k·over]·b[v + k·by] over ``count`` terms in their order, in all lanes.
 
     Each product and each sum is rounded.
     """
