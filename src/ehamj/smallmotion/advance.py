@@ -1,7 +1,8 @@
 """The stepping loop of the small-motion engine, compiled: as that of `ehamj.mujoco.advance`, for all lanes at once."""
 
+from collections.abc import Sequence
 from functools import cache
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Self
 
 import numba
 import numpy as np
@@ -64,16 +65,21 @@ class Recorded(NamedTuple):
     """(rows, states of the law)"""
     readings: Any
     """(rows, channels)"""
-    states_of_law: int
     every: int
     """Each step whose number is a multiple of this is recorded."""
-    count: int
+    room: int
     """Rows that there is room for."""
 
-    def after(self, rows: int) -> "Recorded":
+    @classmethod
+    def of(cls, sizes: Sequence[int], every: int, room: int) -> Self:
+        """Room for so many rows of so many numbers each."""
+        states, accelerations, commands, flows, laws, readings = (np.empty(room * size) for size in sizes)
+        return cls(states, accelerations, commands, flows, laws, readings, every, room)
+
+    def after(self, rows: int) -> Self:
         """The same, from a later row on."""
-        tables = (table[rows * (table.size // self.count) :] for table in self[:6])
-        return Recorded(*tables, self.states_of_law, self.every, self.count - rows)
+        tables = (table[rows * (table.size // self.room) :] for table in self[:6])
+        return type(self)._make((*tables, self.every, self.room - rows))
 
 
 class Plates(NamedTuple):
@@ -181,7 +187,7 @@ def write_row(own, recorded, row, values, readings, scratch, lanes):  # type: ig
         at, to = mount * BLOCK * w, (row * mounts + mount) * w
         copy_lanes(own.blocks, at + COMMAND * w, recorded.commands, to, w)
         copy_lanes(own.blocks, at + INTO_1 * w, recorded.flows, 2 * to, 2 * w)
-    laws, channels = recorded.states_of_law * w, readings.size
+    laws, channels = recorded.laws.size // recorded.room, readings.size
     copy_lanes(values, 0, recorded.laws, row * laws, laws)
     copy_lanes(readings, 0, recorded.readings, row * channels, channels)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeVar
 
 import mujoco
 import numpy as np
@@ -19,6 +19,8 @@ from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, 
 from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
 from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine, staged
 from ehamj.smallmotion.stage import Given, Lanes, Scratch, Sizes
+
+T = TypeVar("T")
 
 
 class Simulation(NamedTuple):
@@ -69,7 +71,7 @@ class Block:
         width = next((width for width in WIDTHS if width >= len(simulations)), 0)
         if not width:
             raise ValueError(f"a block holds up to {WIDTHS[-1]} simulations, not {len(simulations)}")
-        full = [*simulations, *simulations[-1:] * (width - len(simulations))]
+        full = _filled(simulations, width)
         machines, models = [one.machine for one in full], [one.model for one in full]
         n, mounts, na = machines[0].mass.shape[0], len(machines[0].along), models[0].na
         head, shared = isolators(models[0])[0], supply(models[0])
@@ -147,8 +149,8 @@ class Block:
 
     def given(self, moved: Sequence[InTime], inputs: Sequence[tuple[Array, Array]]) -> Given:
         """What drives a stretch: of each lane its coefficients, and its inputs at start and end of each step."""
-        full = [*moved, *moved[-1:] * (self.width - len(moved))]
-        given = [*inputs, *inputs[-1:] * (self.width - len(inputs))]
+        full = _filled(moved, self.width)
+        given = _filled(inputs, self.width)
         matrix = stacked(np.swapaxes(one.matrix, -1, -2) for one in full)
         commands = [staged(*(part[:, :, COMMAND] for part in each))[0] for each in given]
         reads = self.loop.sensing.channels > 0
@@ -168,7 +170,7 @@ class Block:
         loop = self.loop
         heard = np.zeros((0, loop.sensing.channels * self.width))
         if noise is not None:
-            heard = stacked([*noise, *noise[-1:] * (self.width - len(noise))]).reshape(-1, heard.shape[1])
+            heard = stacked(_filled(noise, self.width)).reshape(-1, heard.shape[1])
         law = (loop.laws, loop.law_memory, loop.sensing, loop.readings, heard, loop.samples(first, steps)[0])
         done, rows = compiled_advance()(
             self.own, given, (first, steps, int(last)), recorded, self.counted, self.plates, (*law, self.control),
@@ -184,7 +186,7 @@ class Block:
         """
         n, mounts, loop = self.own.sizes.coordinates, len(self.own.forms), self.loop
         sizes = (2 * n + self.own.sizes.activations, n, mounts, 2 * mounts, loop.states, loop.sensing.channels)
-        return Recorded(*(np.empty(count * size * self.width) for size in sizes), loop.states, every, count)
+        return Recorded.of([size * self.width for size in sizes], every, count)
 
     def rows(self, recorded: Recorded, count: int, number: int) -> Rows:
         """The rows of one lane."""
@@ -197,7 +199,7 @@ class Block:
 
         states = own(recorded.states, 2 * n + self.own.sizes.activations)
         accelerations = own(recorded.accelerations, n)
-        times = np.arange(count) * recorded.every * self.own.sizes.step
+        times = np.arange(count, dtype=np.float64) * (recorded.every * self.own.sizes.step)
         machine = self._simulation(number).machine
         moved = machine.in_model(times, states[:, :n], states[:, n : 2 * n], accelerations)
         return Rows(
@@ -223,6 +225,11 @@ class Block:
         """How one lane ended, of ``done`` steps."""
         step, status, mount = self.ended[number].tolist()
         return Stopped(done, DONE, -1) if status == DONE else Stopped(step, status, mount)
+
+
+def _filled(parts: Sequence[T], width: int) -> list[T]:
+    """One for each lane: the last again where there is none."""
+    return [*parts, *[parts[-1]] * (width - len(parts))]
 
 
 def _unless_zero(parts: Sequence[Array]) -> Array:

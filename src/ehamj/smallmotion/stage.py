@@ -119,7 +119,7 @@ def hand_over(own, given, here, state, control, stage, lanes):  # type: ignore[n
                 stroke, speed = (at + STROKE) * w + lane, (at + SPEED) * w + lane
                 poke(blocks, stroke, peek(blocks, stroke) - peek(given.ground, place + lane))
                 poke(blocks, speed, peek(blocks, speed) - peek(given.ground, place + w + lane))
-        copy_lanes(control, (stage * mounts + mount) * w, blocks, (at + COMMAND) * w, w)
+        copy_lanes(control, mount * w, blocks, (at + COMMAND) * w, w)
         if given.commands.size > 0:
             for lane in range(w):
                 command = (at + COMMAND) * w + lane
