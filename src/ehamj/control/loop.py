@@ -1,8 +1,8 @@
 """A controller made ready for the stepping loop: its laws and sensors as the tables that compiled code works on."""
 
 import ctypes
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,10 @@ _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) 
 
 @dataclass(frozen=True, eq=False)
 class DigitalLoop:
-    """A controller and its sensors as the stepping loop runs them, for one simulation, with all that they remember."""
+    """A controller and its sensors as the stepping loop runs them, with all that they remember.
+
+    Of one simulation, or of a block of them (`stacked`), whose lanes come last in the flat arrays.
+    """
 
     laws: Laws
     law_memory: LawMemory
@@ -70,6 +73,42 @@ def make_loop(
     return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, mounts)
 
 
+def structure(loop: DigitalLoop) -> Hashable:
+    """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
+    laws, sensing = loop.laws, loop.sensing
+    tables = (laws.table, laws.inputs_of, sensing.terms)
+    shapes = tuple((table.shape, table.tobytes()) for table in tables)
+    return (*shapes, laws.converter, laws.base, sensing.layout, sensing.order, loop.states)
+
+
+def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
+    """Loops of one structure as the lanes of a block, each as it stands; of one loop it is a copy.
+
+    Raises:
+        ValueError: if their structure differs, or several have a Python function, which computes for one machine alone.
+    """
+    first = loops[0]
+    if len(loops) > 1 and any(loop.functions for loop in loops):
+        raise ValueError("a law that is a Python function runs for one machine alone, not in a block of several")
+    if any(structure(loop) != structure(first) for loop in loops):
+        raise ValueError("the loops differ in structure; only loops of one structure run in one block")
+
+    def lanes(shared: Any, own: tuple[str, ...] = ()) -> Any:
+        parts = [[getattr(table, name) for table in shared] for name in own]
+        return shared[0]._replace(
+            **{name: np.stack(part, axis=-1).ravel() for name, part in zip(own, parts, strict=True)}
+        )
+
+    own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
+    return replace(
+        first,
+        laws=lanes([loop.laws for loop in loops], ("matrices",)),
+        law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
+        sensing=lanes([loop.sensing for loop in loops], own),
+        readings=lanes([loop.readings for loop in loops], Readings._fields),
+    )
+
+
 def _made(
     parts: Sequence[Controller | PythonController], channels: tuple[str, ...], converter: Converter, rows: Array,
     sensors: Sensors, timestep: float, mounts: int,
@@ -83,7 +122,10 @@ def _made(
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     laws = Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"])))
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
-    sensing = Sensing(layout, *_terms(rows), filters, feedthrough, np.array(statics, float), *intact, *grid)
+    terms, weights = _terms(rows)
+    resting = np.array(statics, float)
+    order = filters.shape[1]
+    sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
     return DigitalLoop(
         laws, LawMemory.of(size, inputs_of.size, mounts), sensing, Readings.of(sensing),
         sum(part.states for part in parts), tuple(functions.values()), failures,

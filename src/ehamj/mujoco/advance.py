@@ -1,6 +1,7 @@
 """The stepping loop, compiled: inputs in, one Runge–Kutta step of the engine, a row out now and then."""
 
 import ctypes
+import math
 from functools import cache
 from typing import Any, Final, NamedTuple
 
@@ -87,6 +88,8 @@ class Driving(NamedTuple):
 
     start: Array
     end: Array
+    known: Array
+    """`start`, each step's flat, as sensors take it."""
     pushed: Array
     released: Array
     slides: Array
@@ -94,7 +97,9 @@ class Driving(NamedTuple):
     @classmethod
     def of(cls, given: tuple[Array, Array], load: tuple[Array, Array, Array]) -> "Driving":
         """The arrays as the loop takes them."""
-        parts = [np.ascontiguousarray(part).view() for part in (*given, *load)]
+        start, end = (np.ascontiguousarray(part) for part in given)
+        flat = start.reshape(start.shape[0], math.prod(start.shape[1:]))
+        parts = [np.ascontiguousarray(part).view() for part in (start, end, flat, *load)]
         for part in parts:
             part.flags.writeable = False
         return cls(*parts)
@@ -213,7 +218,7 @@ def _advance() -> Any:
         machine, h, every = machine_of(model, data, at, engine.nq, engine.nv), stretch.timestep, recording.every
         signals, row = np.zeros(sensing.layout.size), 0
         length, velocity = np.zeros(machine.mounts.size), np.zeros(machine.mounts.size)
-        motion = (machine.qpos, machine.qvel, machine.qacc)
+        motion, alone = (machine.qpos, machine.qvel, machine.qacc), (0.0,)
         for k in range(stretch.steps + stretch.last):
             number = stretch.first + k
             time = number * h
@@ -223,23 +228,23 @@ def _advance() -> Any:
                 write_load(machine, driving.pushed[k], driving.released[k])
             if driving.slides.shape[0] > 0:
                 write_slides(machine, driving.slides[k])
-            release(number, laws, memory, machine.control)
+            release(number, laws, memory, machine.control, alone)
             on_state(engine.forward, (model, data))
             status, mount = check(machine)
             if status != DONE:
                 return k, status, mount, row
             sampled = laws.base > 0 and number % laws.base == 0
-            if sampled or sensing.filters.shape[1] > 0:
+            if sampled or sensing.order > 0:
                 plates(machine, length, velocity)
-                gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.start[k], 1.0 / h)
+                gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.known[k], 1.0 / h, alone)
                 sample = number // laws.base - first_noise if sampled else -1
-                read_sensors(number, sample, sensing, noise, signals, readings)
+                read_sensors(number, sample, sensing, noise, signals, readings, alone)
             if sampled:
-                answer = take_sample(number, time, laws, readings.readings, memory)
+                answer = take_sample(number, time, laws, readings.readings, memory, alone)
                 if answer == FAILED:
                     return k, LAW_FAILED, -1, row
                 if answer == AT_ONCE:
-                    convert_held(laws, memory, machine.control)
+                    convert_held(laws, memory, machine.control, alone)
                     on_state(engine.forward, (model, data))
             count_limits(machine, recording.tally)
             if number % every == 0:

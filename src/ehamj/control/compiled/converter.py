@@ -38,6 +38,6 @@ def faded(time: float, own: Conversion) -> float:
 
 @kernel
 def taken(total, share, own, result):  # type: ignore[no-untyped-def]
-    """What fade and range take from the wanted commands of each valve, applied − wanted."""
-    for valve in range(total.size):
-        result[valve] = converted(share * total[valve], own.limit, 0.0) - total[valve]
+    """What fade and range take from the wanted commands of each valve (and lane), applied − wanted."""
+    for k in range(total.size):
+        result[k] = converted(share * total[k], own.limit, 0.0) - total[k]

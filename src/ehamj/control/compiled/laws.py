@@ -1,4 +1,8 @@
-"""What the laws of a controller do at a sample, compiled: outputs, their queue, one converter, their states."""
+"""What the laws of a controller do at a sample, compiled: outputs, their queue, one converter, their states.
+
+Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``. What is the
+same for each entry and lane runs through both at once.
+"""
 
 from typing import Any, Final, NamedTuple
 
@@ -43,7 +47,7 @@ FAILED: Final = 3
 
 
 class Laws(NamedTuple):
-    """The laws that run side by side."""
+    """The laws that run side by side; of a block of machines only the matrices are each lane's own."""
 
     table: Any
     """A `LAW` per law."""
@@ -63,12 +67,12 @@ class LawMemory(NamedTuple):
     measured: Any
     scratch: Any
     totals: Any
-    """(2, valve)"""
+    """(2·valve): wanted, and what fade and range take."""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
         """Memory of a size."""
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), np.zeros((2, mounts)))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), np.zeros(2 * mounts))
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -76,130 +80,139 @@ call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.
 
 
 @kernel
-def release(number, laws, memory, control):  # type: ignore[no-untyped-def]
+def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-def]
     """Hand the valves the outputs whose time has come."""
-    changed, values = False, memory.values
+    changed, values, width = False, memory.values, len(lanes)
     for k in range(laws.table.size):
         law = laws.table[k]
         since = number - law.delay
         if law.delay > 0 and since >= 0 and since % law.every == 0:
-            place = law.ring + control.size * ((since // law.every) % law.places)
-            for valve in range(control.size):
-                values[law.held + valve] = values[place + valve]
+            place = law.ring * width + control.size * ((since // law.every) % law.places)
+            for i in range(control.size):
+                values[law.held * width + i] = values[place + i]
             changed = True
     if changed:
-        convert_held(laws, memory, control)
+        convert_held(laws, memory, control, lanes)
 
 
 @kernel
-def convert_held(laws, memory, control):  # type: ignore[no-untyped-def]
+def convert_held(laws, memory, control, lanes):  # type: ignore[no-untyped-def]
     """Commands from what all laws hold."""
-    for valve in range(control.size):
+    for i in range(control.size):
         total = 0.0
         for k in range(laws.table.size):
-            total += memory.values[laws.table[k].held + valve]
-        control[valve] = converted(total, laws.converter.limit, laws.converter.resolution)
+            total += memory.values[laws.table[k].held * len(lanes) + i]
+        control[i] = converted(total, laws.converter.limit, laws.converter.resolution)
 
 
 @kernel
-def add_product(matrix_t, vector, result):  # type: ignore[no-untyped-def]
+def add_product(matrix_t, vector, result, lanes):  # type: ignore[no-untyped-def]
     """result += matrix·vector, for the flat transposed matrix.
 
     Whole columns are added, one after the other, which vectorises without changing a rounding; four at a time, so that
     the result is loaded and stored a quarter as often.
     """
-    size, columns = result.size, vector.size
+    width, size, columns = len(lanes), result.size, vector.size // len(lanes)
     whole = columns - columns % 4
     for k in range(0, whole, 4):
-        a, b, c, d = vector[k], vector[k + 1], vector[k + 2], vector[k + 3]
         first = matrix_t[k * size : (k + 1) * size]
         second = matrix_t[(k + 1) * size : (k + 2) * size]
         third = matrix_t[(k + 2) * size : (k + 3) * size]
         fourth = matrix_t[(k + 3) * size : (k + 4) * size]
-        for i in range(size):
-            result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
+        for lane in range(width):
+            a, b = vector[k * width + lane], vector[(k + 1) * width + lane]
+            c, d = vector[(k + 2) * width + lane], vector[(k + 3) * width + lane]
+            for i in range(lane, size, width):
+                result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
     for k in range(whole, columns):
-        factor = vector[k]
         column = matrix_t[k * size : (k + 1) * size]
-        for i in range(size):
-            result[i] += column[i] * factor
+        for lane in range(width):
+            factor = vector[k * width + lane]
+            for i in range(lane, size, width):
+                result[i] += column[i] * factor
 
 
 @kernel
-def wanted(Ct, Dt, state, measured, result):  # type: ignore[no-untyped-def]
+def wanted(Ct, Dt, state, measured, result, lanes):  # type: ignore[no-untyped-def]
     """y = C x + D u."""
     result[:] = 0.0
-    add_product(Ct, state, result)
-    add_product(Dt, measured, result)
+    add_product(Ct, state, result, lanes)
+    add_product(Dt, measured, result, lanes)
 
 
 @kernel
-def advance_states(At, Bt, state, measured, scratch):  # type: ignore[no-untyped-def]
+def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-untyped-def]
     """x⁺ = A x + B u; ``scratch`` is as long as the state."""
     scratch[:] = 0.0
-    add_product(At, state, scratch)
-    add_product(Bt, measured, scratch)
+    add_product(At, state, scratch, lanes)
+    add_product(Bt, measured, scratch, lanes)
     copy(scratch, state)
 
 
 @kernel
-def compute(time, law, laws, readings, memory):  # type: ignore[no-untyped-def]
+def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
-    n, p, first, at = law.states, law.inputs, law.matrices, law.inputs_at
-    valves, values = memory.totals.shape[1], memory.values
-    for i in range(p):
-        memory.measured[at + i] = readings[laws.inputs_of[at + i]]
-    latest, inputs = values[law.latest : law.latest + valves], memory.measured[at : at + p]
+    width, valves, values = len(lanes), memory.totals.size // 2, memory.values
+    n, p, first, at = law.states * width, law.inputs * width, law.matrices * width, law.inputs_at
+    for i in range(law.inputs):
+        for lane in range(width):
+            memory.measured[(at + i) * width + lane] = readings[laws.inputs_of[at + i] * width + lane]
+    latest = values[law.latest * width : law.latest * width + valves]
+    inputs = memory.measured[at * width : at * width + p]
     if law.function != 0:
-        lost = values[law.taken : law.taken + valves]
+        lost = values[law.taken * width : law.taken * width + valves]
         return call_law(law.function, (time, inputs.ctypes.data, lost.ctypes.data, latest.ctypes.data)) == 0
-    C = first + n * (n + p)
-    D = C + valves * n
-    states = values[law.states_at : law.states_at + n]
-    wanted(laws.matrices[C:D], laws.matrices[D : D + valves * p], states, inputs, latest)
+    C = first + law.states * (n + p)
+    D = C + law.states * valves
+    states = values[law.states_at * width : law.states_at * width + n]
+    wanted(laws.matrices[C:D], laws.matrices[D : D + law.inputs * valves], states, inputs, latest, lanes)
     return True
 
 
 @kernel
-def take_sample(number, time, laws, readings, memory):  # type: ignore[no-untyped-def]
+def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let every law that is due compute; returns what that means for the commands."""
     answer = NOT_DUE
     for k in range(laws.table.size):
         law = laws.table[k]
         if number % law.every == 0:
             answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
-            if not compute(time, law, laws, readings, memory):
+            if not compute(time, law, laws, readings, memory, lanes):
                 return FAILED
     if answer == NOT_DUE:
         return answer
-    total, lost = memory.totals[0], memory.totals[1]
-    for valve in range(total.size):
-        total[valve] = 0.0
+    valves = memory.totals.size // 2
+    total, lost = memory.totals[:valves], memory.totals[valves:]
+    for i in range(valves):
+        total[i] = 0.0
         for k in range(laws.table.size):
-            total[valve] += memory.values[laws.table[k].latest + valve]
+            total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     taken(total, share, laws.converter, lost)
     for k in range(laws.table.size):
         if number % laws.table[k].every == 0:
-            finish_sample(number, share, laws.table[k], laws, memory)
+            finish_sample(number, share, laws.table[k], laws, memory, lanes)
     return answer
 
 
 @kernel
-def finish_sample(number, share, law, laws, memory):  # type: ignore[no-untyped-def]
+def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-untyped-def]
     """Advance the states of a law, and queue its outputs (without delay: hold them)."""
-    n, p, first, at = law.states, law.inputs, law.matrices, law.inputs_at
-    values, matrices, lost = memory.values, laws.matrices, memory.totals[1]
+    width, values, matrices = len(lanes), memory.values, laws.matrices
+    n, p, first, at = law.states * width, law.inputs * width, law.matrices * width, law.inputs_at * width
+    valves = memory.totals.size // 2
+    lost = memory.totals[valves:]
     if law.function == 0 and n > 0:
-        states = values[law.states_at : law.states_at + n]
-        B = first + n * n
-        inputs = memory.measured[at : at + p]
-        advance_states(matrices[first:B], matrices[B : B + n * p], states, inputs, memory.scratch[:n])
+        states = values[law.states_at * width : law.states_at * width + n]
+        B = first + law.states * n
+        inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
+        advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
         if law.windup >= 0:
-            add_product(matrices[law.windup : law.windup + lost.size * n], lost, states)
-    place = law.ring + lost.size * ((number // law.every) % law.places)
+            windup = law.windup * width
+            add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+    place = law.ring * width + valves * ((number // law.every) % law.places)
     if law.delay == 0:
-        place = law.held
-    for valve in range(lost.size):
-        values[law.taken + valve] = lost[valve]
-        values[place + valve] = share * values[law.latest + valve]
+        place = law.held * width
+    for i in range(valves):
+        values[law.taken * width + i] = lost[i]
+        values[place + i] = share * values[law.latest * width + i]

@@ -1,4 +1,7 @@
-"""What the sensors of a controller do in a step, compiled: channels from signals, filters, readings at a sample."""
+"""What the sensors of a controller do in a step, compiled: channels from signals, filters, readings at a sample.
+
+Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
+"""
 
 from typing import Any, NamedTuple
 
@@ -10,15 +13,17 @@ from ehamj.control.compiled.signals import Layout
 
 
 class Sensing(NamedTuple):
-    """The channels that a controller reads, and their instruments."""
+    """The channels that a controller reads, and their instruments; layout, terms and order are those of all lanes."""
 
     layout: Layout
     """Of the vector of signals."""
     terms: Any
     weights: Any
-    """Each channel as a short sum of signals: which (channel, term), and their factors."""
+    """Each channel as a short sum of signals: which (channel, term), and their factors (channel·term)."""
+    order: int
+    """States n of the longest filter; 0: none filters."""
     filters: Any
-    """(n + 3, n, channel): A row by row, then B, C and the resting state of every filter."""
+    """((n + 3)·n·channel): A row by row, then B, C and the resting state of every filter."""
     feedthrough: Any
     zeroed: Any
     """One for a channel that counts from its value at the start, zero for the others."""
@@ -49,50 +54,58 @@ class Readings(NamedTuple):
     @classmethod
     def of(cls, sensing: Sensing) -> "Readings":
         """Memory for these sensors."""
-        n, filters = sensing.channels, sensing.channels * sensing.filters.shape[1]
+        n, filters = sensing.gains.size, sensing.gains.size * sensing.order
         return cls(*(np.zeros(size) for size in (n, n, filters, n, n, filters)))
 
 
 @kernel
-def filter_readings(filters, feedthrough, raw, states, analogue, scratch):  # type: ignore[no-untyped-def]
+def filter_row(filters, row, n, states, result):  # type: ignore[no-untyped-def]
+    """result += a row of every filter times its states."""
+    size = result.size
+    for j in range(n):
+        entries, own = filters[(row * n + j) * size : (row * n + j + 1) * size], states[j * size : (j + 1) * size]
+        for c in range(size):
+            result[c] += entries[c] * own[c]
+
+
+@kernel
+def filter_readings(filters, n, feedthrough, raw, states, analogue, scratch):  # type: ignore[no-untyped-def]
     """One step of every sensor's filter: analogue readings, then the states at the next step.
 
-    ``filters`` (n + 3, n, channels) holds A row by row, then B, C and the resting state; ``states`` (n·channels).
+    ``filters`` ((n + 3)·n·channels) holds A row by row, then B, C and the resting state; ``states`` (n·channels).
     """
-    n, channels = filters.shape[1], filters.shape[2]
-    for c in range(channels):
+    size = raw.size
+    for c in range(size):
         analogue[c] = feedthrough[c] * raw[c]
-    for j in range(n):
-        own = states[j * channels : (j + 1) * channels]
-        for c in range(channels):
-            analogue[c] += filters[n + 1, j, c] * own[c]
+    filter_row(filters, n + 1, n, states, analogue)
     for i in range(n):
-        row = scratch[i * channels : (i + 1) * channels]
-        for c in range(channels):
-            row[c] = filters[n, i, c] * raw[c]
-        for j in range(n):
-            own = states[j * channels : (j + 1) * channels]
-            for c in range(channels):
-                row[c] += filters[i, j, c] * own[c]
+        entries, row = filters[(n * n + i) * size : (n * n + i + 1) * size], scratch[i * size : (i + 1) * size]
+        for c in range(size):
+            row[c] = entries[c] * raw[c]
+        filter_row(filters, i, n, states, row)
     copy(scratch, states)
 
 
 @kernel
-def settle_filters(filters, raw, states):  # type: ignore[no-untyped-def]
+def settle_filters(filters, n, raw, states):  # type: ignore[no-untyped-def]
     """Let every sensor rest at its channel's present value."""
-    n, channels = filters.shape[1], filters.shape[2]
+    size = raw.size
     for i in range(n):
-        for c in range(channels):
-            states[i * channels + c] = filters[n + 2, i, c] * raw[c]
+        for c in range(size):
+            states[i * size + c] = filters[((n + 2) * n + i) * size + c] * raw[c]
 
 
 @kernel
-def combine(terms, weights, signals, raw):  # type: ignore[no-untyped-def]
+def combine(terms, weights, signals, raw, lanes):  # type: ignore[no-untyped-def]
     """Channels as sums of signals."""
+    width, count = len(lanes), terms.shape[1]
     for channel in range(terms.shape[0]):
-        raw[channel] = 0.0
-        for term in range(terms.shape[1]):
-            raw[channel] += weights[channel, term] * signals[terms[channel, term]]
+        for lane in range(width):
+            raw[channel * width + lane] = 0.0
+        for term in range(count):
+            weight, signal = (channel * count + term) * width, terms[channel, term] * width
+            for lane in range(width):
+                raw[channel * width + lane] += weights[weight + lane] * signals[signal + lane]
 
 
 @kernel
@@ -105,18 +118,18 @@ def measure(sample, noise, own, memory):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def read_sensors(number, sample, own, noise, signals, memory):  # type: ignore[no-untyped-def]
+def read_sensors(number, sample, own, noise, signals, memory, lanes):  # type: ignore[no-untyped-def]
     """Filter the channels for one step; at a sample (number ``sample`` of ``noise``; −1: none) take the readings."""
     raw, rest, analogue = memory.raw, memory.rest, memory.analogue
-    combine(own.terms, own.weights, signals, raw)
+    combine(own.terms, own.weights, signals, raw, lanes)
     for c in range(raw.size):
         if number == 0:
             rest[c] = own.zeroed[c] * raw[c]
         raw[c] -= rest[c]
-    if own.filters.shape[1] > 0:
+    if own.order > 0:
         if number == 0:
-            settle_filters(own.filters, raw, memory.filters)
-        filter_readings(own.filters, own.feedthrough, raw, memory.filters, analogue, memory.scratch)
+            settle_filters(own.filters, own.order, raw, memory.filters)
+        filter_readings(own.filters, own.order, own.feedthrough, raw, memory.filters, analogue, memory.scratch)
     else:
         copy(raw, analogue)
     if sample >= 0:

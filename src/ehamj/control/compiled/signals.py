@@ -1,9 +1,12 @@
-"""The vector of signals that every channel is a combination of, and how it is filled, compiled."""
+"""The vector of signals that every channel is a combination of, and how it is filled, compiled.
+
+Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
+"""
 
 from typing import NamedTuple
 
 from ehamj.compiled import kernel
-from ehamj.memory import ISOLATOR_STATE, size
+from ehamj.memory import INPUTS, ISOLATOR_STATE, ORDERS, size
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS
 
 
@@ -33,22 +36,28 @@ class Layout(NamedTuple):
 
 
 @kernel
-def gather(signals, layout, motion, act, length, velocity, inputs, rate):  # type: ignore[no-untyped-def]
-    """Fill ``signals`` from (qpos, qvel, qacc), activations, actuators and ``inputs`` (mount, input, order)."""
-    qpos, qvel, qacc = motion
+def take(signals, place, values, first, factor, lanes):  # type: ignore[no-untyped-def]
+    """One signal of all lanes, from ``first`` on in other values."""
+    for lane in range(len(lanes)):
+        signals[place * len(lanes) + lane] = values[first + lane] * factor
+
+
+@kernel
+def gather(signals, layout, motion, act, length, velocity, inputs, rate, lanes):  # type: ignore[no-untyped-def]
+    """Fill ``signals`` from (qpos, qvel, qacc), activations, actuators and ``inputs`` (mount·input·order)."""
+    width = len(lanes)
     for dof in range(len(DOF_OF_JOINT)):
-        joint = DOF_OF_JOINT[dof]
-        signals[layout.displacement + dof] = qpos[joint]
-        signals[layout.velocity + dof] = qvel[joint]
-        signals[layout.acceleration + dof] = qacc[joint]
-    axes = len(AXES)
-    for mount in range(length.size):
-        for axis in range(axes):
-            channel = axes * mount + axis
-            signals[layout.ground + channel] = inputs[mount, axis, 0]
-            signals[layout.ground_velocity + channel] = inputs[mount, axis, 1] * rate
-            signals[layout.ground_acceleration + channel] = inputs[mount, axis, 2]
-        signals[layout.plate + mount] = length[mount]
-        signals[layout.plate_velocity + mount] = velocity[mount]
-    for k in range(layout.plate - layout.state):
-        signals[layout.state + k] = act[k]
+        joint = DOF_OF_JOINT[dof] * width
+        take(signals, layout.displacement + dof, motion[0], joint, 1.0, lanes)
+        take(signals, layout.velocity + dof, motion[1], joint, 1.0, lanes)
+        take(signals, layout.acceleration + dof, motion[2], joint, 1.0, lanes)
+    for mount in range(length.size // width):
+        for axis in range(len(AXES)):
+            channel, first = len(AXES) * mount + axis, (len(INPUTS) * mount + axis) * ORDERS * width
+            take(signals, layout.ground + channel, inputs, first, 1.0, lanes)
+            take(signals, layout.ground_velocity + channel, inputs, first + width, rate, lanes)
+            take(signals, layout.ground_acceleration + channel, inputs, first + 2 * width, 1.0, lanes)
+        take(signals, layout.plate + mount, length, mount * width, 1.0, lanes)
+        take(signals, layout.plate_velocity + mount, velocity, mount * width, 1.0, lanes)
+    for k in range((layout.plate - layout.state) * width):
+        signals[layout.state * width + k] = act[k]

@@ -1,0 +1,107 @@
+"""Loops of a block of machines, in lanes, against each loop alone: bit for bit the same."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from ehamj.arrays import Array
+from ehamj.control import Controller, ControllerBank, PythonController
+from ehamj.control.compiled.laws import AT_ONCE, convert_held, release, take_sample
+from ehamj.control.compiled.sensing import read_sensors
+from ehamj.control.loop import DigitalLoop, make_loop, stacked, structure
+from ehamj.control.sensors import Sensors
+from ehamj.scenario.load import parse_scenario
+
+PLANT = parse_scenario({}).plant
+STEP = 1e-4
+WIDTH = 8
+INPUTS = (*(f"ground_velocity {mount} z" for mount in PLANT.mounts), f"stroke {PLANT.mounts[1]}")
+SENSORS = Sensors.model_validate({"ground": {"kind": "geophone"}, "stroke": {}})
+
+
+def law(seed: int, states: int, **settings: Any) -> Controller:
+    draw = np.random.default_rng(seed).normal
+    A = draw(size=(states, states))
+    A *= 0.9 / np.abs(np.linalg.eigvals(A)).max()
+    B, C, D = (draw(size=shape) for shape in ((states, len(INPUTS)), (4, states), (4, len(INPUTS))))
+    return Controller(A, B, C, D, INPUTS, voltage_limit=3.0, **settings).with_anti_windup(0.01)
+
+
+def bank(seed: int) -> ControllerBank:
+    """Two laws of two rates and delays, of states that are no multiple of four."""
+    laws = law(seed, 7, period=2e-4, delay=3e-4), law(seed + 100, 2, period=1e-4, delay=0.0)
+    found = ControllerBank.combine(laws)
+    assert isinstance(found, ControllerBank)
+    return found
+
+
+def loop(seed: int, make: Callable[[int], Any] = bank) -> DigitalLoop:
+    return make_loop(make(seed), PLANT, STEP, SENSORS, seed)
+
+
+@numba.njit(error_model="numpy")
+def steps(laws, memory, sensing, readings, signals, noise, found, lanes):  # type: ignore[no-untyped-def]
+    """What the stepping loop does with a controller."""
+    control = np.zeros(found.shape[1])
+    for k in range(found.shape[0]):
+        release(k, laws, memory, control, lanes)
+        read_sensors(k, k // laws.base if k % laws.base == 0 else -1, sensing, noise, signals[k], readings, lanes)
+        if take_sample(k, k * STEP, laws, readings.readings, memory, lanes) == AT_ONCE:
+            convert_held(laws, memory, control, lanes)
+        for i in range(control.size):
+            found[k, i] = control[i]
+
+
+def run(loop: DigitalLoop, signals: Array, noise: Array, width: int = 1) -> Array:
+    """Commands after each step, (step, valve·lane).
+
+    From signals (step, signal·lane) and noise (sample, channel·lane).
+    """
+    found = np.empty((signals.shape[0], 4 * width))
+    steps(loop.laws, loop.law_memory, loop.sensing, loop.readings, signals, noise, found, (0.0,) * width)
+    return found
+
+
+def together(parts: Sequence[Array]) -> Array:
+    """Tables (row, entry) of each lane as one of all (row, entry·lane)."""
+    return np.ascontiguousarray(np.stack(parts, axis=2).reshape(parts[0].shape[0], -1))
+
+
+def test_each_lane_is_the_same_loop_alone_and_goes_on_where_that_stood() -> None:
+    draw = np.random.default_rng(1)
+    signals = [draw.normal(size=(60, loop(0).sensing.layout.size)) for _ in range(WIDTH)]
+    noise = [1e-3 * draw.normal(size=(60, len(INPUTS))) for _ in range(WIDTH)]
+    alone, begun = [loop(k) for k in range(WIDTH)], [loop(k) for k in range(WIDTH)]
+    for k in range(WIDTH):
+        run(begun[k], signals[k][:20], noise[k])
+        run(alone[k], signals[k][:20], noise[k])
+    expected = [run(alone[k], signals[k][20:], noise[k]) for k in range(WIDTH)]
+    found = run(stacked(begun), together([each[20:] for each in signals]), together(noise), WIDTH)
+    assert np.abs(found).max() > 1.0
+    np.testing.assert_array_equal(found, together(expected))
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        pytest.param(lambda seed: law(seed, 7), id="one law instead of two"),
+        pytest.param(lambda seed: ControllerBank((law(seed, 7, delay=2e-4), law(seed, 2))), id="another delay"),
+    ],
+)
+def test_loops_of_different_structure_do_not_run_in_one_block(other: Callable[[int], Any]) -> None:
+    assert structure(loop(0)) == structure(loop(1))
+    assert structure(loop(0)) != structure(loop(0, other))
+    with pytest.raises(ValueError, match="structure"):
+        stacked([loop(0), loop(0, other)])
+
+
+def test_python_functions_do_not_run_in_one_block() -> None:
+    def python(_: int) -> PythonController:
+        return PythonController(lambda time, measured, taken: np.zeros(4), INPUTS)
+
+    assert stacked([loop(0, python)]).functions
+    with pytest.raises(ValueError, match="Python function"):
+        stacked([loop(0, python), loop(0, python)])
