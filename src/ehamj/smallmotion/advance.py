@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, Final, NamedTuple, Self
 
-import numba
 import numpy as np
 
-from ehamj.compiled import compiled_here, kernel
+from ehamj.compiled import kernel
+from ehamj.compiled.kept import compiled
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
@@ -167,8 +167,8 @@ def count_limits(own, counted, lanes):  # type: ignore[no-untyped-def]
             poke(blocks, to + 2 * w, peek(blocks, to + 2 * w) + drive)
             poke(blocks, to + 3 * w, peek(blocks, to + 3 * w) + void)
             poke(blocks, at + TAKEN * w, peek(blocks, at + CONNECTED * w) * peek(blocks, at + DRAWN * w))
-    add_products(drawn, 0, blocks, CONNECTED, BLOCK, blocks, DRAWN, BLOCK, own.forms.size, lanes)
-    add_products(drawn, 1, blocks, TAKEN, BLOCK, blocks, SUPPLY, BLOCK, own.forms.size, lanes)
+    add_products(drawn, 0, blocks, CONNECTED, blocks, DRAWN, (BLOCK, BLOCK), own.forms.size, lanes)
+    add_products(drawn, 1, blocks, TAKEN, blocks, SUPPLY, (BLOCK, BLOCK), own.forms.size, lanes)
     for lane in range(w):
         flow = peek(drawn, lane)
         poke(drawn, 2 * w + lane, peek(drawn, 2 * w + lane) + flow)
@@ -205,8 +205,8 @@ def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore
     for k in range(velocity.size):
         poke(velocity, k, 0.0)
     for mount in range(own.forms.size):
-        add_products(length, mount, plates.levers, mount * n, 1, scratch.state, 0, 1, n, lanes)
-        add_products(velocity, mount, plates.levers, mount * n, 1, scratch.state, n, 1, n, lanes)
+        add_products(length, mount, plates.levers, mount * n, scratch.state, 0, (1, 1), n, lanes)
+        add_products(velocity, mount, plates.levers, mount * n, scratch.state, n, (1, 1), n, lanes)
 
 
 @kernel
@@ -267,5 +267,4 @@ def compiled_advance() -> Any:
                 settle(own.forms, own.blocks, scratch.state, acts, time, lanes)
         return steps, row
 
-    with compiled_here() as kept:
-        return numba.njit(nogil=True, error_model="numpy", cache=kept)(advance)
+    return compiled(advance)

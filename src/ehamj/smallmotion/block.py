@@ -152,7 +152,7 @@ class Block:
         full = _filled(moved, self.width)
         given = _filled(inputs, self.width)
         matrix = stacked(np.swapaxes(one.matrix, -1, -2) for one in full)
-        commands = [staged(*(part[:, :, COMMAND] for part in each))[0] for each in given]
+        commands = [_commands(*each) for each in given]
         reads = self.loop.sensing.channels > 0
         return Given(
             matrix,
@@ -230,6 +230,14 @@ class Block:
 def _filled(parts: Sequence[T], width: int) -> list[T]:
     """One for each lane: the last again where there is none."""
     return [*parts, *[parts[-1]] * (width - len(parts))]
+
+
+def _commands(start: Array, end: Array) -> Array:
+    """Open-loop commands at start, middle and end of each step, (step, 3, mount) [V]."""
+    both, mounts = (start[:, :, COMMAND], end[:, :, COMMAND]), start.shape[1]
+    if not any(part.any() for part in both):
+        return np.zeros((len(start), 3, mounts))
+    return staged(*both, np.eye(mounts), np.zeros((mounts, mounts)))
 
 
 def _unless_zero(parts: Sequence[Array]) -> Array:

@@ -74,34 +74,30 @@ def _vector(context: Any, builder: Any, kind: Any, array: Any, place: Any, width
 
 @intrinsic
 def add_products(
-    typing_context: Any, result: Any, r: Any, a: Any, f: Any, over: Any, b: Any, v: Any, by: Any, count: Any, lanes: Any
+    typing_context: Any, result: Any, r: Any, a: Any, f: Any, b: Any, v: Any, strides: Any, count: Any, lanes: Any
 ) -> Any:
-    """result[r] += Σ a[f + k·over]·b[v + k·by] over ``count`` terms in their order, in all lanes.
+    """result[r] += Σ a[f + k·strides[0]]·b[v + k·strides[1]] over ``count`` terms in their order, in all lanes.
 
     Each product and each sum is rounded.
     """
     width = len(lanes)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kinds = signature.args
-        total_at, a_first, b_first = arguments[1], arguments[3], arguments[6]
-        target = _vector(context, builder, kinds[0], arguments[0], total_at, width)
+        target = _vector(context, builder, signature.args[0], arguments[0], arguments[1], width)
         total = cgutils.alloca_once_value(builder, builder.load(target, align=DOUBLE))
-        with cgutils.for_range(builder, arguments[8]) as loop:
-            k = loop.index
-            one = _vector(
-                context, builder, kinds[2], arguments[2], builder.add(a_first, builder.mul(k, arguments[4])), width
-            )
-            two = _vector(
-                context, builder, kinds[5], arguments[5], builder.add(b_first, builder.mul(k, arguments[7])), width
-            )
-            product = builder.fmul(builder.load(one, align=DOUBLE), builder.load(two, align=DOUBLE))
-            builder.store(builder.fadd(builder.load(total), product), total)
+        strides = cgutils.unpack_tuple(builder, arguments[6])
+        with cgutils.for_range(builder, arguments[7]) as loop:
+            factors = []
+            for which, stride in zip((2, 4), strides, strict=True):
+                place = builder.add(arguments[which + 1], builder.mul(loop.index, stride))
+                at = _vector(context, builder, signature.args[which], arguments[which], place, width)
+                factors.append(builder.load(at, align=DOUBLE))
+            builder.store(builder.fadd(builder.load(total), builder.fmul(*factors)), total)
         builder.store(builder.load(total), target, align=DOUBLE)
         return context.get_dummy_value()
 
     place = types.intp
-    return types.void(result, place, a, place, place, b, place, place, place, lanes), codegen
+    return types.void(result, place, a, place, b, place, types.UniTuple(place, 2), place, lanes), codegen
 
 
 @kernel

@@ -111,8 +111,8 @@ def hand_over(own, given, here, state, control, stage, lanes):  # type: ignore[n
         copy_lanes(own.at_rest, mount * w, blocks, (at + STROKE) * w, w)
         for lane in range(w):
             poke(blocks, (at + SPEED) * w + lane, 0.0)
-        add_products(blocks, at + STROKE, own.levers, mount * n, 1, state, 0, 1, n, lanes)
-        add_products(blocks, at + SPEED, own.levers, mount * n, 1, state, n, 1, n, lanes)
+        add_products(blocks, at + STROKE, own.levers, mount * n, state, 0, (1, 1), n, lanes)
+        add_products(blocks, at + SPEED, own.levers, mount * n, state, n, (1, 1), n, lanes)
         if given.ground.size > 0:
             place = (here * mounts + mount) * 2 * w
             for lane in range(w):
@@ -191,8 +191,8 @@ def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-unty
             poke(rate, n * w + k, 0.0)
     first = here * (2 * n + mounts) * n if given.times > 1 else 0
     for i in range(n):
-        add_products(rate, n + i, given.matrix, first + i, n, scratch.state, 0, 1, 2 * n, lanes)
-        add_products(rate, n + i, given.matrix, first + 2 * n * n + i, n, own.blocks, FORCE, BLOCK, mounts, lanes)
+        add_products(rate, n + i, given.matrix, first + i, scratch.state, 0, (n, 1), 2 * n, lanes)
+        add_products(rate, n + i, given.matrix, first + 2 * n * n + i, own.blocks, FORCE, (n, BLOCK), mounts, lanes)
 
 
 @kernel
