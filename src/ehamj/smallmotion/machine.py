@@ -5,20 +5,24 @@ Left out is what is of second order in the motion: levers and inertia that turn 
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, Final, NamedTuple
 
 import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
-from ehamj.memory import COMMAND, INPUTS, activations, isolators
+from ehamj.memory import COMMAND, INPUTS, Cubic, activations, isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.slides import FIRST
+from ehamj.mujoco.unpacking import hermite
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.plant import Plant
 from ehamj.smallmotion.probe import SMALL, Probe, slope
 from ehamj.smallmotion.slides import SlideTables, along_courses, driven_by
+
+STAGES: Final = (0.0, 0.5, 1.0)
+"""Fractions of a step at which coefficients are taken."""
 
 
 class InTime(NamedTuple):
@@ -95,14 +99,14 @@ class SmallMachine:
         size, mounts = self.mass.shape[0], len(self.along)
         inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
         value, rate = self._effects(inverse)
-        found = staged(*given, value, rate / timestep)
+        found = acting(*given, value, rate / timestep)
         found += np.append(inverse @ self.unbalanced, np.zeros(2 * mounts))
         found -= np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
         force, ground = np.ascontiguousarray(found[..., :size]), np.ascontiguousarray(found[..., size:])
         ground = ground.reshape(steps, 3, mounts, 2)
         if load is not None and load[0].shape[0]:
             by = (inverse @ self.load).T
-            force += staged(load[0], load[1], by, np.zeros_like(by))
+            force += acting(load[0], load[1], by, np.zeros_like(by))
         if self.slides is None:
             return InTime(self.matrix[None, None], force, ground)
         inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
@@ -149,8 +153,18 @@ class SmallMachine:
         return qpos, qvel, qacc
 
 
-def staged(start: Array, end: Array, by_value: Array, by_rate: Array) -> Array:
-    """What cubics do at start, middle and end of each step, (step, 3, effect), as products of whole arrays.
+def staged(start: Array, end: Array) -> tuple[Array, Array]:
+    """Value and slope·step of cubics at start, middle and end of each step, (step, 3, …) each; given are value and
+    slope·step at both ends, (step, …, 2 or more) each."""
+    both: Any = (part[..., order] for part in (start, end) for order in range(2))
+    cubic = Cubic(*both)
+    value, slopes = zip(*(hermite.py_func(cubic, s) for s in STAGES), strict=True)
+    return np.stack(value, axis=1), np.stack(slopes, axis=1)
+
+
+def acting(start: Array, end: Array, by_value: Array, by_rate: Array) -> Array:
+    """What cubics do at start, middle and end of each step, (step, 3, effect): `staged` and weighed, by products of
+    whole arrays.
 
     Args:
         start: value, slope·step and any more of each cubic at the start of each step, (step, …, order).
@@ -160,19 +174,17 @@ def staged(start: Array, end: Array, by_value: Array, by_rate: Array) -> Array:
     """
     steps, orders, effects = start.shape[0], start.shape[-1], by_value.shape[-1]
     value, rate = by_value.reshape(-1, effects), by_rate.reshape(-1, effects)
-    middles = (
-        (0.5 * value - 1.5 * rate, 0.125 * value - 0.25 * rate),
-        (0.5 * value + 1.5 * rate, -0.125 * value - 0.25 * rate),
-    )
-    found = np.empty((steps, 3, effects))
-    found[:, 1] = 0.0
-    for stage, given, middle in zip((0, 2), (start, end), middles, strict=True):
-        weights = np.zeros((value.shape[0], orders, 2 * effects))
-        weights[:, 0, :effects], weights[:, 1, :effects] = value, rate
-        weights[:, 0, effects:], weights[:, 1, effects:] = middle
-        product = given.reshape(steps, -1) @ weights.reshape(-1, 2 * effects)
-        found[:, stage] = product[:, :effects]
-        found[:, 1] += product[:, effects:]
+    values, rates = staged(*np.eye(4).reshape(4, 2, 2).swapaxes(0, 1))  # of what each end has, (value or slope, stage)
+    found = np.zeros((steps, 3, effects))
+    for given, of_value, of_rate in zip((start, end), values.reshape(2, 2, 3), rates.reshape(2, 2, 3), strict=True):
+        stages = np.flatnonzero(of_value.any(axis=0) | of_rate.any(axis=0))
+        weights = np.zeros((value.shape[0], orders, stages.size, effects))
+        for order, stage in np.ndindex(2, stages.size):
+            at = order, stages[stage]
+            weights[:, order, stage] = of_value[at] * value + of_rate[at] * rate
+        found[:, stages] += (given.reshape(steps, -1) @ weights.reshape(-1, stages.size * effects)).reshape(
+            steps, stages.size, effects
+        )
     return found
 
 
