@@ -234,10 +234,10 @@ def _filled(parts: Sequence[T], width: int) -> list[T]:
 
 def _commands(start: Array, end: Array) -> Array:
     """Open-loop commands at start, middle and end of each step, (step, 3, mount) [V]."""
-    both, mounts = (start[:, :, COMMAND], end[:, :, COMMAND]), start.shape[1]
+    both = start[:, :, COMMAND], end[:, :, COMMAND]
     if not any(part.any() for part in both):
-        return np.zeros((len(start), 3, mounts))
-    return staged(*both, np.eye(mounts), np.zeros((mounts, mounts)))
+        return np.zeros((len(start), 3, start.shape[1]))
+    return staged(*both)[0]
 
 
 def _unless_zero(parts: Sequence[Array]) -> Array:
