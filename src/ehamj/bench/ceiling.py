@@ -7,7 +7,8 @@ import numba
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.compiled import compiled_here, kernel
+from ehamj.compiled import OPTIONS, kernel
+from ehamj.compiled.kept import compiled
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
 from ehamj.isolator.membrane import lift, pull
@@ -111,7 +112,7 @@ def rates(motion, valves, t, system, force, out, valves_out):  # type: ignore[no
 
 @cache
 def _loop() -> Any:
-    compiled_rates = numba.njit(nogil=True, error_model="numpy")(rates)
+    called = numba.njit(**OPTIONS)(rates)
 
     def loop(inverse, table, amplitude, angular, steps, every, h):  # type: ignore[no-untyped-def]
         system, n = (inverse, table, amplitude, angular), 2 * N + 4 * table.size
@@ -128,12 +129,11 @@ def _loop() -> Any:
             for stage in range(4):
                 for i in range(n):
                     trial[i] = s[i] + nodes[stage] * h * rate[i]
-                compiled_rates(trial, oil(trial), (k + nodes[stage]) * h, system, force, rate, oil(rate))
+                called(trial, oil(trial), (k + nodes[stage]) * h, system, force, rate, oil(rate))
                 for i in range(n):
                     total[i] += weights[stage] * rate[i]
             for i in range(n):
                 s[i] += h / 6.0 * total[i]
         return rows
 
-    with compiled_here() as kept:
-        return numba.njit(nogil=True, error_model="numpy", cache=kept)(loop)
+    return compiled(loop)

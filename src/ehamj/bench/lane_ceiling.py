@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, Final
 
-import numba
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.bench.ceiling import N, System
-from ehamj.compiled import compiled_here, kernel
+from ehamj.compiled import kernel
+from ehamj.compiled.kept import compiled
 from ehamj.isolator.cylinder import Cylinder
 from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import Fluid, pressure_rate
@@ -172,5 +172,4 @@ def _loop() -> Any:
                 s[i] += h / 6.0 * total[i]
         return rows
 
-    with compiled_here() as kept:
-        return numba.njit(nogil=True, error_model="numpy", cache=kept)(loop)
+    return compiled(loop)
