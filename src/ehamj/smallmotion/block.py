@@ -161,6 +161,7 @@ class Block:
             _unless_zero(commands),
             stacked(start for start, _ in given) if reads else np.zeros(0),
             3 if full[0].matrix.shape[0] > 1 else 1,
+            len(full[0].pushed),
         )
 
     def advance(
