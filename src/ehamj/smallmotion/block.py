@@ -15,9 +15,10 @@ from ehamj.mujoco.advance import DONE, Stopped
 from ehamj.mujoco.rows import DRAWN, LIMITS, Rows, Tally
 from ehamj.plant.axes import DOFS
 from ehamj.smallmotion.advance import Counted, Plates, Recorded, compiled_advance
+from ehamj.smallmotion.cubics import staged
 from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, REST, forms_of
 from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
-from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine, staged
+from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine
 from ehamj.smallmotion.stage import Given, Lanes, Scratch, Sizes
 
 T = TypeVar("T")
@@ -161,6 +162,7 @@ class Block:
             _unless_zero(commands),
             stacked(start for start, _ in given) if reads else np.zeros(0),
             3 if full[0].matrix.shape[0] > 1 else 1,
+            len(full[0].pushed),
         )
 
     def advance(
