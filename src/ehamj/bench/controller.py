@@ -7,23 +7,25 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.bench.parts import Effort, Figures, part
-from ehamj.bench.runs import Run, Stepping, interleaved, medians
+from ehamj.bench.runs import Run, SideBySide, Stepping, interleaved, medians
 from ehamj.control import Controller
 from ehamj.control.loop import make_loop
 from ehamj.control.sensors import Sensors
 from ehamj.plots.timings import Bars, Panel
 from ehamj.run.drive import sample_load
+from ehamj.run.side_by_side import LANES
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 
 SCENARIO: Final = "vc-c-floor"
+SLIDING: Final = "MuJoCo engine, sliding plates"
 STATES, INPUTS = 80, 24
 """Size of the large law, at 10 kHz."""
 
 
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
-    rates = {f"MuJoCo engine, {name}": value for name, value in figures["controlled"]["simulated_s_per_wall_s"].items()}
-    return [Bars(f"{SCENARIO}, stepping under control", "simulated seconds per second", rates, {})]
+    rates = figures["controlled"]["simulated_s_per_wall_s"]
+    return [Bars(f"{SCENARIO}, stepping under control, per machine", "simulated seconds per second", rates, {})]
 
 
 @part("controller", f"{SCENARIO} under control; what a large law, sensors and a force add to a step", _panels)
@@ -36,17 +38,25 @@ def controller(effort: Effort) -> Figures:
 
 
 def controlled(effort: Effort) -> Figures:
-    """Stepping of the scenario, by its plates."""
+    """Stepping of the scenario: on the MuJoCo engine by its plates, on the small-motion one alone and in lanes."""
     duration = effort.duration(0.5)
-    works = {
-        plates: Stepping(load_scenario(SCENARIO, [f"duration={duration}", f"plates={plates}"]))
-        for plates in ("sliding", "tied")
+    sliding, tied, small = (
+        load_scenario(SCENARIO, [f"duration={duration}", "compare=[]", key])
+        for key in ("plates=sliding", "plates=tied", "engine=small-motion")
+    )
+    works: dict[str, Callable[[], object]] = {
+        SLIDING: Stepping(sliding),
+        "MuJoCo engine, tied plates": Stepping(tied),
+        "small-motion engine": SideBySide([small]),
     }
+    law, beside = small.controller(), f"small-motion engine, {LANES} lanes"
+    works[beside] = SideBySide([small.model_copy(update={"seed": seed}) for seed in range(LANES)], law)
     times = medians(works, effort.repetitions)
     rates = {name: duration / seconds for name, seconds in times.items()}
+    rates[beside] *= LANES
     return {
         "simulated_s_per_wall_s": rates,
-        "over_sliding": {name: rate / rates["sliding"] for name, rate in rates.items()},
+        "rate_over_sliding": {name: rate / rates[SLIDING] for name, rate in rates.items()},
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.bench.ceiling import Ceiling
 from ehamj.bench.parts import Effort, Figures, part
-from ehamj.bench.runs import Run, medians
+from ehamj.bench.runs import Run, SideBySide, medians
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.hold import default_timer
@@ -21,6 +21,8 @@ from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 
+BARE, MUJOCO, SMALL = "bare scalar loop", "MuJoCo engine", "small-motion engine"
+"""How the figure calls them."""
 FINER: Final = 24
 """Steps of the reference within one step that is timed: its error is then 3e-6 of the other's."""
 
@@ -35,11 +37,13 @@ def benchmark(effort: Effort) -> tuple[Scenario, float]:
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     case = figures["benchmark_case"]
     step = case["step_s"]
+    small = case["small_motion"]
     rates = {
-        "bare scalar loop": step / (1e-6 * case["bare_loop_us_per_step"]),
-        "MuJoCo engine": case["simulated_s_per_wall_s"],
+        BARE: step / (1e-6 * case["bare_loop_us_per_step"]),
+        SMALL: small["simulated_s_per_wall_s"],
+        MUJOCO: case["simulated_s_per_wall_s"],
     }
-    errors = {"bare scalar loop": case["ceiling_error"], "MuJoCo engine": case["error"]}
+    errors = {BARE: case["ceiling_error"], SMALL: small["error"], MUJOCO: case["error"]}
     notes = {name: f"(error {error:.1e})" for name, error in errors.items()}
     return [Bars("Benchmark case, one machine", "simulated seconds per second", rates, notes)]
 
@@ -73,13 +77,15 @@ def benchmark_case(scenario: Scenario, step: float, repetitions: int) -> Figures
     loop is its steps alone.
     """
     steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
-    ceiling = Ceiling(scenario, step)
+    ceiling, small = Ceiling(scenario, step), scenario.model_copy(update={"engine": "small-motion"})
     works: dict[str, Callable[[], object]] = {
         "engine": Run(scenario, step, steps, every),
+        "small_motion": SideBySide([small]),
         "ceiling": lambda: Ceiling(scenario, step)(),
         "bare_loop": ceiling,
     }
     times = medians(works, repetitions)
+    seconds = times["small_motion"]
     reference = Ceiling(scenario, step / FINER).channels()
     return {
         "step_s": step,
@@ -90,6 +96,14 @@ def benchmark_case(scenario: Scenario, step: float, repetitions: int) -> Figures
         "bare_loop_us_per_step": 1e6 * times["bare_loop"] / steps,
         "rate_over_bare_loop": times["bare_loop"] / times["engine"],
         "error": deviation(channels(simulate(scenario)), reference),
+        "small_motion": {
+            "simulated_s_per_wall_s": scenario.duration / seconds,
+            "engine_us_per_step": 1e6 * seconds / steps,
+            "rate_over_ceiling": times["ceiling"] / seconds,
+            "rate_over_bare_loop": times["bare_loop"] / seconds,
+            "rate_over_mujoco": times["engine"] / seconds,
+            "error": deviation(channels(simulate(small)), reference),
+        },
         "ceiling_error": deviation(ceiling.channels(), reference),
     }
 

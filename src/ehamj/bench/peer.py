@@ -5,10 +5,10 @@ from importlib import import_module
 from typing import Any
 
 from ehamj.bench.ceiling import Ceiling
-from ehamj.bench.engines import FINER, benchmark, channels, deviation
+from ehamj.bench.engines import BARE, FINER, MUJOCO, SMALL, benchmark, channels, deviation
 from ehamj.bench.exudyn_case import ExudynCase
 from ehamj.bench.parts import Effort, Figures, part
-from ehamj.bench.runs import Run, medians
+from ehamj.bench.runs import Run, SideBySide, medians
 from ehamj.errors import InputError
 from ehamj.plots.timings import Bars, Panel
 from ehamj.run.simulate import simulate
@@ -40,15 +40,18 @@ def peer(effort: Effort) -> Figures:
     scenario, step = benchmark(effort)
     steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
     case, ceiling = ExudynCase(exudyn, scenario, step), Ceiling(scenario, step)
+    small = scenario.model_copy(update={"engine": "small-motion"})
     works: dict[str, Callable[[], object]] = {
-        "bare scalar loop": ceiling,
-        "MuJoCo engine": Run(scenario, step, steps, every),
+        BARE: ceiling,
+        SMALL: SideBySide([small]),
+        MUJOCO: Run(scenario, step, steps, every),
         "Exudyn": case,
     }
     times = medians(works, effort.repetitions)
     found = {
-        "bare scalar loop": ceiling.channels(),
-        "MuJoCo engine": channels(simulate(scenario)),
+        BARE: ceiling.channels(),
+        SMALL: channels(simulate(small)),
+        MUJOCO: channels(simulate(scenario)),
         "Exudyn": case.channels(),
     }
     reference = Ceiling(scenario, step / FINER).channels()

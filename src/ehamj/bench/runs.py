@@ -1,7 +1,7 @@
 """Work that is timed: in turn with others, and steps of a scenario over and over."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -16,6 +16,7 @@ from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
 from ehamj.run.drive import drive, sample_inputs
 from ehamj.run.prepare import prepare
+from ehamj.run.side_by_side import LANES, drive_block, small
 from ehamj.scenario.model import Scenario
 
 
@@ -70,3 +71,26 @@ class Stepping:
         """Step it."""
         with hydraulics():
             return drive(prepare(self.scenario, self.controller)).seconds
+
+
+class SideBySide:
+    """Scenarios of one structure on the small-motion engine, from start to end, in as many blocks as they need.
+
+    A call gives the seconds in the loop [s]; ``whole`` is the time of the last call with what samples their inputs.
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], law: AnyController | None = None) -> None:
+        law = law or scenarios[0].controller()
+        with hydraulics():
+            self._runs = [prepare(scenario, law) for scenario in scenarios]
+            self._small = [small(run) for run in self._runs]
+        self.whole = 0.0
+
+    def __call__(self) -> float:
+        """Step them all."""
+        began, seconds = time.perf_counter(), 0.0
+        for first in range(0, len(self._runs), LANES):
+            block = slice(first, first + LANES)
+            seconds += sum(driven.seconds for driven in drive_block(self._runs[block], self._small[block]))
+        self.whole = time.perf_counter() - began
+        return seconds

@@ -13,25 +13,26 @@ import numpy as np
 
 from ehamj.bench.parts import Effort, Figures, part
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.model import drawn_xml
 from ehamj.plots.timings import Bars, Panel
 from ehamj.result import Result
 from ehamj.run.drive import drive
-from ehamj.run.observe import observe
 from ehamj.run.prepare import prepare
-from ehamj.run.summarise import summarise
+from ehamj.run.side_by_side import drive_block, small
+from ehamj.run.simulate import judged, seen
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 
 SCENARIO: Final = "recorded"
 ROUNDS: Final = 2
-"""At most, after one that warms up: a round takes seconds."""
+"""At most: a round takes seconds."""
 
 
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
+    found = figures["stages"]
+    title = f"From command to picture: {SCENARIO}, {found['simulated_s']:g} s"
     return [
-        Bars(f"From command to picture: {SCENARIO}, {figures['stages']['simulated_s']:g} s", "seconds", seconds, {})
-        for seconds in (figures["stages"]["mujoco_s"],)
+        Bars(f"{title}, {engine} engine", "seconds", found[key], {})
+        for engine, key in (("MuJoCo", "mujoco_s"), ("small-motion", "small_motion_s"))
     ]
 
 
@@ -39,10 +40,26 @@ def _panels(figures: Mapping[str, Any]) -> list[Panel]:
 def stages(effort: Effort) -> Figures:
     """Seconds of each stage [s]."""
     duration = effort.duration(2.0)
-    scenario = load_scenario(SCENARIO, [f"duration={duration}", "compare=[]"])
-    rounds = [Stages().through(scenario) for _ in range(1 + min(ROUNDS, effort.repetitions))][1:]
-    seconds = {name: float(np.median([one[name] for one in rounds])) for name in rounds[0]}
-    return {"stages": {"simulated_s": duration, "mujoco_s": seconds}}
+    given = [f"duration={duration}", "compare=[]"]
+    engines = {engine: load_scenario(SCENARIO, [*given, f"engine={engine}"]) for engine in ("mujoco", "small-motion")}
+    if effort.repetitions > 1:
+        Stages().through(engines["mujoco"])  # what is imported and compiled only once is left out
+    rounds = [
+        {engine: Stages().through(scenario) for engine, scenario in engines.items()}
+        for _ in range(min(ROUNDS, effort.repetitions))
+    ]
+
+    def seconds(engine: str) -> dict[str, float]:
+        found = [one[engine] for one in rounds]
+        return {name: float(np.median([one[name] for one in found])) for name in found[0]}
+
+    return {
+        "stages": {
+            "simulated_s": duration,
+            "mujoco_s": seconds("mujoco"),
+            "small_motion_s": seconds("small-motion"),
+        }
+    }
 
 
 class Stages:
@@ -69,20 +86,19 @@ class Stages:
         return self.seconds
 
     def _simulated(self, scenario: Scenario) -> Result:
+        began = time.perf_counter()
         with hydraulics():
             with self._stage("prepare"):
                 prepared = prepare(scenario, None)
             with self._stage("sampling"):
-                driven = drive(prepared)
+                small_motion = scenario.engine == "small-motion"
+                driven = next(drive_block([prepared], [small(prepared)])) if small_motion else drive(prepared)
         self.seconds["sampling"] -= driven.seconds
         self.seconds["stepping"] = driven.seconds
         with self._stage("observe"):
-            dataset = observe(prepared, driven.rows, driven.struck)
+            run = seen(prepared, driven)
         with self._stage("summary"):
-            dataset.attrs["complete"] = 1
-            summary = summarise(prepared, driven, dataset, sum(self.seconds.values()), None)
-            model = drawn_xml(scenario.plant, prepared.timestep)
-        return Result(scenario, dataset, summary, model, prepared.law)
+            return judged(run, began, None)
 
 
 def _writers(result: Result, folder: Path) -> dict[str, Callable[[], None]]:
