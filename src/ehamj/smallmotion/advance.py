@@ -38,9 +38,6 @@ TOO_LARGE: Final = 5
 LARGEST_TURN: Final = 1e-3
 """Angle beyond which motions are not small [rad]: what is left out is a thousandth there."""
 
-TURNS: Final = range(3, 6)
-"""Coordinates that are angles."""
-
 COUNTS: Final = len(LIMITS.names or ())
 """Limits that are counted of each mount."""
 
