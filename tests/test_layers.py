@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import ehamj
+
 PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
@@ -82,14 +84,47 @@ def test_imports_go_down(path: Path) -> None:
     assert not upward, f"{path.name} (rank {RANK[own]}) imports {upward}"
 
 
-@pytest.mark.parametrize("module", ["ehamj", "ehamj.cli"])
-def test_import_does_nothing(module: str) -> None:
-    """Importing ehamj, and starting its command line, installs no callback and pulls in none of the slow libraries."""
-    code = (
-        f"import sys, {module}; from ehamj.mujoco.hold import installed; "
-        "slow = {'obspy', 'rerun', 'control', 'slycot', 'matplotlib', 'nptdms', 'idelib', 'pyuff', "
-        "'ehamj.design.tuning'} & set(sys.modules); "
-        "sys.exit(f'{slow} {installed()}' if slow or any(installed().values()) else 0)"
+SLOW = ("obspy", "rerun", "control", "slycot", "matplotlib", "nptdms", "idelib", "pyuff", "pandas", "xarray", "h5py")
+SLOWER = (*SLOW, "mujoco", "numba", "jinja2", "scipy.linalg", "scipy.signal", "scipy.interpolate", "scipy.optimize")
+"""What nobody needs who asks for help or mistypes a word, and takes a tenth of a second or more to import."""
+
+MAIN = "import sys; sys.argv[1:] = {arguments}; from ehamj.cli import main; main()"
+WITHOUT: dict[str, tuple[str, tuple[str, ...]]] = {
+    "import ehamj": ("import ehamj, ehamj.cli", (*SLOWER, "pydantic", "numpy")),
+    "--help": (MAIN.format(arguments=["--help"]), (*SLOWER, "numpy")),
+    "a mistyped command": (MAIN.format(arguments=["rnu"]), (*SLOWER, "numpy")),
+    "scenarios": (MAIN.format(arguments=["scenarios"]), (*SLOWER, "numpy")),
+    "a mistyped option": (MAIN.format(arguments=["run", "--sett", "duration=1"]), (*SLOWER, "numpy")),
+    "a mistyped scenario": (MAIN.format(arguments=["run", "vc-c-flor"]), (*SLOWER, "numpy")),
+    "a mistyped key": (MAIN.format(arguments=["run", "vc-c-floor", "--set", "machine.mas=4500"]), SLOWER),
+    "load a scenario": ("from ehamj import load_scenario; load_scenario('vc-c-floor').plant", SLOWER),
+}
+"""What is done, and what must not be imported for it."""
+
+
+@pytest.mark.parametrize("done", WITHOUT)
+def test_what_should_be_at_once_imports_nothing_slow(done: str) -> None:
+    """Help, lists and refusals wait for nothing that they do not need: how long that takes, no test measures."""
+    code, without = WITHOUT[done]
+    told = (
+        "import atexit, sys; "
+        f"atexit.register(lambda: print('IMPORTED', *sorted(set({without}) & set(sys.modules)), file=sys.stderr)); "
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    said = subprocess.run([sys.executable, "-c", told + code], capture_output=True, text=True, check=False).stderr
+    assert said.splitlines()[-1].split() == ["IMPORTED"], said
+
+
+def test_import_installs_no_callback() -> None:
+    code = "import sys, ehamj.run.simulate, ehamj.mujoco.hold as hold; sys.exit(any(hold.installed().values()))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_every_public_name_is_where_a_type_checker_sees_it() -> None:
+    """The names that are found when they are used are those that `import ehamj` shows to a type checker."""
+    tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    shown = {
+        alias.asname: node.module for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    assert {name: f"ehamj.{home}" for name, home in ehamj._HOME.items()} == shown
+    assert all(getattr(ehamj, name) is not None for name in ehamj.__all__)

@@ -6,35 +6,80 @@ print(result)
 result.dataset["cg_velocity"]
 """
 
-from ehamj.control import Controller, ControllerBank, PythonController, load_controller
-from ehamj.errors import DerivedAnew, InputError, SimulationFailed
-from ehamj.linear.machine import linearise
-from ehamj.linear.seen import sampled_plant
-from ehamj.linear.statics import static_loads
-from ehamj.result import Result, load_result
-from ehamj.run.simulate import simulate, simulate_many
-from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.scenario.model import Scenario
-from ehamj.store import save as _save  # noqa: F401  # so that a result can be saved
-from ehamj.studies.catalogue import study
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
 
-__all__ = [
-    "Controller",
-    "ControllerBank",
-    "DerivedAnew",
-    "InputError",
-    "PythonController",
-    "Result",
-    "Scenario",
-    "SimulationFailed",
-    "linearise",
-    "load_controller",
-    "load_result",
-    "load_scenario",
-    "parse_scenario",
-    "sampled_plant",
-    "simulate",
-    "simulate_many",
-    "static_loads",
-    "study",
-]
+from ehamj.folders import SAVING
+
+if TYPE_CHECKING:
+    from ehamj.control import (
+        Controller as Controller,
+    )
+    from ehamj.control import (
+        ControllerBank as ControllerBank,
+    )
+    from ehamj.control import (
+        PythonController as PythonController,
+    )
+    from ehamj.control import (
+        load_controller as load_controller,
+    )
+    from ehamj.errors import DerivedAnew as DerivedAnew
+    from ehamj.errors import InputError as InputError
+    from ehamj.errors import SimulationFailed as SimulationFailed
+    from ehamj.linear.machine import linearise as linearise
+    from ehamj.linear.seen import sampled_plant as sampled_plant
+    from ehamj.linear.statics import static_loads as static_loads
+    from ehamj.result import Result as Result
+    from ehamj.result import load_result as load_result
+    from ehamj.run.simulate import simulate as simulate
+    from ehamj.run.simulate import simulate_many as simulate_many
+    from ehamj.scenario.load import load_scenario as load_scenario
+    from ehamj.scenario.load import parse_scenario as parse_scenario
+    from ehamj.scenario.model import Scenario as Scenario
+    from ehamj.studies.catalogue import study as study
+
+_HOME: Final = {
+    "Controller": "control",
+    "ControllerBank": "control",
+    "DerivedAnew": "errors",
+    "InputError": "errors",
+    "PythonController": "control",
+    "Result": "result",
+    "Scenario": "scenario.model",
+    "SimulationFailed": "errors",
+    "linearise": "linear.machine",
+    "load_controller": "control",
+    "load_result": "result",
+    "load_scenario": "scenario.load",
+    "parse_scenario": "scenario.load",
+    "sampled_plant": "linear.seen",
+    "simulate": "run.simulate",
+    "simulate_many": "run.simulate",
+    "static_loads": "linear.statics",
+    "study": "studies.catalogue",
+}
+"""Where each name stands: its module is imported when the name is first used, so that nothing waits for the others."""
+
+__all__ = list(_HOME)
+
+
+def _save(*given: Any) -> None:
+    from ehamj.store import save
+
+    save(*given)
+
+
+SAVING.append(_save)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOME})

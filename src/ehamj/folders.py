@@ -5,13 +5,18 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ehamj.errors import InputError
 
 RUNS = Path("runs")
+RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
+"""Files without which a folder is no result."""
+
+SAVING: list[Callable[..., None]] = []
+"""How a result is saved with all that shows it: what does it stands far above, and `ehamj` puts it here."""
 
 
 def check_out(

@@ -13,9 +13,8 @@ first row, and every table has one record per mount.
 """
 
 from collections.abc import Iterator
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
@@ -25,6 +24,9 @@ from ehamj.isolator.equations import State
 from ehamj.isolator.supply import Feed, Supply, SupplyState
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.plant import Plant
+
+if TYPE_CHECKING:
+    from mujoco import MjData, MjModel
 
 DOUBLE: Final = 8
 """Bytes of a number."""
@@ -151,22 +153,22 @@ def userdata_size(mounts: int, slides: int = 0) -> int:
 # What Python code reads and writes, by name. All are views.
 
 
-def mounts_of(model: mujoco.MjModel) -> int:
+def mounts_of(model: "MjModel") -> int:
     """Number of mounts."""
     return int(model.actuator_user[0, 0])
 
 
-def slides_of(model: mujoco.MjModel) -> int:
+def slides_of(model: "MjModel") -> int:
     """Number of slides."""
     return int(isolators(model)["slides"][0])
 
 
-def isolators(model: mujoco.MjModel) -> Any:
+def isolators(model: "MjModel") -> Any:
     """Records of the isolators, (mount,)."""
     return model.actuator_user[: mounts_of(model)].view(ISOLATOR)[:, 0]
 
 
-def supply(model: mujoco.MjModel) -> Any:
+def supply(model: "MjModel") -> Any:
     """Record of the shared supply; None where the pressure is constant."""
     row = int(isolators(model)["supply_row"][0])
     return model.actuator_user[row, : size(SUPPLY)].view(SUPPLY)[0] if row else None
@@ -187,7 +189,7 @@ class Activations(NamedTuple):
     """`LEDGER` (…, 1), or (…, 0)."""
 
 
-def activations(model: mujoco.MjModel, act: Array) -> Activations:
+def activations(model: "MjModel", act: Array) -> Activations:
     """The states in ``act`` (…, na), which must be contiguous along its last axis."""
     row, n = isolators(model)[0], mounts_of(model)
     own = n * size(ISOLATOR_STATE)
@@ -204,7 +206,7 @@ def activations(model: mujoco.MjModel, act: Array) -> Activations:
     )
 
 
-def states_of(model: mujoco.MjModel) -> tuple[str, ...]:
+def states_of(model: "MjModel") -> tuple[str, ...]:
     """Names of the activations, in order: of a mount's states with its name after a blank."""
     rows = isolators(model)
     names = [model.actuator(mount).name for mount in range(rows.size)]
@@ -217,7 +219,7 @@ def states_of(model: mujoco.MjModel) -> tuple[str, ...]:
     return tuple(found)
 
 
-def option_scales(model: mujoco.MjModel) -> Array:
+def option_scales(model: "MjModel") -> Array:
     """A small motion of each state of the valves' options, as a step for differences (state,)."""
     rows = isolators(model)
     return np.array([option.scales[option.State._fields.index(state)] for option, state, _ in _option_states(rows)])
@@ -230,12 +232,12 @@ def _option_states(rows: Any) -> Iterator[tuple[type[Option], str, int]]:
                 yield option, state, int(mount)
 
 
-def step(data: mujoco.MjData) -> Any:
+def step(data: "MjData") -> Any:
     """The step's record in the userdata."""
     return data.userdata[: size(STEP)].view(STEP)[0]
 
 
-def exchange(data: mujoco.MjData, mounts: int) -> Any:
+def exchange(data: "MjData", mounts: int) -> Any:
     """Records of the mounts in the userdata, (mount,)."""
     first = (STEP.itemsize + LOADS_SIZE) // DOUBLE
     return data.userdata[first : first + mounts * size(MOUNT)].view(MOUNT)

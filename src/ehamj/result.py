@@ -3,7 +3,7 @@
 import contextlib
 import json
 import secrets
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -14,6 +14,7 @@ import xarray as xr
 
 from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
+from ehamj.folders import RESULT_FILES, SAVING
 from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
 from ehamj.plain.hdf5 import check_hdf5
@@ -22,9 +23,6 @@ from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
-
-RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
-"""Files without which a folder is no result."""
 
 CONTROLLER_FILE = "controller.json"
 
@@ -83,10 +81,6 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "controller_state": (("law_state",), "1", "states of the controller"),
 }
 """Every variable of a result beside ``time``: further dimensions, units, long name."""
-
-
-SAVING: list[Callable[..., None]] = []
-"""How a result is saved with all that shows it: `ehamj.store`, which stands above this file, puts itself here."""
 
 
 @dataclass(frozen=True, repr=False)

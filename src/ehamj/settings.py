@@ -48,7 +48,7 @@ class Settings(BaseModel):
     """Base of everything a user writes: frozen, no unknown keys, no conversion of types (a string or ``true`` is not a
     number), finite numbers unless a field says otherwise."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, allow_inf_nan=False, strict=True)
 
     @model_validator(mode="before")
     @classmethod

@@ -5,9 +5,8 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import irfft, next_fast_len
-from scipy.interpolate import PPoly, make_interp_spline
 
 from ehamj.arrays import Array
 
@@ -126,9 +125,9 @@ class Sampled:
     start: float = 0.0
 
     @cached_property
-    def _spline(self) -> PPoly:
+    def _spline(self) -> "scipy.interpolate.PPoly":
         times = self.start + np.arange(self.values.size) / self.rate
-        return PPoly.from_spline(make_interp_spline(times, self.values, k=DEGREE))
+        return scipy.interpolate.PPoly.from_spline(scipy.interpolate.make_interp_spline(times, self.values, k=DEGREE))
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         end = self.start + (self.values.size - 1) / self.rate
@@ -164,11 +163,11 @@ class Lines:
     @cached_property
     def _grid(self) -> Array:
         """Value, slope and curvature in units of a grid step, shape (3, size + 1); the last column is the first."""
-        size = next_fast_len(LINE_SAMPLES * max(self.lines.size - 1, 1), real=True)
+        size = scipy.fft.next_fast_len(LINE_SAMPLES * max(self.lines.size - 1, 1), real=True)
         turn = 2j * np.pi * np.arange(self.lines.size) / size
         half = self.lines * (0.5 * size)
         half[0] = 2.0 * half[0].real
-        samples = irfft(np.array([half, turn * half, turn * turn * half]), size)
+        samples = scipy.fft.irfft(np.array([half, turn * half, turn * turn * half]), size)
         return np.concatenate([samples, samples[:, :1]], axis=1)
 
     def sample(self, time: Array, left: bool = False) -> Sample:

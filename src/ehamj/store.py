@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from ehamj.errors import InputError
-from ehamj.folders import check_out, new_folder
+from ehamj.folders import RESULT_FILES, check_out, new_folder
 from ehamj.report import Shown, write_report
-from ehamj.result import RESULT_FILES, SAVING, Result
+from ehamj.result import Result
 from ehamj.run.progress import Progress, silent
 
 
@@ -68,6 +68,3 @@ def save(result: Result, folder: str | Path, overwrite: bool = False, variants: 
     check_out(folder, overwrite, RESULT_FILES, "result.save", "overwrite=True")
     with new_folder(folder, overwrite) as (_, target):
         write_run(target, results)
-
-
-SAVING.append(save)

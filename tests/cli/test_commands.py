@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import typer
@@ -82,3 +83,14 @@ def test_json_is_all_that_a_command_says(cli: Cli, command: str, monkeypatch: py
     said = cli(command, *arguments)
     assert said.code == 0, said.err
     assert set(said.json) >= keys
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_lists_a_command_by_the_words_that_its_own_help_begins_with(name: str, cli: Cli) -> None:
+    """What stands in the list is read from the source, without importing it."""
+    listed: Any = typer.main.get_command(app)
+    told = listed.get_command(None, name).help
+    _, registered, _ = listed.resolve_command(None, [name])
+    assert registered is not None
+    assert registered.callback is not None
+    assert registered.help.split() == told.split()

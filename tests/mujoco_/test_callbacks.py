@@ -4,7 +4,6 @@ import ctypes
 import os
 import subprocess
 import sys
-import threading
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
@@ -13,13 +12,11 @@ from typing import Any
 
 import mujoco
 import mujoco.batch
-import numba
 import numpy as np
 import pytest
 from mujoco.introspect import structs
 from oracles import linear, machine
 
-from ehamj.compiled import compiled_here, folder
 from ehamj.control.loop import no_loop
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
@@ -430,27 +427,3 @@ def test_everything_works_where_no_cache_can_be_written(tmp_path: Path) -> None:
     )
     assert (done.returncode, done.stdout.strip()) == (0, "True"), done.stderr
     assert blocked.read_text() == "not a folder"
-
-
-def test_threads_that_compile_do_not_take_the_folder_from_each_other() -> None:
-    before = numba.config.CACHE_DIR
-    seen: list[str] = []
-
-    def compile_something(begun: threading.Event, finish: threading.Event) -> None:
-        with compiled_here():
-            begun.set()
-            finish.wait(10.0)
-            seen.append(numba.config.CACHE_DIR)
-
-    first, second, go = threading.Event(), threading.Event(), threading.Event()
-    threads = [threading.Thread(target=compile_something, args=(begun, go)) for begun in (first, second)]
-    threads[0].start()
-    assert first.wait(10.0)
-    threads[1].start()
-    assert not second.wait(0.2)  # it waits for the first to leave
-    go.set()
-    for thread in threads:
-        thread.join()
-    assert len(seen) == 2
-    assert seen[0] == seen[1] == str(folder())
-    assert before == numba.config.CACHE_DIR

@@ -1,14 +1,11 @@
 """Memory by name: for the number of mounts of the model, and compiled anew only where compiled code changed."""
 
-import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
-import ehamj.compiled
 from ehamj.control.loop import no_loop
 from ehamj.isolator.actuator import COMPONENTS, Actuator
 from ehamj.isolator.supply import Supply
@@ -78,29 +75,3 @@ def test_every_value_of_a_component_is_a_field_of_the_isolators_record() -> None
     assert set(record) == set(names) <= set(ISOLATOR.names)
     for name, value in record.items():
         np.testing.assert_array_equal(own[name], value, err_msg=name)
-
-
-@pytest.mark.parametrize(
-    ("changed", "anew"),
-    [
-        ("control/law.py", False),
-        ("control/loop.py", False),
-        ("control/channels.py", False),
-        ("control/architectures/feedforward.py", False),
-        ("control/instruments.py", False),
-        ("plant/mounts.py", False),
-        ("isolator/hysteresis.py", True),
-        ("control/compiled/laws.py", True),
-        ("memory.py", True),
-    ],
-)
-def test_only_a_change_in_compiled_code_compiles_anew(
-    changed: str, anew: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    package = tmp_path / "ehamj"
-    shutil.copytree(Path(ehamj.compiled.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(ehamj.compiled, "__file__", str(package / "compiled.py"))
-    before = ehamj.compiled.fingerprint.__wrapped__()
-    with (package / changed).open("a") as file:
-        file.write("\n# changed\n")
-    assert (ehamj.compiled.fingerprint.__wrapped__() != before) is anew

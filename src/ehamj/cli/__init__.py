@@ -9,11 +9,6 @@ from rich.markup import escape
 from ehamj.cli.frame import app, log
 from ehamj.errors import DerivedAnew, InputError, SimulationFailed
 
-# Imported for their commands, which `ehamj --help` lists in this order.
-from ehamj.cli import (  # noqa: F401  # isort: skip
-    run, scenarios, design, modes, statics, paper, transmissibility, study, stored, bench, verify,
-)  # fmt: skip
-
 __all__ = ["app", "main"]
 
 

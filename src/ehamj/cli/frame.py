@@ -1,12 +1,63 @@
-"""The frame of the command line: the app, its two streams, and the options that commands share."""
+"""The frame of the command line: the app and its commands, its two streams, and the options that commands share."""
 
+import ast
+from importlib import import_module, resources
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Final
 
 import typer
 from rich.console import Console
+from typer.core import TyperCommand, TyperGroup
+
+from ehamj.scenario_files import scenario_path
+
+COMMANDS: Final = {
+    "run": "run",
+    "scenarios": "scenarios",
+    "schema": "scenarios",
+    "design": "design",
+    "modes": "modes",
+    "statics": "statics",
+    "paper": "paper",
+    "transmissibility": "transmissibility",
+    "study": "study",
+    "replay": "stored",
+    "report": "stored",
+    "bench": "bench",
+    "verify": "verify",
+}
+"""Every command, in the order in which `ehamj --help` lists them, and the module of this room that registers it."""
+
+
+class _Commands(TyperGroup):
+    """The commands, of which each is imported when it is asked for: neither help nor a mistyped word waits for one."""
+
+    def __init__(self, *, commands: Any = None, **more: Any) -> None:
+        told: dict[str, Any] = dict.fromkeys(COMMANDS)
+        super().__init__(commands=told | (commands or {}), **more)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command; where its module was not imported, only what its source says of it."""
+        if cmd_name in COMMANDS and not self.commands[cmd_name]:
+            self.commands[cmd_name] = TyperCommand(cmd_name, help=_documented(cmd_name))
+        return super().get_command(ctx, cmd_name)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if args[0] in COMMANDS:
+            import_module(f"ehamj.cli.{COMMANDS[args[0]]}")
+            self.commands.update({name: one for name, one in typer.main.get_group(app).commands.items() if one})
+        return super().resolve_command(ctx, args)
+
+
+def _documented(name: str) -> str:
+    """Docstring of a command, read without importing what it needs."""
+    source = resources.files("ehamj.cli").joinpath(f"{COMMANDS[name]}.py").read_text(encoding="utf-8")
+    functions = (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef) and node.name == name)
+    return ast.get_docstring(next(functions)) or ""
+
 
 app = typer.Typer(
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -18,11 +69,26 @@ app = typer.Typer(
     Results go to standard output (with `--json` one JSON object), progress and messages to standard error.
     Exit codes: 0 done, 2 bad input, 3 the simulation failed.""",
 )
+
+
+@app.callback()
+def _root() -> None:
+    """Without options of its own."""
+
+
 log = Console(stderr=True)
 out = Console()
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-ScenarioName = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.")]
+
+
+def _found(name: str) -> str:
+    """A scenario that is there; one that is not is refused before anything is imported that could simulate it."""
+    scenario_path(name)
+    return name
+
+
+ScenarioName = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.", callback=_found)]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scenario, e.g. machine.mass=4500."),

@@ -12,7 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
-from ehamj.folders import check_out, new_folder
+from ehamj.folders import RESULT_FILES, check_out, new_folder
 
 if TYPE_CHECKING:
     from ehamj.judge import Summary
@@ -36,13 +36,13 @@ def run(
     histories, opens with xarray), summary.json, scenario.toml (complete; runs again to the same result) and model.xml
     (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
     """
-    from ehamj.result import RESULT_FILES
     from ehamj.scenario.load import load_scenario
-    from ehamj.store import write_run
 
     check_out(out_folder, overwrite, RESULT_FILES)
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
     loaded = load_scenario(scenario, [*(overrides or ()), *off])
+    from ehamj.store import write_run  # what simulates and writes takes longer to import than a mistyped key to refuse
+
     results, failures = _simulate(loaded)
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
         write_run(target, results, step)

@@ -9,9 +9,9 @@ from ehamj.cli.printing import print_names
 @app.command()
 def scenarios(as_json: Json = False) -> None:
     """List the scenarios that ship, one line each; run one with `ehamj run NAME`."""
-    from ehamj.scenario.load import load_scenario, shipped_scenarios
+    from ehamj.scenario_files import scenario_table, shipped_scenarios
 
-    found = {name: load_scenario(name).description for name in shipped_scenarios()}
+    found = {name: scenario_table(path)["description"] for name, path in shipped_scenarios().items()}
     print_names("scenarios", found, "description", as_json)
 
 

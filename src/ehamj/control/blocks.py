@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.linalg import block_diag, expm
-from scipy.sparse.csgraph import connected_components
 
 from ehamj.arrays import Array, ComplexArray
 
@@ -92,7 +91,7 @@ class Block(NamedTuple):
     def held(self, period: float) -> Self:
         """The block from input that is held over each ``period`` [s], exact; strictly proper ones stay so."""
         n, p = self.A.shape[0], self.B.shape[1]
-        power = expm(period * np.block([[self.A, self.B], [np.zeros((p, n + p))]]))
+        power = scipy.linalg.expm(period * np.block([[self.A, self.B], [np.zeros((p, n + p))]]))
         return type(self)(power[:n, :n], power[:n, n:], self.C, self.D)
 
     def sampled(self, period: float) -> Self:
@@ -106,12 +105,12 @@ class Block(NamedTuple):
 
 def beside(blocks: Sequence[Block]) -> Block:
     """Blocks side by side, each with inputs and outputs of its own."""
-    return Block(*(np.asarray(block_diag(*matrices)) for matrices in zip(*blocks, strict=True)))
+    return Block(*(np.asarray(scipy.linalg.block_diag(*matrices)) for matrices in zip(*blocks, strict=True)))
 
 
 def added(blocks: Sequence[Block]) -> Block:
     """The sum of blocks that share inputs and outputs."""
-    A = np.asarray(block_diag(*(block.A for block in blocks)))
+    A = np.asarray(scipy.linalg.block_diag(*(block.A for block in blocks)))
     B, C = np.vstack([block.B for block in blocks]), np.hstack([block.C for block in blocks])
     return Block(A, B, C, np.sum([block.D for block in blocks], axis=0))
 
@@ -129,7 +128,7 @@ def response(points: ComplexArray, A: Array, B: Array, C: Array, D: Array | None
     if D is not None:
         found += D
     # Laws are made of many small blocks that do not know each other: solved one by one, far faster than together.
-    count, labels = connected_components(A != 0.0, directed=False) if A.size else (0, np.zeros(0))
+    count, labels = scipy.sparse.csgraph.connected_components(A != 0.0, directed=False) if A.size else (0, np.zeros(0))
     for own in (np.flatnonzero(labels == k) for k in range(count)):
         systems = points[:, None, None] * np.eye(own.size) - A[np.ix_(own, own)]
         found += C[:, own] @ np.linalg.solve(systems, np.broadcast_to(B[own], (points.size, own.size, inputs)))

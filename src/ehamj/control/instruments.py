@@ -17,10 +17,9 @@ from functools import cache
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
-from scipy import signal
-from scipy.linalg import expm
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
@@ -56,7 +55,7 @@ def _values(unit: str, noise: float, low: float, high: float) -> dict[str, tuple
 @cache
 def _butterworth(order: int, kind: str) -> tuple[Array, Array, Array, Array]:
     """State space of an analog filter with its corner at 1 rad/s; a loop with 24 instruments asks 24 times."""
-    return tuple(signal.tf2ss(*signal.butter(order, 1.0, kind, analog=True)))
+    return tuple(scipy.signal.tf2ss(*scipy.signal.butter(order, 1.0, kind, analog=True)))
 
 
 class Instrument(Parameters):
@@ -105,7 +104,7 @@ class Instrument(Parameters):
         f = np.asarray(hertz, float)
         total = np.ones(f.shape, complex)
         for kind, corner in self.filters:
-            b, a = signal.butter(self.order, 2 * np.pi * corner, kind, analog=True)
+            b, a = scipy.signal.butter(self.order, 2 * np.pi * corner, kind, analog=True)
             s = 2j * np.pi * f
             total *= np.polyval(b, s) / np.polyval(a, s)
         return total
@@ -194,7 +193,7 @@ def discretise(instrument: Instrument, step: float) -> Discrete:
         return Discrete(a, b, c, d, b)
     block = np.zeros((n + 2, n + 2))
     block[:n, :n], block[:n, n], block[n, n + 1] = a * step, b * step, 1.0
-    power = expm(block)
+    power = scipy.linalg.expm(block)
     A, first, second = power[:n, :n], power[:n, n], power[:n, n + 1]  # x⁺ = A x + first·u + second·(u⁺ − u)
     # With x − second·u as the state, no input is needed before its time.
     B = A @ second + first - second

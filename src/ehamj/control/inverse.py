@@ -15,8 +15,8 @@ passive mounts, exert on the machine is shared by those that act (`shares`), and
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import signal
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control.blocks import Block
@@ -123,7 +123,8 @@ def instrument_poles(sensor: Instrument | None) -> tuple[ComplexArray, ComplexAr
     found: dict[str, list[complex]] = {"highpass": [], "lowpass": []}
     if sensor is not None:
         for kind, corner in sensor.filters:
-            found[kind].extend(signal.butter(sensor.order, 2 * np.pi * corner, kind, analog=True, output="zpk")[1])
+            _, poles, _ = scipy.signal.butter(sensor.order, 2 * np.pi * corner, kind, analog=True, output="zpk")
+            found[kind].extend(poles)
     return np.array(found["highpass"], complex), np.array(found["lowpass"], complex)
 
 

@@ -7,7 +7,7 @@ command (Åström and Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 9.4
 from enum import Enum
 
 import numpy as np
-from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
+import scipy
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
@@ -69,7 +69,7 @@ def anti_windup_gain(A: Array, C: Array, period: float, time: float) -> Array:
     if seen.size:
         Ao, Co = seen @ A @ scale, C @ scale
         try:
-            P = solve_discrete_are(Ao.T, Co.T, np.eye(Ao.shape[0]) * period / (2.0 * time), np.eye(m))
+            P = scipy.linalg.solve_discrete_are(Ao.T, Co.T, np.eye(Ao.shape[0]) * period / (2.0 * time), np.eye(m))
         except (np.linalg.LinAlgError, ValueError) as error:
             raise InputError(f"anti-windup: no stable choice exists for this law ({error}); give the matrix") from error
         gain = np.asarray(scale @ np.linalg.solve(Co @ P @ Co.T + np.eye(m), Co @ P @ Ao.T).T)
@@ -80,7 +80,7 @@ def anti_windup_gain(A: Array, C: Array, period: float, time: float) -> Array:
 
 def _scale(A: Array, C: Array) -> tuple[Array, Array]:
     """Scaled states → states, and back, for the states that show in the commands; the others are left out."""
-    gramian = solve_discrete_lyapunov(A.T, C.T @ C)
+    gramian = scipy.linalg.solve_discrete_lyapunov(A.T, C.T @ C)
     size = np.sqrt(np.maximum(np.diag(gramian), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(gramian / np.outer(size, size))
     kept = values > 1e-10 * values.max()

@@ -12,7 +12,7 @@ samples by sinc²: a line at a tenth of the sampling rate, the highest natural f
 from typing import NamedTuple
 
 import numpy as np
-from scipy.signal import cont2discrete, sosfilt
+import scipy
 
 from ehamj.arrays import Array
 
@@ -52,7 +52,7 @@ def oscillator(frequency: float, damping: float, rate: float) -> tuple[Array, Ar
     denominator = [1.0, 2.0 * damping * omega, omega**2]
     sections = []
     for numerator in ([-1.0], [2.0 * damping * omega, omega**2]):
-        b, a, _ = cont2discrete((numerator, denominator), 1.0 / rate, method="foh")
+        b, a, _ = scipy.signal.cont2discrete((numerator, denominator), 1.0 / rate, method="foh")
         sections.append(np.concatenate([np.ravel(b), np.ravel(a)]))
     return sections[0], sections[1]
 
@@ -80,7 +80,7 @@ def response_spectrum(
     velocity, absolute = np.zeros((2, natural.size, moving.size))
     for row, frequency in enumerate(natural):
         to_displacement, to_acceleration = oscillator(float(frequency), damping, rate)
-        moved = sosfilt(to_displacement[None], base, axis=1)[:, begin:]
+        moved = scipy.signal.sosfilt(to_displacement[None], base, axis=1)[:, begin:]
         velocity[row, moving] = 2.0 * np.pi * frequency * np.abs(moved).max(axis=1)
-        absolute[row, moving] = np.abs(sosfilt(to_acceleration[None], base, axis=1)[:, begin:]).max(axis=1)
+        absolute[row, moving] = np.abs(scipy.signal.sosfilt(to_acceleration[None], base, axis=1)[:, begin:]).max(axis=1)
     return ResponseSpectrum(velocity, absolute)

@@ -3,8 +3,8 @@
 from math import ceil
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from ehamj.records.channel import USABLE
 from ehamj.signals import Array
@@ -33,10 +33,10 @@ def decimated(samples: Array, factor: int) -> Array:
     if factor == 1:
         return samples
     kept = ceil(samples.size / factor)
-    size = next_fast_len(kept + MARGIN, real=True)
-    spectrum = rfft(samples, factor * size)[: size // 2 + 1]
+    size = scipy.fft.next_fast_len(kept + MARGIN, real=True)
+    spectrum = scipy.fft.rfft(samples, factor * size)[: size // 2 + 1]
     frequency = np.arange(spectrum.size) / (0.5 * size)  # the result's Nyquist frequency is one
-    return irfft(spectrum * band_gain(frequency, (0.0, 0.0, USABLE, 1.0)), size)[:kept] / factor
+    return scipy.fft.irfft(spectrum * band_gain(frequency, (0.0, 0.0, USABLE, 1.0)), size)[:kept] / factor
 
 
 def resampled(spectrum: NDArray[np.complex128], size: int, rate: float, least: float) -> tuple[Array, float]:
@@ -51,4 +51,4 @@ def resampled(spectrum: NDArray[np.complex128], size: int, rate: float, least: f
     finer = max(DENSITY, ceil(least / rate))
     # On a finer grid the Nyquist bin splits into a positive and a negative frequency.
     split = np.append(spectrum[:-1], 0.5 * spectrum[-1]) if size % 2 == 0 else spectrum
-    return irfft(split, finer * size) * finer, finer * rate
+    return scipy.fft.irfft(split, finer * size) * finer, finer * rate

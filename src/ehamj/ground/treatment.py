@@ -17,9 +17,9 @@ from math import ceil
 from typing import Literal, Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.fft import next_fast_len, rfft
 
 from ehamj.ground.resampling import band_gain, decimated, resampled
 from ehamj.records.channel import USABLE, Channel
@@ -168,9 +168,10 @@ def displacement(channel: Channel, treatment: Treatment, begin: float, duration:
     part_rate = treatment.decimated_rate(part.rate)
 
     pad = ceil(treatment.memory * part_rate)
-    size = next_fast_len(samples.size + 2 * pad, real=True)
+    size = scipy.fft.next_fast_len(samples.size + 2 * pad, real=True)
     frequency = np.arange(size // 2 + 1) * (part_rate / size)
-    spectrum = rfft(np.concatenate([np.zeros(pad), samples]), size) * highpass_gain(frequency, treatment.highpass)
+    spectrum = scipy.fft.rfft(np.concatenate([np.zeros(pad), samples]), size)
+    spectrum *= highpass_gain(frequency, treatment.highpass)
     if part.response is not None:
         inverse = inverse_response(part.response(frequency), treatment.water_level)
         spectrum = spectrum * inverse * band_gain(frequency, treatment.band(part))

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.compiled import compiled_here
+from ehamj.compiled.kept import compiled
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.cylinder import Cylinder, chamber_volumes, oil_force
 from ehamj.isolator.fluid import Fluid, actual_pressure, contents
@@ -53,5 +52,4 @@ def _held() -> Any:
                 found[1, k, chamber], found[2, k, chamber], found[3, k, chamber] = own
             force[k] = oil_force(found[0, k, 0], found[0, k, 1], cylinder)
 
-    with compiled_here() as kept:
-        return numba.njit(nogil=True, error_model="numpy", cache=kept)(of_one)
+    return compiled(of_one)

@@ -11,7 +11,9 @@ import numpy as np
 from numba import types
 
 from ehamj.arrays import Array
-from ehamj.compiled import c_function, compiled_here, copy, kernel
+from ehamj.compiled import copy, kernel
+from ehamj.compiled.kept import compiled
+from ehamj.compiled.native import c_function
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
@@ -271,9 +273,7 @@ def _advance() -> Any:
     nothing = (inputs(0, 0), inputs(0, 0))
     recording = Recording(1, Rows(*(np.zeros((0,) * n) for n in (2, 2, 2, 2, 2, 3, 2, 2))), Tally.of(0))
     example = _arguments(Engine.of(model, mujoco.MjData(model)), Stretch(0, 0, False, 1.0), nothing, recording, loop)
-    with compiled_here() as kept:
-        signature = tuple(numba.typeof(argument) for argument in example)
-        return numba.njit([signature], nogil=True, error_model="numpy", cache=kept)(advance)
+    return compiled(advance, tuple(numba.typeof(argument) for argument in example))
 
 
 def _arguments(

@@ -7,10 +7,10 @@ Parameters are records in ``actuator_user``, states are activations, inputs of a
 from functools import cache
 from typing import Any, NamedTuple
 
-import numba
 from numba import types
 
-from ehamj.compiled import compiled_here, kernel
+from ehamj.compiled import kernel
+from ehamj.compiled.kept import compiled_callback
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance, isolator_rates
 from ehamj.isolator.spool import Command
@@ -154,10 +154,8 @@ def callbacks() -> Callbacks:
 
     on_state = types.void(types.intp, types.intp)
     on_actuator = types.float64(types.intp, types.intp, types.int32)
-    with compiled_here() as kept:
-        return Callbacks(
-            *(
-                numba.cfunc(signature, cache=kept, nopython=True, error_model="numpy")(function)
-                for signature, function in ((on_state, passive), (on_actuator, act_dyn), (on_actuator, act_bias))
-            )
-        )
+    return Callbacks(
+        compiled_callback(passive, on_state),
+        compiled_callback(act_dyn, on_actuator),
+        compiled_callback(act_bias, on_actuator),
+    )

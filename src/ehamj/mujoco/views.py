@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.compiled import kernel, view
+from ehamj.compiled import kernel
+from ehamj.compiled.native import view
 from ehamj.memory import CUBIC, DOUBLE, ISOLATOR, ISOLATOR_STATE, LOADS_SIZE, MOUNT, SLIDE, STEP
 from ehamj.plant.axes import DOFS
 

@@ -9,8 +9,7 @@ taken. A clock that no rate explains is believed as far as its digits carry, and
 from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 from ehamj.records.choices import GapChoice
 from ehamj.signals import Array
@@ -144,10 +143,11 @@ def explaining(time: Array, index: Array, tolerance: float) -> tuple[float, floa
 
     best = 0.0
     if over(best) > 0.0:
-        best = float(minimize_scalar(over, bounds=(-1.0, 1.0), method="bounded", options={"xatol": 1e-4}).x)
+        options = {"xatol": 1e-4}
+        best = float(scipy.optimize.minimize_scalar(over, bounds=(-1.0, 1.0), method="bounded", options=options).x)
         if over(best) > 0.0:
             return None
-    low, high = (end if over(end) <= 0.0 else brentq(over, best, end, xtol=1e-4) for end in (-1.0, 1.0))
+    low, high = (end if over(end) <= 0.0 else scipy.optimize.brentq(over, best, end, xtol=1e-4) for end in (-1.0, 1.0))
     return middle + low * width, middle + high * width
 
 
@@ -240,7 +240,7 @@ def on_grid(index: Array, samples: Array) -> Array:
     gap = np.flatnonzero(np.diff(index) > 1.5)
     extra = [np.arange(index[k] + 1.0, index[k + 1] - 0.5) for k in gap]
     places = np.sort(np.concatenate([index, *extra]))
-    return make_interp_spline(places, np.interp(places, index, samples), ORDER)(grid)
+    return scipy.interpolate.make_interp_spline(places, np.interp(places, index, samples), ORDER)(grid)
 
 
 def filled(name: str, holes: int, missing: float, recorded: float, gaps: GapChoice, first: str = "") -> str:

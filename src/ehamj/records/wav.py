@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from scipy.io import wavfile
+import scipy
 
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
@@ -40,7 +40,7 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
     with reading(path, " as WAV"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of chunks that are not read: said below, by their names
         with bounded(path) as file:
-            rate, data = wavfile.read(file)
+            rate, data = scipy.io.wavfile.read(file)
     if rate <= 0:
         raise ValueError(f"ground.file = {path.name!r} states a sampling rate of {rate} Hz; it must be positive")
     columns = data[:, None] if data.ndim == 1 else data

@@ -18,6 +18,7 @@ from ehamj.run.drive import Driven, Progress, drive
 from ehamj.run.failures import Incomplete, failure
 from ehamj.run.observe import observe
 from ehamj.run.prepare import Prepared, prepare
+from ehamj.run.side_by_side import drive_block, small
 from ehamj.run.summarise import summarise
 from ehamj.run.workers import processors, worked_through
 from ehamj.scenario.load import Given, as_scenario
@@ -73,11 +74,18 @@ def observed(scenario: Scenario, controller: Any = None) -> Observed:
 def _observed(scenario: Scenario, progress: Progress | None, controller: Any) -> Observed:
     with hydraulics():
         prepared = prepare(scenario, None if controller is None else as_controller(controller))
-        driven = drive(prepared, progress)
+        driven = driven_by_engine(prepared, progress)
     dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
     return Observed(prepared, driven, dataset, failed)
+
+
+def driven_by_engine(prepared: Prepared, progress: Progress | None = None) -> Driven:
+    """What the stepping loop of a scenario's engine left."""
+    if prepared.scenario.engine == "mujoco":
+        return drive(prepared, progress)
+    return next(drive_block([prepared], [small(prepared)], progress))
 
 
 def _judged(run: Observed, began: float, controller: Any) -> Result:

@@ -48,6 +48,11 @@ class Course(Settings):
     description: str = Field("", description="what it is about, one line")
     duration: float = Field(10.0, gt=0, description="simulated time [s]")
     seed: int = Field(0, ge=0, description="seed of everything random")
+    engine: Literal["mujoco", "small-motion"] = Field(
+        "mujoco",
+        description="mujoco: the multibody engine; small-motion: its matrices about the equilibrium, many times "
+        "faster, for turns up to 1 mrad, plates on rigid feet tied",
+    )
     timestep: Positive | Literal["auto"] = Field(
         "auto", description="integration step [s]; auto resolves the fastest mode"
     )

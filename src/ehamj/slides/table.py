@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Final, Literal, Self
 
 import numpy as np
+import scipy
 from pydantic import Field, model_validator
-from scipy.interpolate import PPoly, make_interp_spline
 
 from ehamj.arrays import Array
 from ehamj.plain.text import text_of
@@ -73,7 +73,8 @@ class TableProfile(Profile):
     @cached_property
     def _course(self) -> "Through":
         times, positions = self._rows
-        return Through(PPoly.from_spline(make_interp_spline(times, positions, k=5, bc_type=(REST, REST))), times)
+        spline = scipy.interpolate.make_interp_spline(times, positions, k=5, bc_type=(REST, REST))
+        return Through(scipy.interpolate.PPoly.from_spline(spline), times)
 
     def course(self, start: float) -> Signal:
         return self._course

@@ -5,14 +5,14 @@ Left out is what is of second order in the motion: levers and inertia that turn 
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
-from ehamj.memory import COMMAND, Cubic, activations, isolators
+from ehamj.memory import COMMAND, INPUTS, Cubic, activations, isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.slides import FIRST
 from ehamj.mujoco.unpacking import hermite
@@ -20,6 +20,9 @@ from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.plant import Plant
 from ehamj.smallmotion.probe import SMALL, Probe, slope
 from ehamj.smallmotion.slides import SlideTables, along_courses, driven_by
+
+STAGES: Final = (0.0, 0.5, 1.0)
+"""Fractions of a step at which coefficients are taken."""
 
 
 class InTime(NamedTuple):
@@ -29,7 +32,7 @@ class InTime(NamedTuple):
     """
 
     matrix: Array
-    """P (step, 3, n, 2n + mount); (1, 1, n, 2n + mount) where no slide moves."""
+    """P (step, 3, n, 2n + mount); (1, 1, n, 2n + mount) where no slide moves in these steps."""
     pushed: Array
     """By ground, load and slides (step, 3, n) [m/s², rad/s²]."""
     ground: Array
@@ -93,18 +96,32 @@ class SmallMachine:
                 (step, mount, input, 3) each; see `ehamj.memory.inputs`.
             load: force on the machine, value and slope·timestep at start and end of each step, (step, 6, 2) each.
         """
-        moved, rate = staged(*(end[:, :, :COMMAND] for end in given))
-        moved, rate = moved - self.ground_at_rest, rate / timestep
-        force = np.einsum("stma,nma->stn", moved, self.ground_stiffness)
-        force += np.einsum("stma,nma->stn", rate, self.ground_damping) + self.unbalanced
+        size, mounts = self.mass.shape[0], len(self.along)
+        inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
+        value, rate = self._effects(inverse)
+        found = acting(*given, value, rate / timestep)
+        found += np.append(inverse @ self.unbalanced, np.zeros(2 * mounts))
+        found -= np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
+        force, ground = np.ascontiguousarray(found[..., :size]), np.ascontiguousarray(found[..., size:])
+        ground = ground.reshape(steps, 3, mounts, 2)
         if load is not None and load[0].shape[0]:
-            force += staged(*load[:2])[0] @ self.load.T
-        ground = np.stack([(part * self.along).sum(axis=-1) for part in (moved, rate)], axis=-1)
-        inverse, matrix = np.linalg.inv(self.mass)[None, None], self.matrix[None, None]
-        if self.slides is not None:
-            inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
-            force += driven
-        return InTime(matrix, (inverse @ force[..., None])[..., 0], ground)
+            by = (inverse @ self.load).T
+            force += acting(load[0], load[1], by, np.zeros_like(by))
+        if self.slides is None:
+            return InTime(self.matrix[None, None], force, ground)
+        inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
+        return InTime(matrix, (inverse @ (force + driven)[..., None])[..., 0], ground)
+
+    def _effects(self, inverse: Array) -> tuple[Array, Array]:
+        """Effects of the mounts' inputs per value and per rate, (mount, input, n + 2 mount): on ``inverse`` times the
+        force, then along·g and along·ġ of each mount in turn."""
+        size, mounts = self.mass.shape[0], len(self.along)
+        value, rate = np.zeros((2, mounts, len(INPUTS), size + 2 * mounts))
+        for effect, matrix in ((value, self.ground_stiffness), (rate, self.ground_damping)):
+            effect[:, :COMMAND, :size] = np.einsum("ij,jma->mai", inverse, matrix)
+        here = np.arange(mounts)
+        value[here, :COMMAND, size + 2 * here] = rate[here, :COMMAND, size + 2 * here + 1] = self.along
+        return value, rate
 
     def _sliding(self, tables: SlideTables, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:
         """M⁻¹ and P with the slides where they are, and the force of their weight and drives, (step, 3, …) each."""
@@ -112,10 +129,12 @@ class SmallMachine:
         differ = np.concatenate([[True], np.any(points[:, 1:] != points[:, :-1], axis=(0, 2))])
         stage = (np.cumsum(differ) - 1)[2 * np.arange(steps)[:, None] + np.arange(3)]
         mass, stiffness, damping, weight = tables.added(*points[:, differ])
-        inverse = np.linalg.inv(self.mass + mass)
+        inverse = np.asarray(np.linalg.inv(self.mass + mass), float)
         levers = np.broadcast_to(self.levers.T, (len(inverse), *self.levers.T.shape))
         matrix = inverse @ np.concatenate([-self.stiffness - stiffness, -self.damping - damping, levers], axis=2)
         force = weight[stage] + driven_by(self.plant, first, steps, timestep) @ tables.reaction
+        if len(matrix) == 1:  # they stand
+            return inverse[None], matrix[None], force
         return inverse[stage], matrix[stage], force
 
     def in_model(self, times: Array, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
@@ -136,11 +155,37 @@ class SmallMachine:
 
 def staged(start: Array, end: Array) -> tuple[Array, Array]:
     """Value and slope·step of cubics at start, middle and end of each step, (step, 3, …) each; given are value and
-    slope·step at both ends, (step, …, 2) each."""
+    slope·step at both ends, (step, …, 2 or more) each."""
     both: Any = (part[..., order] for part in (start, end) for order in range(2))
     cubic = Cubic(*both)
-    value, slopes = zip(*(hermite.py_func(cubic, s) for s in (0.0, 0.5, 1.0)), strict=True)
+    value, slopes = zip(*(hermite.py_func(cubic, s) for s in STAGES), strict=True)
     return np.stack(value, axis=1), np.stack(slopes, axis=1)
+
+
+def acting(start: Array, end: Array, by_value: Array, by_rate: Array) -> Array:
+    """What cubics do at start, middle and end of each step, (step, 3, effect): `staged` and weighed, by products of
+    whole arrays.
+
+    Args:
+        start: value, slope·step and any more of each cubic at the start of each step, (step, …, order).
+        end: the same at its end.
+        by_value: effect of each (…, effect) per value.
+        by_rate: per slope·step.
+    """
+    steps, orders, effects = start.shape[0], start.shape[-1], by_value.shape[-1]
+    value, rate = by_value.reshape(-1, effects), by_rate.reshape(-1, effects)
+    values, rates = staged(*np.eye(4).reshape(4, 2, 2).swapaxes(0, 1))  # of what each end has, (value or slope, stage)
+    found = np.zeros((steps, 3, effects))
+    for given, of_value, of_rate in zip((start, end), values.reshape(2, 2, 3), rates.reshape(2, 2, 3), strict=True):
+        stages = np.flatnonzero(of_value.any(axis=0) | of_rate.any(axis=0))
+        weights = np.zeros((value.shape[0], orders, stages.size, effects))
+        for order, stage in np.ndindex(2, stages.size):
+            at = order, stages[stage]
+            weights[:, order, stage] = of_value[at] * value + of_rate[at] * rate
+        found[:, stages] += (given.reshape(steps, -1) @ weights.reshape(-1, stages.size * effects)).reshape(
+            steps, stages.size, effects
+        )
+    return found
 
 
 def small_machine(model: mujoco.MjModel, data: mujoco.MjData, plant: Plant) -> SmallMachine:

@@ -20,8 +20,8 @@ On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.
 from typing import Annotated, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy import signal
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import TWO_PI, Block, beside, joined
@@ -116,4 +116,4 @@ class FeedforwardSettings(DigitalSettings):
     def _rolloff(self) -> tuple[Array, Array, float]:
         """Zeros, poles [rad/s] and gain of the roll-off: as steep as valve and lead together are."""
         order = 2 + (0 if self.lead == 0.0 else self.lead_order)
-        return signal.butter(order, TWO_PI * self.rolloff, analog=True, output="zpk")
+        return scipy.signal.butter(order, TWO_PI * self.rolloff, analog=True, output="zpk")

@@ -16,8 +16,8 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, Self
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy.linalg import block_diag
 
 from ehamj.arrays import Array
 from ehamj.control.balance import WarpBalance
@@ -130,7 +130,7 @@ class ModalSettings(DigitalSettings):
         for k, motion in enumerate(layout.motions):
             if motion in loops and seen is not None:
                 fit = layout.fit[k]
-                rows = block_diag(np.vstack([_picked(names, group, fit) for group in at[:3]]), fit)
+                rows = scipy.linalg.block_diag(np.vstack([_picked(names, group, fit) for group in at[:3]]), fit)
                 own = seen
                 if motion in wide:
                     # Sideways velocity lies among the measured, before what the valves did not get.

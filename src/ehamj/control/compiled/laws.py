@@ -18,7 +18,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numba import types
 
-from ehamj.compiled import c_function, copy, kernel
+from ehamj.compiled import copy, kernel
+from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 
 LAW: Final = np.dtype(

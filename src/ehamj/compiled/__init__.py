@@ -1,0 +1,49 @@
+"""How kernels are written: functions that compiled code calls, and that Python can call to try them.
+
+Kernels run without the GIL, and with IEEE division: a bad state becomes a NaN, not a crash. They stand beside the
+settings that they take; so that a scenario can be read without a compiler, Numba is imported when the first of them is
+called or compiled.
+"""
+
+from collections.abc import Callable
+from functools import cached_property, update_wrapper
+from typing import Any, Final
+
+OPTIONS: Final = {"nogil": True, "error_model": "numpy"}
+"""How everything is compiled."""
+INLINED: Final = OPTIONS | {"forceinline": True, "no_cfunc_wrapper": True}
+"""How a kernel is: into its callers, which hold the cache."""
+
+
+class Kernel:
+    """A function that compiled code can call; see `kernel`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.py_func = function
+        update_wrapper(self, function)
+
+    @cached_property
+    def _dispatcher(self) -> Any:
+        import numba
+
+        return numba.njit(**INLINED)(self.py_func)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What Numba takes it for where compiled code names it."""
+        return self._dispatcher._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._dispatcher(*arguments)
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Decorator of every kernel."""
+    return Kernel(function)
+
+
+@kernel
+def copy(values, result):  # type: ignore[no-untyped-def]
+    """result = values, element by element: what assigns to a slice takes a second to compile, for its errors."""
+    for k in range(result.size):
+        result[k] = values[k]

@@ -1,0 +1,69 @@
+"""Compiled code is kept by what it is, wherever its source lies, and by whichever thread compiles it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numba
+
+import ehamj.compiled
+from ehamj.compiled import kept
+
+SIMULATE = (
+    "import ehamj, ehamj.compiled.kept as kept; "
+    "from ehamj.mujoco.callbacks import callbacks; "
+    "from numba.core import event; "
+    "event.register('numba:compile', listener := event.RecordingListener()); "
+    "callbacks(); print(len(listener.buffer))"
+)
+"""Prints how much was compiled for the callbacks."""
+
+
+def compilations(package: Path, cache: Path) -> int:
+    environment = {**os.environ, "EHAMJ_CACHE_DIR": str(cache), "PYTHONPATH": str(package.parent)}
+    done = subprocess.run([sys.executable, "-c", SIMULATE], env=environment, capture_output=True, text=True, check=True)
+    return int(done.stdout)
+
+
+def test_another_copy_of_the_sources_with_other_comments_compiles_nothing_anew(tmp_path: Path) -> None:
+    package = Path(ehamj.compiled.__file__).parents[1]
+    copy = tmp_path / "elsewhere" / "ehamj"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__", "scenarios"))
+    for file in ("isolator/edges.py", "mujoco/callbacks.py", "settings.py"):
+        text = (copy / file).read_text(encoding="utf-8")
+        (copy / file).write_text(
+            text.replace('"""\n', '"""\n\n# A comment, which moves every line.\n', 1), encoding="utf-8"
+        )
+    cache = kept.folder()
+    assert cache is not None
+    compilations(package, cache)  # unless an earlier test has
+    assert compilations(copy, cache) == 0
+    text = (copy / "isolator/edges.py").read_text(encoding="utf-8")
+    (copy / "isolator/edges.py").write_text(text.replace("1e-300", "1e-299"), encoding="utf-8")
+    assert compilations(copy, tmp_path / "cache") > 0
+
+
+def test_threads_that_compile_do_not_take_the_setting_from_each_other() -> None:
+    before = numba.config.CACHE_LOCATOR_CLASSES
+    seen: list[str] = []
+
+    def compile_something(begun: threading.Event, finish: threading.Event) -> None:
+        with kept._located():
+            begun.set()
+            finish.wait(10.0)
+            seen.append(numba.config.CACHE_LOCATOR_CLASSES)
+
+    first, second, go = threading.Event(), threading.Event(), threading.Event()
+    threads = [threading.Thread(target=compile_something, args=(begun, go)) for begun in (first, second)]
+    threads[0].start()
+    assert first.wait(10.0)
+    threads[1].start()
+    assert not second.wait(0.2)  # it waits for the first to leave
+    go.set()
+    for thread in threads:
+        thread.join()
+    assert seen == ["ehamj.compiled.kept.Locator"] * 2
+    assert before == numba.config.CACHE_LOCATOR_CLASSES
