@@ -19,6 +19,7 @@ import numpy as np
 from numba import types
 
 from ehamj.compiled import copy, kernel
+from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 
@@ -31,9 +32,11 @@ LAW: Final = np.dtype(
             "every",  # steps between samples
             "delay",  # whole steps from a sample to its command
             "function",  # address of a Python law; 0: none
-            # Where its matrices begin in `Laws.matrices`, its inputs in `Laws.inputs_of`:
+            # Where its matrices begin in `Laws.matrices`, their rows in `Laws.rows` (−1: the matrices are full), its
+            # inputs in `Laws.inputs_of`:
             "matrices",
-            "windup",  # -1: no anti-windup
+            "rows",
+            "windup",  # -1: no anti-windup; else where it begins, among the rows where they are
             "inputs_at",
             # Where in `LawMemory.values` its states lie; per valve its latest outputs, those that are held, what fade
             # and range last took; and the ring of outputs that wait for their time:
@@ -70,7 +73,12 @@ class Laws(NamedTuple):
     table: Any
     """A `LAW` per law."""
     matrices: Any
-    """A, B, C, D and anti-windup of every law, each transposed and flat."""
+    """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
+    rows: Any
+    """Of laws made of blocks, whose matrices are mostly zero, where each row of A, B, C, D and anti-windup begins in
+    ``matrices``, which then hold what is not zero; of each matrix its end too."""
+    columns: Any
+    """Column of each number in ``matrices``, for these laws."""
     inputs_of: Any
     """Channels that the laws measure, one law after the other."""
     converter: Conversion
@@ -215,6 +223,16 @@ def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-
 
 
 @kernel
+def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
+    """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
+    `add_product`, which adds the zeros too."""
+    for i in range(result.size // len(lanes)):
+        first = laws.rows[at + i]
+        count = laws.rows[at + i + 1] - first
+        add_indexed(result, i, laws.matrices, first, vector, 0, laws.columns, count, lanes)
+
+
+@kernel
 def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
     width, valves, values = len(lanes), memory.totals.size // 2, memory.values
@@ -227,9 +245,15 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
     if law.function != 0:
         lost = values[law.taken * width : law.taken * width + valves]
         return call_law(law.function, (time, inputs.ctypes.data, lost.ctypes.data, latest.ctypes.data)) == 0
+    states = values[law.states_at * width : law.states_at * width + n]
+    if law.rows >= 0:
+        latest[:] = 0.0
+        rows = law.rows + 2 * (law.states + 1)
+        add_rows(laws, rows, states, latest, lanes)
+        add_rows(laws, rows + valves // width + 1, inputs, latest, lanes)
+        return True
     C = first + law.states * (n + p)
     D = C + law.states * valves
-    states = values[law.states_at * width : law.states_at * width + n]
     wanted(laws.matrices[C:D], laws.matrices[D : D + law.inputs * valves], states, inputs, latest, lanes)
     return True
 
@@ -271,10 +295,18 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
         states = values[law.states_at * width : law.states_at * width + n]
         B = first + law.states * n
         inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
-        advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
-        if law.windup >= 0:
-            windup = law.windup * width
-            add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+        windup = law.windup * width
+        if law.rows >= 0:
+            scratch[:] = 0.0
+            add_rows(laws, law.rows, states, scratch, lanes)
+            add_rows(laws, law.rows + law.states + 1, inputs, scratch, lanes)
+            copy(scratch, states)
+            if law.windup >= 0:
+                add_rows(laws, law.windup, lost, states, lanes)
+        else:
+            advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
+            if law.windup >= 0:
+                add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
     place = law.ring * width + valves * ((number // law.every) % law.places)
     if law.delay == 0 and law.fraction == 0.0:
         place = law.held * width
