@@ -5,19 +5,20 @@ Left out is what is of second order in the motion: levers and inertia that turn 
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
-from ehamj.memory import COMMAND, Cubic, activations, isolators
+from ehamj.memory import COMMAND, INPUTS, ORDERS, activations, isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.slides import FIRST
-from ehamj.mujoco.unpacking import hermite
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.plant import Plant
+from ehamj.smallmotion.cubics import acting, weights
 from ehamj.smallmotion.probe import SMALL, Probe, slope
 from ehamj.smallmotion.slides import SlideTables, along_courses, driven_by
 
@@ -29,11 +30,23 @@ class InTime(NamedTuple):
     """
 
     matrix: Array
-    """P (step, 3, n, 2n + mount); (1, 1, n, 2n + mount) where no slide moves."""
+    """P (step, 3, n, 2n + mount); (1, 1, n, 2n + mount) where no slide moves in these steps."""
     pushed: Array
     """By ground, load and slides (step, 3, n) [m/s², rad/s²]."""
     ground: Array
     """The ground along each mount less that at the equilibrium, and its rate, (step, 3, mount, 2) [m, m/s]."""
+
+
+class Effects(NamedTuple):
+    """`ehamj.smallmotion.cubics.weights` of what acts on a machine."""
+
+    by_value: Array
+    """Of the mounts' inputs."""
+    by_rate: Array
+    """Of their rates [1/s]."""
+    by_load: Array
+    always: Array
+    """What is there without (effect,)."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +88,7 @@ class SmallMachine:
     slides: SlideTables | None = None
     """Where a slide moves."""
 
-    @property
+    @cached_property
     def matrix(self) -> Array:
         """P = M⁻¹[−K, −C, Lᵀ] (n, 2n + mount), slides where they start."""
         return np.asarray(np.linalg.solve(self.mass, np.hstack([-self.stiffness, -self.damping, self.levers.T])))
@@ -93,18 +106,37 @@ class SmallMachine:
                 (step, mount, input, 3) each; see `ehamj.memory.inputs`.
             load: force on the machine, value and slope·timestep at start and end of each step, (step, 6, 2) each.
         """
-        moved, rate = staged(*(end[:, :, :COMMAND] for end in given))
-        moved, rate = moved - self.ground_at_rest, rate / timestep
-        force = np.einsum("stma,nma->stn", moved, self.ground_stiffness)
-        force += np.einsum("stma,nma->stn", rate, self.ground_damping) + self.unbalanced
+        size, mounts, effects = self.mass.shape[0], len(self.along), self._effects
+        found = acting(*given, effects.by_value + effects.by_rate / timestep)
+        found += effects.always
+        force, ground = np.ascontiguousarray(found[..., :size]), np.ascontiguousarray(found[..., size:])
+        ground = ground.reshape(steps, 3, mounts, 2)
         if load is not None and load[0].shape[0]:
-            force += staged(*load[:2])[0] @ self.load.T
-        ground = np.stack([(part * self.along).sum(axis=-1) for part in (moved, rate)], axis=-1)
-        inverse, matrix = np.linalg.inv(self.mass)[None, None], self.matrix[None, None]
-        if self.slides is not None:
-            inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
-            force += driven
-        return InTime(matrix, (inverse @ force[..., None])[..., 0], ground)
+            force += acting(load[0], load[1], effects.by_load)
+        if self.slides is None:
+            return InTime(self.matrix[None, None], force, ground)
+        inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
+        return InTime(matrix, (inverse @ (force + driven)[..., None])[..., 0], ground)
+
+    @cached_property
+    def _effects(self) -> "Effects":
+        """On accelerations, or on forces where a slide moves; then along·g and along·ġ of each mount in turn."""
+        size, mounts = self.mass.shape[0], len(self.along)
+        inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
+        value, rate = np.zeros((2, mounts, len(INPUTS), size + 2 * mounts))
+        for effect, matrix in ((value, self.ground_stiffness), (rate, self.ground_damping)):
+            effect[:, :COMMAND, :size] = np.einsum("ij,jma->mai", inverse, matrix)
+        here = np.arange(mounts)
+        value[here, :COMMAND, size + 2 * here] = rate[here, :COMMAND, size + 2 * here + 1] = self.along
+        always = -np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
+        always[:size] += inverse @ self.unbalanced
+        nothing, load = np.zeros_like(value), (inverse @ self.load).T
+        return Effects(
+            weights(value, nothing, ORDERS),
+            weights(nothing, rate, ORDERS),
+            weights(load, np.zeros_like(load), 2),
+            always,
+        )
 
     def _sliding(self, tables: SlideTables, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:
         """M⁻¹ and P with the slides where they are, and the force of their weight and drives, (step, 3, …) each."""
@@ -112,10 +144,12 @@ class SmallMachine:
         differ = np.concatenate([[True], np.any(points[:, 1:] != points[:, :-1], axis=(0, 2))])
         stage = (np.cumsum(differ) - 1)[2 * np.arange(steps)[:, None] + np.arange(3)]
         mass, stiffness, damping, weight = tables.added(*points[:, differ])
-        inverse = np.linalg.inv(self.mass + mass)
+        inverse = np.asarray(np.linalg.inv(self.mass + mass), float)
         levers = np.broadcast_to(self.levers.T, (len(inverse), *self.levers.T.shape))
         matrix = inverse @ np.concatenate([-self.stiffness - stiffness, -self.damping - damping, levers], axis=2)
         force = weight[stage] + driven_by(self.plant, first, steps, timestep) @ tables.reaction
+        if len(matrix) == 1:  # they stand
+            return inverse[None], matrix[None], force
         return inverse[stage], matrix[stage], force
 
     def in_model(self, times: Array, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
@@ -132,15 +166,6 @@ class SmallMachine:
             place, qvel[:, k], qacc[:, k] = slide.course().sample(times)
             qpos[:, k] = place - slide.begins
         return qpos, qvel, qacc
-
-
-def staged(start: Array, end: Array) -> tuple[Array, Array]:
-    """Value and slope·step of cubics at start, middle and end of each step, (step, 3, …) each; given are value and
-    slope·step at both ends, (step, …, 2) each."""
-    both: Any = (part[..., order] for part in (start, end) for order in range(2))
-    cubic = Cubic(*both)
-    value, slopes = zip(*(hermite.py_func(cubic, s) for s in (0.0, 0.5, 1.0)), strict=True)
-    return np.stack(value, axis=1), np.stack(slopes, axis=1)
 
 
 def small_machine(model: mujoco.MjModel, data: mujoco.MjData, plant: Plant) -> SmallMachine:
