@@ -45,7 +45,7 @@ def run(
 
     results, failures = _simulate(loaded)
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
-        write_run(target, results, step)
+        write_run(target, results, step, apart=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
