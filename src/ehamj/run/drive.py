@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.control.loop import DigitalLoop
 from ehamj.errors import InputError
 from ehamj.faults import in_order
 from ehamj.forces import Load
@@ -53,13 +54,11 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     try:
         recording = Recording.of(prepared.model, loop, prepared.every, count)
     except MemoryError:
-        s = prepared.scenario
-        raise InputError(
-            f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
-        ) from None
+        raise no_room(prepared, count) from None
     done, recorded, seconds = 0, 0, 0.0
     stopped, struck = Stopped(0, DONE, -1), Faults(prepared)
     while stopped.status == DONE and done < prepared.steps:
+        struck.strike(done)
         steps = min(STRETCH, prepared.steps - done, struck.steps_left(done))
         last = done + steps == prepared.steps
         driven = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
@@ -80,23 +79,38 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     return Driven(rows, recording.tally, ended, seconds, struck.found)
 
 
+def no_room(prepared: Prepared, count: int) -> InputError:
+    """What to say of so many rows that do not fit in memory."""
+    s = prepared.scenario
+    return InputError(
+        f"duration = {s.duration:g} s at record_rate = {s.record_rate:g} Hz: {count} rows do not fit in memory"
+    )
+
+
 class Faults:
     """Faults of a run as it goes on: what is due strikes before the next stretch, which ends before the others."""
 
-    def __init__(self, prepared: Prepared) -> None:
-        self._prepared, self._plant = prepared, prepared.scenario.plant
+    def __init__(self, prepared: Prepared, loop: DigitalLoop | None = None) -> None:
+        self._prepared, self._plant, self._loop = prepared, prepared.scenario.plant, loop or prepared.loop
         self._due = [(step_of(fault, prepared.timestep), fault) for fault in in_order(prepared.scenario.fault)]
         self.found: tuple[Struck, ...] = ()
 
-    def steps_left(self, done: int) -> int:
-        """Let strike what is due after so many steps; steps until the next."""
+    def due(self, done: int) -> bool:
+        """Whether one strikes after so many steps."""
+        return bool(self._due) and self._due[0][0] <= done
+
+    def strike(self, done: int) -> None:
+        """Let strike what is due after so many steps."""
         own = self._prepared
-        while self._due and self._due[0][0] <= done:
+        while self.due(done):
             _, fault = self._due.pop(0)
             channels = own.controller.inputs if own.controller is not None else ()
-            one = strike(own.model, own.data, own.loop, channels, self._plant, fault, done * own.timestep)
+            one = strike(own.model, own.data, self._loop, channels, self._plant, fault, done * own.timestep)
             self._plant, self.found = one.plant, (*self.found, one)
-        return self._due[0][0] - done if self._due else own.steps
+
+    def steps_left(self, done: int) -> int:
+        """Steps until the next."""
+        return self._due[0][0] - done if self._due else self._prepared.steps
 
 
 def sample_inputs(

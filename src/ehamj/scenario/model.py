@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
 import tomli_w
@@ -41,6 +41,11 @@ class Output(Settings):
     exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
 
 
+Engine = Literal["mujoco", "small-motion"]
+ENGINES: Final[tuple[str, ...]] = get_args(Engine)
+"""What can step a machine."""
+
+
 class Course(Settings):
     """What a simulation is called, and how long and how finely it runs."""
 
@@ -48,6 +53,11 @@ class Course(Settings):
     description: str = Field("", description="what it is about, one line")
     duration: float = Field(10.0, gt=0, description="simulated time [s]")
     seed: int = Field(0, ge=0, description="seed of everything random")
+    engine: Engine = Field(
+        "mujoco",
+        description="mujoco: the multibody engine; small-motion: its matrices about the equilibrium, many times "
+        "faster, for turns up to 1 mrad, plates on rigid feet tied",
+    )
     timestep: Positive | Literal["auto"] = Field(
         "auto", description="integration step [s]; auto resolves the fastest mode"
     )

@@ -1,0 +1,98 @@
+"""The way through runs of equal structure on the small-motion engine: as `ehamj.run.drive`, a lane for each."""
+
+import time as clock
+from collections.abc import Hashable, Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from ehamj.arrays import Array
+from ehamj.mujoco.advance import DONE
+from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_inputs, sample_load
+from ehamj.run.prepare import Prepared
+from ehamj.smallmotion.block import Block, Simulation, simulation
+from ehamj.smallmotion.lanes import WIDTHS
+from ehamj.smallmotion.stage import Given
+
+LANES: Final = WIDTHS[-1]
+"""Runs that step together at most."""
+
+STRETCH: Final = 512
+"""Steps for which inputs are sampled at once. It is the same for one lane and for many, and whatever strikes between:
+products of whole arrays round by their shapes, and a run is to be the same to the bit in any company."""
+
+
+def small(prepared: Prepared) -> Simulation:
+    """A scenario's machine for the small-motion engine."""
+    return simulation(prepared.model, prepared.data, prepared.scenario.plant, prepared.loop)
+
+
+def shape(prepared: Prepared, own: Simulation) -> Hashable:
+    """What runs of one block have in common."""
+    return own.structure, prepared.steps, prepared.every
+
+
+def drive_block(
+    runs: Sequence[Prepared], simulations: Sequence[Simulation], progress: Progress | None = None
+) -> Iterator[Driven]:
+    """Step all to the end, or until each fails; what the loop left of one after the other.
+
+    Args:
+        runs: of one `shape`, at most as many as `ehamj.smallmotion.lanes.WIDTHS` has.
+        simulations: of each its `small` one.
+        progress: called after each stretch with the fraction done.
+
+    Raises:
+        InputError: if the rows do not fit in memory.
+    """
+    block, first = Block.of(simulations), runs[0]
+    count = first.steps // first.every + 1
+    try:
+        recorded = block.recorded(first.every, count)
+    except MemoryError:
+        raise no_room(first, count) from None
+    struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
+    done, rows, seconds, sampled, given = 0, 0, 0.0, range(0), None
+    while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
+        if given is None or done not in sampled:
+            sampled = range(done, min(done + STRETCH, first.steps))
+            given = _given(block, runs, done, len(sampled) + (sampled.stop == first.steps))
+        for number, faults in enumerate(struck):
+            if faults.due(done) and block.stopped(number, done).status == DONE:
+                block.put_back(number)
+                faults.strike(done)
+                block.renew(number)
+        steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in struck))
+        last = done + steps == first.steps
+        noise = None
+        if any(run.noise is not None for run in runs):
+            noise = [_heard(run, done, steps + last) for run in runs]
+        began = clock.perf_counter()
+        part = given.part(done - sampled.start, steps + last)
+        taken, written = block.advance(done, steps, last, part, recorded.after(rows), noise)
+        seconds += clock.perf_counter() - began
+        done, rows = done + taken, rows + written
+        if progress is not None:
+            progress(done / first.steps)
+    for number, faults in enumerate(struck):
+        stopped = block.stopped(number, done)
+        kept = rows if stopped.status == DONE else stopped.steps // first.every + (stopped.steps % first.every > 0)
+        table = block.rows(recorded, kept, number)
+        yield Driven(table, block.tally(number), stopped, seconds / len(runs), faults.found)
+
+
+def _given(block: Block, runs: Sequence[Prepared], first: int, steps: int) -> Given:
+    """What drives some steps of all runs."""
+    inputs, moved = [], []
+    for run, own in zip(runs, block.simulations, strict=True):
+        sampled = sample_inputs(run.motion, run.commands, first, steps, run.timestep)
+        load = None if run.load.absent else sample_load(run.load, first, steps, run.timestep)
+        inputs.append(sampled)
+        moved.append(own.machine.in_time(first, steps, run.timestep, sampled, load))
+    return block.given(moved, inputs)
+
+
+def _heard(run: Prepared, first: int, steps: int) -> Array:
+    """Noise of a run's readings at the samples among some steps."""
+    samples = run.loop.samples(first, steps)[1]
+    return np.zeros((samples, run.loop.sensing.channels)) if run.noise is None else run.noise.take(samples)

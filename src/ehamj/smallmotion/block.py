@@ -1,0 +1,247 @@
+"""A block of lanes: simulations of equal structure as the compiled loop takes them, and what it leaves of each."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Self, TypeVar
+
+import mujoco
+import numpy as np
+
+from ehamj.arrays import Array
+from ehamj.control.loop import DigitalLoop, structure
+from ehamj.control.loop import stacked as stacked_loops
+from ehamj.memory import COMMAND, isolators, supply
+from ehamj.mujoco.advance import DONE, Stopped
+from ehamj.mujoco.rows import DRAWN, LIMITS, Rows, Tally
+from ehamj.plant.axes import DOFS
+from ehamj.smallmotion.advance import Counted, Plates, Recorded, compiled_advance
+from ehamj.smallmotion.cubics import staged
+from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, REST, forms_of
+from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
+from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine
+from ehamj.smallmotion.stage import Given, Lanes, Scratch, Sizes
+
+T = TypeVar("T")
+
+
+class Simulation(NamedTuple):
+    """One simulation that stands in its equilibrium."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    machine: SmallMachine
+    loop: DigitalLoop
+
+    @property
+    def structure(self) -> Hashable:
+        """What simulations of one block have in common."""
+        model, head = self.model, isolators(self.model)[0]
+        n = self.machine.mass.shape[0]
+        places = tuple(int(head[name]) for name in ("supply_at", "ledger_at"))
+        return n, model.na, len(self.machine.along), places, float(model.opt.timestep), structure(self.loop)
+
+
+def simulation(model: mujoco.MjModel, data: mujoco.MjData, plant: Any, loop: DigitalLoop) -> Simulation:
+    """A simulation of a plant whose model stands in its equilibrium in ``data``."""
+    return Simulation(model, data, small_machine(model, data, plant), loop)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Simulations of equal structure side by side. Lanes beyond them repeat the last."""
+
+    simulations: tuple[Simulation, ...]
+    own: Lanes
+    scratch: Scratch
+    counted: Counted
+    plates: Plates
+    loop: DigitalLoop
+    """Of all lanes, the lane last."""
+    control: Array
+    """What the laws command (m) [V]."""
+    ended: Any
+    """(width, 3) step, status and mount of where each lane ended; lanes without a simulation have."""
+
+    @classmethod
+    def of(cls, simulations: Sequence[Simulation]) -> Self:
+        """The simulations as they stand.
+
+        Raises:
+            ValueError: if there are more than the largest of `ehamj.smallmotion.lanes.WIDTHS`.
+        """
+        width = next((width for width in WIDTHS if width >= len(simulations)), 0)
+        if not width:
+            raise ValueError(f"a block holds up to {WIDTHS[-1]} simulations, not {len(simulations)}")
+        full = _filled(simulations, width)
+        machines, models = [one.machine for one in full], [one.model for one in full]
+        n, mounts, na = machines[0].mass.shape[0], len(machines[0].along), models[0].na
+        head, shared = isolators(models[0])[0], supply(models[0])
+        sizes = Sizes(n, na, int(head["supply_at"]), int(head["ledger_at"]), float(models[0].opt.timestep))
+        blocks = np.zeros((mounts, BLOCK, width))
+        blocks[:, REST] = np.stack([machine.force_at_rest for machine in machines], axis=-1)
+        start = [np.concatenate([np.zeros(2 * n), one.data.act]) for one in full]
+        size = (2 * n + na) * width
+        ended = np.zeros((width, 3), np.int64)
+        ended[len(simulations) :, 1] = -1
+        first = len(DOFS)
+        block = cls(
+            tuple(simulations),
+            Lanes(
+                np.zeros(mounts, np.int64),
+                blocks.ravel(),
+                stacked(machine.levers for machine in machines),
+                stacked(machine.stroke_at_rest for machine in machines),
+                np.zeros(0) if shared is None else np.zeros(len(shared) * width),
+                sizes,
+            ),
+            Scratch(stacked(start), *(np.zeros(size) for _ in range(3))),
+            Counted(np.zeros(5 * width)),
+            Plates(
+                stacked(machine.rest[:first] for machine in machines),
+                stacked(machine.plate_at_rest for machine in machines),
+                stacked(machine.levers for machine in machines),
+            ),
+            stacked_loops([one.loop for one in full]),
+            np.zeros(mounts * width),
+            ended,
+        )
+        for number in range(width):
+            block.renew(number)
+        spools = lane(block.scratch.state, (2 * n + na,), width, slice(None))[2 * n : 2 * n + 4 * mounts : 4]
+        lane(block.own.blocks, (mounts, BLOCK), width, slice(None))[:, METERING] = spools
+        return block
+
+    @property
+    def width(self) -> int:
+        """How many lanes the compiled code advances."""
+        return len(self.ended)
+
+    def _simulation(self, number: int) -> Simulation:
+        return self.simulations[min(number, len(self.simulations) - 1)]
+
+    def renew(self, number: int) -> None:
+        """Take the records of a lane's model anew, and its activations: at the beginning, and after a fault."""
+        one, mounts, sizes = self._simulation(number), len(self.own.forms), self.own.sizes
+        table = isolators(one.model)
+        values = table.view(np.float64).reshape(mounts, EXCHANGE_AT)
+        lane(self.own.blocks, (mounts, BLOCK), self.width, number)[:, :EXCHANGE_AT] = values
+        shared = supply(one.model)
+        if shared is not None:
+            lane(self.own.supply, (len(shared),), self.width, number)[:] = list(shared)
+        self._state(number)[2 * sizes.coordinates :] = one.data.act
+        self.own.forms[:] = forms_of([isolators(each.model) for each in self.simulations])
+
+    def put_back(self, number: int) -> None:
+        """Hand a lane's activations to its data: what a fault changes."""
+        one = self._simulation(number)
+        one.data.act[:] = self._state(number)[2 * self.own.sizes.coordinates :]
+
+    def _state(self, number: int) -> Array:
+        return lane(self.scratch.state, (self.scratch.state.size // self.width,), self.width, number)
+
+    def loop_of(self, number: int) -> DigitalLoop:
+        """The loop of one lane: its sensors and readings are views."""
+        sensing, readings = self.loop.sensing, self.loop.readings
+
+        def own(table: Any, names: Sequence[str]) -> Any:
+            return table._replace(**{name: lane(getattr(table, name), (-1,), self.width, number) for name in names})
+
+        return replace(self.loop, sensing=own(sensing, ("gains", "offsets")), readings=own(readings, ("readings",)))
+
+    def given(self, moved: Sequence[InTime], inputs: Sequence[tuple[Array, Array]]) -> Given:
+        """What drives a stretch: of each lane its coefficients, and its inputs at start and end of each step."""
+        full = _filled(moved, self.width)
+        given = _filled(inputs, self.width)
+        matrix = stacked(np.swapaxes(one.matrix, -1, -2) for one in full)
+        commands = [_commands(*each) for each in given]
+        reads = self.loop.sensing.channels > 0
+        return Given(
+            matrix,
+            _unless_zero([one.pushed for one in full]),
+            _unless_zero([one.ground for one in full]),
+            _unless_zero(commands),
+            stacked(start for start, _ in given) if reads else np.zeros(0),
+            3 if full[0].matrix.shape[0] > 1 else 1,
+            len(full[0].pushed),
+        )
+
+    def advance(
+        self, first: int, steps: int, last: bool, given: Given, recorded: Recorded, noise: Sequence[Array] | None
+    ) -> tuple[int, int]:
+        """Take steps; how many were taken, and rows recorded, by the lane that went furthest."""
+        loop = self.loop
+        heard = np.zeros((0, loop.sensing.channels * self.width))
+        if noise is not None:
+            heard = stacked(_filled(noise, self.width)).reshape(-1, heard.shape[1])
+        law = (loop.laws, loop.law_memory, loop.sensing, loop.readings, heard, loop.samples(first, steps)[0])
+        done, rows = compiled_advance()(
+            self.own, given, (first, steps, int(last)), recorded, self.counted, self.plates, (*law, self.control),
+            self.scratch, self.ended, lanes_of(self.width),
+        )  # fmt: skip
+        return int(done), int(rows)
+
+    def recorded(self, every: int, count: int) -> Recorded:
+        """Room for so many rows.
+
+        Raises:
+            MemoryError: if there is none.
+        """
+        n, mounts, loop = self.own.sizes.coordinates, len(self.own.forms), self.loop
+        sizes = (2 * n + self.own.sizes.activations, n, mounts, 2 * mounts, loop.states, loop.sensing.channels)
+        return Recorded.of([size * self.width for size in sizes], every, count)
+
+    def rows(self, recorded: Recorded, count: int, number: int) -> Rows:
+        """The rows of one lane."""
+        n, mounts = self.own.sizes.coordinates, len(self.own.forms)
+
+        def own(flat: Array, *shape: int) -> Array:
+            size = int(np.prod(shape))
+            total = flat[: count * size * self.width] if size else np.zeros(0)
+            return np.ascontiguousarray(lane(total, (count, *shape), self.width, number))
+
+        states = own(recorded.states, 2 * n + self.own.sizes.activations)
+        accelerations = own(recorded.accelerations, n)
+        times = np.arange(count, dtype=np.float64) * (recorded.every * self.own.sizes.step)
+        machine = self._simulation(number).machine
+        moved = machine.in_model(times, states[:, :n], states[:, n : 2 * n], accelerations)
+        return Rows(
+            *moved,
+            np.ascontiguousarray(states[:, 2 * n :]),
+            own(recorded.commands, mounts),
+            own(recorded.flows, mounts, 2),
+            own(recorded.laws, self.loop.states),
+            own(recorded.readings, self.loop.sensing.channels),
+        )
+
+    def tally(self, number: int) -> Tally:
+        """What was counted of one lane."""
+        mounts = len(self.own.forms)
+        counts = lane(self.own.blocks, (mounts, BLOCK), self.width, number)[:, AT_LIMIT : AT_LIMIT + 4]
+        limits, drawn = np.zeros(mounts, LIMITS), np.zeros(1, DRAWN)
+        for k, name in enumerate(LIMITS.names or ()):
+            limits[name] = counts[:, k]
+        drawn[0] = tuple(lane(self.counted.drawn, (5,), self.width, number)[2:])
+        return Tally(limits, drawn)
+
+    def stopped(self, number: int, done: int) -> Stopped:
+        """How one lane ended, of ``done`` steps."""
+        step, status, mount = self.ended[number].tolist()
+        return Stopped(done, DONE, -1) if status == DONE else Stopped(step, status, mount)
+
+
+def _filled(parts: Sequence[T], width: int) -> list[T]:
+    """One for each lane: the last again where there is none."""
+    return [*parts, *[parts[-1]] * (width - len(parts))]
+
+
+def _commands(start: Array, end: Array) -> Array:
+    """Open-loop commands at start, middle and end of each step, (step, 3, mount) [V]."""
+    both = start[:, :, COMMAND], end[:, :, COMMAND]
+    if not any(part.any() for part in both):
+        return np.zeros((len(start), 3, start.shape[1]))
+    return staged(*both)[0]
+
+
+def _unless_zero(parts: Sequence[Array]) -> Array:
+    """The lanes' arrays side by side, or nothing where nothing happens."""
+    return stacked(parts) if any(part.any() for part in parts) else np.zeros(0)

@@ -1,0 +1,239 @@
+"""What is evaluated at a stage of a step: strokes, isolators, supply, ledger, accelerations; in all lanes."""
+
+from typing import Any, Final, NamedTuple
+
+from ehamj.compiled import kernel
+from ehamj.isolator.edges import Flows
+from ehamj.isolator.equations import Plate, balance
+from ehamj.isolator.supply import Feed, Supply, SupplyState, supply_rates
+from ehamj.memory import LEDGER, OIL, size
+from ehamj.smallmotion.isolators import (
+    AT,
+    BLOCK,
+    COMMAND,
+    DRAWN,
+    FORCE,
+    INTO_1,
+    INTO_2,
+    RATE,
+    SPEED,
+    STATE,
+    STROKE,
+    SUPPLY,
+    isolator_in,
+    isolators,
+    state_in,
+)  # fmt: skip
+from ehamj.smallmotion.lanes import add_products, copy_lanes, peek, poke
+
+CONNECTED, PRESSURE, TANK = AT["connected"], AT["supply_pressure"], AT["tank_pressure"]
+RATED: Final = AT["rated_pressure"]
+OIL_SIZE, BOOKS = size(OIL), LEDGER.names or ()
+STATION: Final = len(Supply.Values._fields)
+
+
+def _supply_in() -> Any:
+    fields = ", ".join(f"peek(values, {k} * len(lanes) + lane)" for k in range(STATION))
+    scope: dict[str, Any] = {"peek": peek, "Values": Supply.Values}
+    exec(f"def written(values, lane, lanes):\n    return Values({fields})", scope)
+    return kernel(scope["written"])
+
+
+class Lanes(NamedTuple):
+    """The machines of all lanes, flat with the lane last; n coordinates, m mounts."""
+
+    forms: Any
+    """(m,) see `ehamj.smallmotion.isolators`."""
+    blocks: Any
+    """(m, `BLOCK`)"""
+    levers: Any
+    """(m, n) strokes per coordinate."""
+    at_rest: Any
+    """(m,) strokes in the equilibrium [m]."""
+    supply: Any
+    """`Supply.Values`, or empty: the pressure is constant."""
+    sizes: "Sizes"
+
+
+class Sizes(NamedTuple):
+    """What all lanes share."""
+
+    coordinates: int
+    activations: int
+    supply_at: int
+    """Where among the activations the supply's states begin."""
+    ledger_at: int
+    """Where the ledger's begin; 0: there is none."""
+    step: float
+    """[s]"""
+
+
+class Given(NamedTuple):
+    """What drives a stretch of steps, at start, middle and end of each; flat with the lane last, empty where nothing
+    does."""
+
+    matrix: Any
+    """(1 or steps, 1 or 3, 2 n + m, n): accelerations per coordinate, velocity and force."""
+    pushed: Any
+    """(steps, 3, n) accelerations by ground and load [m/s²]."""
+    ground: Any
+    """(steps, 3, m, 2) along the strokes [m, m/s]."""
+    commands: Any
+    """(steps, 3, m) beside the law's [V]."""
+    inputs: Any
+    """(steps, m, 4, 3) as `ehamj.memory.inputs`, where a law reads the ground."""
+    times: int
+    """Of the matrix: 1, or 3 for each step."""
+    steps: int
+
+    def part(self, first: int, steps: int) -> "Given":
+        """What drives some of the steps."""
+
+        def cut(table: Any) -> Any:
+            size = table.size // self.steps
+            return table[first * size : (first + steps) * size]
+
+        matrix = cut(self.matrix) if self.times > 1 else self.matrix
+        tables = (cut(table) for table in (self.pushed, self.ground, self.commands, self.inputs))
+        return Given._make((matrix, *tables, self.times, steps))
+
+
+class Scratch(NamedTuple):
+    """States of all lanes, (2 n + activations)."""
+
+    state: Any
+    rate: Any
+    """Time derivative at the last stage."""
+    start: Any
+    """State at the start of the step."""
+    total: Any
+    """Weighted sum of the rates."""
+
+
+supply_in: Final = _supply_in()
+"""`Supply.Values` of a lane."""
+
+
+@kernel
+def hand_over(own, given, here, state, control, stage, lanes):  # type: ignore[no-untyped-def]
+    """Put stroke, speed, command and supply of all mounts into their blocks; ``here`` is 3·step + stage."""
+    w, n, mounts, blocks = len(lanes), own.sizes.coordinates, own.forms.size, own.blocks
+    for mount in range(mounts):
+        at = mount * BLOCK
+        copy_lanes(own.at_rest, mount * w, blocks, (at + STROKE) * w, w)
+        for lane in range(w):
+            poke(blocks, (at + SPEED) * w + lane, 0.0)
+        add_products(blocks, at + STROKE, own.levers, mount * n, state, 0, (1, 1), n, lanes)
+        add_products(blocks, at + SPEED, own.levers, mount * n, state, n, (1, 1), n, lanes)
+        if given.ground.size > 0:
+            place = (here * mounts + mount) * 2 * w
+            for lane in range(w):
+                stroke, speed = (at + STROKE) * w + lane, (at + SPEED) * w + lane
+                poke(blocks, stroke, peek(blocks, stroke) - peek(given.ground, place + lane))
+                poke(blocks, speed, peek(blocks, speed) - peek(given.ground, place + w + lane))
+        copy_lanes(control, mount * w, blocks, (at + COMMAND) * w, w)
+        if given.commands.size > 0:
+            for lane in range(w):
+                command = (at + COMMAND) * w + lane
+                beside = peek(given.commands, (here * mounts + mount) * w + lane)
+                poke(blocks, command, peek(blocks, command) + beside)
+        if own.sizes.supply_at > 0:
+            shared = (2 * n + own.sizes.supply_at + 2) * w
+            for lane in range(w):
+                reached = peek(blocks, (at + CONNECTED) * w + lane) > 0.0
+                own_pressure = peek(blocks, (at + PRESSURE) * w + lane)
+                poke(blocks, (at + SUPPLY) * w + lane, peek(state, shared + lane) if reached else own_pressure)
+        else:
+            copy_lanes(blocks, (at + PRESSURE) * w, blocks, (at + SUPPLY) * w, w)
+
+
+@kernel
+def supply_stage(own, state, rate, lanes):  # type: ignore[no-untyped-def]
+    """Rates of the shared supply's states."""
+    w, mounts, blocks = len(lanes), own.forms.size, own.blocks
+    at = (2 * own.sizes.coordinates + own.sizes.supply_at) * w
+    for lane in range(w):
+        drawn = 0.0
+        for mount in range(mounts):
+            place = mount * BLOCK * w + lane
+            drawn += peek(blocks, place + CONNECTED * w) * peek(blocks, place + DRAWN * w)
+        now = SupplyState(peek(state, at + lane), peek(state, at + w + lane), peek(state, at + 2 * w + lane))
+        found = supply_rates(now, drawn, supply_in(own.supply, lane, lanes))
+        poke(rate, at + lane, found.station_pressure)
+        poke(rate, at + w + lane, found.line_flow)
+        poke(rate, at + 2 * w + lane, found.supply_pressure)
+
+
+@kernel
+def ledger_stage(own, rate, lanes):  # type: ignore[no-untyped-def]
+    """Rates of what crosses the chambers' borders, from the rates just found."""
+    w, mounts, blocks = len(lanes), own.forms.size, own.blocks
+    oil = (2 * own.sizes.coordinates + own.sizes.ledger_at) * w
+    books = oil + OIL_SIZE * mounts * w
+    for lane in range(w):
+        energy, work, supplied, throttled = 0.0, 0.0, 0.0, 0.0
+        for mount in range(mounts):
+            at = mount * BLOCK * w + lane
+            flows = Flows(peek(blocks, at + INTO_1 * w), peek(blocks, at + INTO_2 * w), peek(blocks, at + DRAWN * w))
+            plate = Plate(peek(blocks, at + STROKE * w), peek(blocks, at + SPEED * w), 0.0, 0.0)
+            feed = Feed(peek(blocks, at + SUPPLY * w), peek(blocks, at + TANK * w), peek(blocks, at + RATED * w))
+            state, rates = state_in(blocks, at + STATE * w, lanes), state_in(blocks, at + RATE * w, lanes)
+            one, two, power, lost = balance(state, rates, flows, plate, feed, isolator_in(blocks, at, lanes))
+            poke(rate, oil + OIL_SIZE * mount * w + lane, one.oil)
+            poke(rate, oil + (OIL_SIZE * mount + 1) * w + lane, two.oil)
+            energy = energy + one.energy + two.energy
+            work = work + one.work + two.work
+            supplied += power
+            throttled += lost
+        poke(rate, books + lane, energy)
+        poke(rate, books + w + lane, work)
+        poke(rate, books + 2 * w + lane, supplied)
+        poke(rate, books + 3 * w + lane, throttled)
+
+
+@kernel
+def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-untyped-def]
+    """Velocities and accelerations as rates of coordinates and velocities."""
+    w, n, mounts, rate = len(lanes), own.sizes.coordinates, own.forms.size, scratch.rate
+    copy_lanes(scratch.state, n * w, rate, 0, n * w)
+    if given.pushed.size > 0:
+        copy_lanes(given.pushed, here * n * w, rate, n * w, n * w)
+    else:
+        for k in range(n * w):
+            poke(rate, n * w + k, 0.0)
+    first = here * (2 * n + mounts) * n if given.times > 1 else 0
+    for i in range(n):
+        add_products(rate, n + i, given.matrix, first + i, scratch.state, 0, (n, 1), 2 * n, lanes)
+        add_products(rate, n + i, given.matrix, first + 2 * n * n + i, own.blocks, FORCE, (n, BLOCK), mounts, lanes)
+
+
+@kernel
+def evaluate(own, given, step, stage, time, control, scratch, lanes):  # type: ignore[no-untyped-def]
+    """The time derivative of all lanes at a stage (0 start, 1 middle, 2 end) of a step."""
+    here, acts = 3 * step + stage, 2 * own.sizes.coordinates
+    hand_over(own, given, here, scratch.state, control, stage, lanes)
+    isolators(own.forms, own.blocks, scratch.state, scratch.rate, acts, time, lanes)
+    if own.sizes.supply_at > 0:
+        supply_stage(own, scratch.state, scratch.rate, lanes)
+    if own.sizes.ledger_at > 0:
+        ledger_stage(own, scratch.rate, lanes)
+    accelerate(own, given, here, stage, scratch, lanes)
+
+
+@kernel
+def runge_kutta(own, given, step, time, control, scratch, lanes):  # type: ignore[no-untyped-def]
+    """The classical step of fourth order of all lanes; the rate at its start has been evaluated."""
+    h, size = own.sizes.step, scratch.state.size
+    state, rate, start, total = scratch.state, scratch.rate, scratch.start, scratch.total
+    copy_lanes(state, 0, start, 0, size)
+    copy_lanes(rate, 0, total, 0, size)
+    for number in range(1, 4):
+        share = 1.0 if number == 3 else 0.5
+        for k in range(size):
+            state[k] = start[k] + share * h * rate[k]
+        evaluate(own, given, step, 2 if number == 3 else 1, time + share * h, control, scratch, lanes)
+        weight = 1.0 if number == 3 else 2.0
+        for k in range(size):
+            total[k] += weight * rate[k]
+    for k in range(size):
+        state[k] = start[k] + h / 6.0 * total[k]
