@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from multiprocessing import connection
+from multiprocessing.process import BaseProcess
 from typing import Any, Final
 
 from ehamj.run.workers import processors
@@ -57,11 +58,11 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
     taken = context.Value("i", 0)
     gc.collect()
     gc.freeze()  # what a collector has never looked at stays shared memory
-    running: dict[Any, Any] = {}
+    running: dict[connection.Connection, BaseProcess] = {}
     try:
         for _ in range(count):
             ours, theirs = context.Pipe(duplex=False)
-            process = context.Process(target=_work, args=(jobs, taken, theirs), daemon=True)
+            process: BaseProcess = context.Process(target=_work, args=(jobs, taken, theirs), daemon=True)
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "This process .* is multi-threaded", DeprecationWarning)
                 process.start()
@@ -69,8 +70,9 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
             running[ours] = process
         while running:
             for ready in connection.wait(list(running)):
+                assert isinstance(ready, connection.Connection)
                 try:
-                    name, failure = ready.recv()  # type: ignore[union-attr]
+                    name, failure = ready.recv()
                 except EOFError:
                     process = running.pop(ready)
                     process.join()
