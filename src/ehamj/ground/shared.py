@@ -9,7 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.ground.motion import GroundSample, GroundSettings, Motion, Start
 
-ROOM: Final = 32e6
+ROOM: Final = 16e6
 """What a floor keeps of what it was asked for, for those who have not asked yet [byte]: a minute of stretches takes
 more, but runs beside each other are rarely further apart."""
 
