@@ -11,7 +11,7 @@ from ehamj.compiled import Kernel
 from ehamj.compiled.identity import named
 
 Told = Callable[[str, int, int], None]
-"""Called with the name of what is compiled, and how many of how many functions of it are done; in all there may be more,
+"""Called with the name of what is compiled, and how many of how many functions of it are done; there may be more,
 compiled for several types, or fewer, compiled before."""
 
 
