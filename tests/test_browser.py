@@ -12,7 +12,7 @@ import pytest
 
 from ehamj.report import write_report
 from ehamj.report.comparison import write_transmissibility
-from ehamj.run.simulate import simulate_many
+from ehamj.run.many import simulate_many
 from ehamj.scenario.load import load_scenario
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

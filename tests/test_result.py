@@ -15,7 +15,8 @@ from ehamj.errors import InputError, SimulationFailed
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.result import Result, load_result, written_whole
 from ehamj.run.failures import Incomplete
-from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 
 AMPLITUDE, FREQUENCY = 2e-6, 12.5  # of the floor, vertical [m, Hz]

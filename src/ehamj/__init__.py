@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from ehamj.linear.statics import static_loads as static_loads
     from ehamj.result import Result as Result
     from ehamj.result import load_result as load_result
+    from ehamj.run.many import simulate_many as simulate_many
     from ehamj.run.simulate import simulate as simulate
-    from ehamj.run.simulate import simulate_many as simulate_many
     from ehamj.scenario.load import load_scenario as load_scenario
     from ehamj.scenario.load import parse_scenario as parse_scenario
     from ehamj.scenario.model import Scenario as Scenario
@@ -55,7 +55,7 @@ _HOME: Final = {
     "parse_scenario": "scenario.load",
     "sampled_plant": "linear.seen",
     "simulate": "run.simulate",
-    "simulate_many": "run.simulate",
+    "simulate_many": "run.many",
     "static_loads": "linear.statics",
     "study": "studies.catalogue",
 }

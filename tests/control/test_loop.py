@@ -19,7 +19,8 @@ from ehamj.mujoco.model import build_model
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result, load_result
 from ehamj.run.failures import Incomplete
-from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
 from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario

@@ -33,7 +33,8 @@ from ehamj.plant.axes import DOF_OF_JOINT
 from ehamj.plant.machine import Machine
 from ehamj.plant.mounts import MOUNTS
 from ehamj.plant.plant import Plant
-from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
 

@@ -20,7 +20,8 @@ from ehamj.linear.response import ground_response
 from ehamj.plant.mounts import MOUNTS
 from ehamj.rig.measurement import Measurement, channel
 from ehamj.rig.multisine import PERIOD, PERIODS, by_multisine, excited, line_amplitudes, lines
-from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 

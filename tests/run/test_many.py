@@ -11,7 +11,7 @@ import pytest
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.result import Result
 from ehamj.run.failures import Incomplete
-from ehamj.run.simulate import simulate_many
+from ehamj.run.many import simulate_many
 from ehamj.run.workers import worked_through
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario

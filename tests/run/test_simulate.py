@@ -16,7 +16,8 @@ from ehamj.plant.axes import DOFS
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.run.failures import Incomplete
-from ehamj.run.simulate import simulate, simulate_many
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
 from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario

@@ -21,7 +21,8 @@ from ehamj.plant.axes import DOFS, JOINTS
 from ehamj.plant.levers import lever
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
-from ehamj.smallmotion.machine import SmallMachine, acting, small_machine, staged
+from ehamj.smallmotion.cubics import acting, staged, weights
+from ehamj.smallmotion.machine import SmallMachine, small_machine
 
 STEP = 1e-4
 CORNERS = [("a", [0.9, 0.6]), ("b", [0.9, -0.6]), ("c", [-0.9, 0.6]), ("d", [-0.8, -0.6])]
@@ -310,7 +311,7 @@ def test_effects_inside_a_step_are_those_of_the_cubics_of_both_ends() -> None:
     """3 t³ + 2 d(t³)/dt in steps of 0.5 s from 1 s on, and its rate apart."""
     times, step = np.array([1.0, 1.5, 2.0]), 0.5
     ends = np.stack([times**3, step * 3.0 * times**2], axis=-1)[:, None]
-    found = acting(ends[:-1], ends[1:], np.array([[3.0, 0.0]]), np.array([[2.0, 1.0]]) / step)
+    found = acting(ends[:-1], ends[1:], weights(np.array([[3.0, 0.0]]), np.array([[2.0, 1.0]]) / step, 2))
     stages = np.array([[1.0, 1.25, 1.5], [1.5, 1.75, 2.0]])
     np.testing.assert_allclose(found[..., 0], 3.0 * stages**3 + 6.0 * stages**2, rtol=1e-14)
     np.testing.assert_allclose(found[..., 1], 3.0 * stages**2, rtol=1e-14)

@@ -14,7 +14,8 @@ import xarray as xr
 from ehamj.paper.figures import FREQUENCY, MAGNITUDE, PHASE
 from ehamj.plots import Figure, Line, lines_chart, svg
 from ehamj.result import written_whole
-from ehamj.run.simulate import Observed, observe_many
+from ehamj.run.many import observe_many
+from ehamj.run.simulate import Observed
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 

@@ -13,7 +13,8 @@ from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
 from ehamj.rig.plan import Plan, with_noise
-from ehamj.run.simulate import Observed, observe_many
+from ehamj.run.many import observe_many
+from ehamj.run.simulate import Observed
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 

@@ -21,8 +21,9 @@ from ehamj.linear.modes import modes
 from ehamj.linear.response import TURNS, lever_scale, machine_channels, slab_pattern
 from ehamj.plant.axes import DOFS
 from ehamj.rig.measurement import Measurement, channel
+from ehamj.run.many import observe_many
 from ehamj.run.progress import Progress, counted, silent
-from ehamj.run.simulate import Observed, observe_many
+from ehamj.run.simulate import Observed
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 

@@ -9,7 +9,8 @@ from ehamj.arrays import Array
 from ehamj.estimate.identification import Estimates, realise
 from ehamj.plant.axes import DOFS
 from ehamj.rig.plan import Plan, with_noise
-from ehamj.run.simulate import Observed, observe_many
+from ehamj.run.many import observe_many
+from ehamj.run.simulate import Observed
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 

@@ -2,6 +2,7 @@
 
 import time as clock
 from collections.abc import Hashable, Iterator, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -10,10 +11,15 @@ from ehamj.mujoco.advance import DONE
 from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_inputs, sample_load
 from ehamj.run.prepare import Prepared
 from ehamj.smallmotion.block import Block, Simulation, simulation
+from ehamj.smallmotion.lanes import WIDTHS
 from ehamj.smallmotion.stage import Given
 
-STRETCH = 2048
-"""Steps of all lanes together between two returns to Python: their inputs are kept for so long."""
+LANES: Final = WIDTHS[-1]
+"""Runs that step together at most."""
+
+STRETCH: Final = 512
+"""Steps for which inputs are sampled at once. It is the same for one lane and for many, and whatever strikes between:
+products of whole arrays round by their shapes, and a run is to be the same to the bit in any company."""
 
 
 def small(prepared: Prepared) -> Simulation:
@@ -46,21 +52,24 @@ def drive_block(
     except MemoryError:
         raise no_room(first, count) from None
     struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
-    done, rows, seconds = 0, 0, 0.0
+    done, rows, seconds, sampled, given = 0, 0, 0.0, range(0), None
     while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
+        if given is None or done not in sampled:
+            sampled = range(done, min(done + STRETCH, first.steps))
+            given = _given(block, runs, done, len(sampled) + (sampled.stop == first.steps))
         for number, faults in enumerate(struck):
             if faults.due(done) and block.stopped(number, done).status == DONE:
                 block.put_back(number)
                 faults.strike(done)
                 block.renew(number)
-        steps = min(max(STRETCH // block.width, 1), first.steps - done, *(faults.steps_left(done) for faults in struck))
+        steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in struck))
         last = done + steps == first.steps
-        given = _given(block, runs, done, steps + last)
         noise = None
         if any(run.noise is not None for run in runs):
             noise = [_heard(run, done, steps + last) for run in runs]
         began = clock.perf_counter()
-        taken, written = block.advance(done, steps, last, given, recorded.after(rows), noise)
+        part = given.part(done - sampled.start, steps + last)
+        taken, written = block.advance(done, steps, last, part, recorded.after(rows), noise)
         seconds += clock.perf_counter() - began
         done, rows = done + taken, rows + written
         if progress is not None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
 import tomli_w
@@ -22,6 +22,7 @@ from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
+from ehamj.ground.shared import Floors
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
 from ehamj.scenario.keys import merge, plain
@@ -41,6 +42,11 @@ class Output(Settings):
     exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")
 
 
+Engine = Literal["mujoco", "small-motion"]
+ENGINES: Final[tuple[str, ...]] = get_args(Engine)
+"""What can step a machine."""
+
+
 class Course(Settings):
     """What a simulation is called, and how long and how finely it runs."""
 
@@ -48,7 +54,7 @@ class Course(Settings):
     description: str = Field("", description="what it is about, one line")
     duration: float = Field(10.0, gt=0, description="simulated time [s]")
     seed: int = Field(0, ge=0, description="seed of everything random")
-    engine: Literal["mujoco", "small-motion"] = Field(
+    engine: Engine = Field(
         "mujoco",
         description="mujoco: the multibody engine; small-motion: its matrices about the equilibrium, many times "
         "faster, for turns up to 1 mrad, plates on rigid feet tied",
@@ -126,15 +132,16 @@ class Scenario(Installation, Course):
         held = self.control.designed_for if isinstance(self.control, DigitalSettings) else None
         return self.installation if held is None else held
 
-    def motion(self) -> Motion:
-        """The ground's motion.
+    def motion(self, floors: Floors | None = None) -> Motion:
+        """The ground's motion, of ``floors`` where variants share theirs.
 
         Raises:
             InputError: if a record cannot be used.
         """
         plant = self.plant
+        start = Start(plant.mounts, np.array(plant.positions), self.duration, self.seed)
         try:
-            return self.ground.motion(Start(plant.mounts, np.array(plant.positions), self.duration, self.seed))
+            return self.ground.motion(start) if floors is None else floors.motion(self.ground, start)
         except ValueError as error:
             raise InputError(str(error)) from error
 

@@ -15,9 +15,10 @@ from ehamj.mujoco.advance import DONE, Stopped
 from ehamj.mujoco.rows import DRAWN, LIMITS, Rows, Tally
 from ehamj.plant.axes import DOFS
 from ehamj.smallmotion.advance import Counted, Plates, Recorded, compiled_advance
+from ehamj.smallmotion.cubics import staged
 from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, REST, forms_of
 from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
-from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine, staged
+from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine
 from ehamj.smallmotion.stage import Given, Lanes, Scratch, Sizes
 
 T = TypeVar("T")
@@ -94,7 +95,7 @@ class Block:
                 sizes,
             ),
             Scratch(stacked(start), *(np.zeros(size) for _ in range(3))),
-            Counted(np.zeros(5 * width)),
+            Counted(np.zeros(5 * width), np.zeros((4 * mounts + 3) * width)),
             Plates(
                 stacked(machine.rest[:first] for machine in machines),
                 stacked(machine.plate_at_rest for machine in machines),
@@ -151,16 +152,17 @@ class Block:
         """What drives a stretch: of each lane its coefficients, and its inputs at start and end of each step."""
         full = _filled(moved, self.width)
         given = _filled(inputs, self.width)
-        matrix = stacked(np.swapaxes(one.matrix, -1, -2) for one in full)
+        matrices = np.broadcast_arrays(*(np.swapaxes(one.matrix, -1, -2) for one in full))  # some slides may stand
         commands = [_commands(*each) for each in given]
         reads = self.loop.sensing.channels > 0
         return Given(
-            matrix,
+            stacked(matrices),
             _unless_zero([one.pushed for one in full]),
             _unless_zero([one.ground for one in full]),
             _unless_zero(commands),
             stacked(start for start, _ in given) if reads else np.zeros(0),
-            3 if full[0].matrix.shape[0] > 1 else 1,
+            matrices[0].shape[1],
+            len(full[0].pushed),
         )
 
     def advance(
@@ -215,10 +217,14 @@ class Block:
         """What was counted of one lane."""
         mounts = len(self.own.forms)
         counts = lane(self.own.blocks, (mounts, BLOCK), self.width, number)[:, AT_LIMIT : AT_LIMIT + 4]
+        total = lane(self.counted.drawn, (5,), self.width, number)[2:]
+        if self.ended[number, 1] != DONE:
+            kept = lane(self.counted.kept, (4 * mounts + 3,), self.width, number)
+            counts, total = kept[: 4 * mounts].reshape(mounts, 4), kept[4 * mounts :]
         limits, drawn = np.zeros(mounts, LIMITS), np.zeros(1, DRAWN)
         for k, name in enumerate(LIMITS.names or ()):
             limits[name] = counts[:, k]
-        drawn[0] = tuple(lane(self.counted.drawn, (5,), self.width, number)[2:])
+        drawn[0] = tuple(total)
         return Tally(limits, drawn)
 
     def stopped(self, number: int, done: int) -> Stopped:

@@ -5,24 +5,22 @@ Left out is what is of second order in the motion: levers and inertia that turn 
 """
 
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple
+from functools import cached_property
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
-from ehamj.memory import COMMAND, INPUTS, Cubic, activations, isolators
+from ehamj.memory import COMMAND, INPUTS, ORDERS, activations, isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.slides import FIRST
-from ehamj.mujoco.unpacking import hermite
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.plant import Plant
+from ehamj.smallmotion.cubics import acting, weights
 from ehamj.smallmotion.probe import SMALL, Probe, slope
 from ehamj.smallmotion.slides import SlideTables, along_courses, driven_by
-
-STAGES: Final = (0.0, 0.5, 1.0)
-"""Fractions of a step at which coefficients are taken."""
 
 
 class InTime(NamedTuple):
@@ -37,6 +35,18 @@ class InTime(NamedTuple):
     """By ground, load and slides (step, 3, n) [m/s², rad/s²]."""
     ground: Array
     """The ground along each mount less that at the equilibrium, and its rate, (step, 3, mount, 2) [m, m/s]."""
+
+
+class Effects(NamedTuple):
+    """`ehamj.smallmotion.cubics.weights` of what acts on a machine."""
+
+    by_value: Array
+    """Of the mounts' inputs."""
+    by_rate: Array
+    """Of their rates [1/s]."""
+    by_load: Array
+    always: Array
+    """What is there without (effect,)."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +88,7 @@ class SmallMachine:
     slides: SlideTables | None = None
     """Where a slide moves."""
 
-    @property
+    @cached_property
     def matrix(self) -> Array:
         """P = M⁻¹[−K, −C, Lᵀ] (n, 2n + mount), slides where they start."""
         return np.asarray(np.linalg.solve(self.mass, np.hstack([-self.stiffness, -self.damping, self.levers.T])))
@@ -96,32 +106,37 @@ class SmallMachine:
                 (step, mount, input, 3) each; see `ehamj.memory.inputs`.
             load: force on the machine, value and slope·timestep at start and end of each step, (step, 6, 2) each.
         """
-        size, mounts = self.mass.shape[0], len(self.along)
-        inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
-        value, rate = self._effects(inverse)
-        found = acting(*given, value, rate / timestep)
-        found += np.append(inverse @ self.unbalanced, np.zeros(2 * mounts))
-        found -= np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
+        size, mounts, effects = self.mass.shape[0], len(self.along), self._effects
+        found = acting(*given, effects.by_value + effects.by_rate / timestep)
+        found += effects.always
         force, ground = np.ascontiguousarray(found[..., :size]), np.ascontiguousarray(found[..., size:])
         ground = ground.reshape(steps, 3, mounts, 2)
         if load is not None and load[0].shape[0]:
-            by = (inverse @ self.load).T
-            force += acting(load[0], load[1], by, np.zeros_like(by))
+            force += acting(load[0], load[1], effects.by_load)
         if self.slides is None:
             return InTime(self.matrix[None, None], force, ground)
         inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
         return InTime(matrix, (inverse @ (force + driven)[..., None])[..., 0], ground)
 
-    def _effects(self, inverse: Array) -> tuple[Array, Array]:
-        """Effects of the mounts' inputs per value and per rate, (mount, input, n + 2 mount): on ``inverse`` times the
-        force, then along·g and along·ġ of each mount in turn."""
+    @cached_property
+    def _effects(self) -> "Effects":
+        """On accelerations, or on forces where a slide moves; then along·g and along·ġ of each mount in turn."""
         size, mounts = self.mass.shape[0], len(self.along)
+        inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
         value, rate = np.zeros((2, mounts, len(INPUTS), size + 2 * mounts))
         for effect, matrix in ((value, self.ground_stiffness), (rate, self.ground_damping)):
             effect[:, :COMMAND, :size] = np.einsum("ij,jma->mai", inverse, matrix)
         here = np.arange(mounts)
         value[here, :COMMAND, size + 2 * here] = rate[here, :COMMAND, size + 2 * here + 1] = self.along
-        return value, rate
+        always = -np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
+        always[:size] += inverse @ self.unbalanced
+        nothing, load = np.zeros_like(value), (inverse @ self.load).T
+        return Effects(
+            weights(value, nothing, ORDERS),
+            weights(nothing, rate, ORDERS),
+            weights(load, np.zeros_like(load), 2),
+            always,
+        )
 
     def _sliding(self, tables: SlideTables, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:
         """M⁻¹ and P with the slides where they are, and the force of their weight and drives, (step, 3, …) each."""
@@ -151,41 +166,6 @@ class SmallMachine:
             place, qvel[:, k], qacc[:, k] = slide.course().sample(times)
             qpos[:, k] = place - slide.begins
         return qpos, qvel, qacc
-
-
-def staged(start: Array, end: Array) -> tuple[Array, Array]:
-    """Value and slope·step of cubics at start, middle and end of each step, (step, 3, …) each; given are value and
-    slope·step at both ends, (step, …, 2 or more) each."""
-    both: Any = (part[..., order] for part in (start, end) for order in range(2))
-    cubic = Cubic(*both)
-    value, slopes = zip(*(hermite.py_func(cubic, s) for s in STAGES), strict=True)
-    return np.stack(value, axis=1), np.stack(slopes, axis=1)
-
-
-def acting(start: Array, end: Array, by_value: Array, by_rate: Array) -> Array:
-    """What cubics do at start, middle and end of each step, (step, 3, effect): `staged` and weighed, by products of
-    whole arrays.
-
-    Args:
-        start: value, slope·step and any more of each cubic at the start of each step, (step, …, order).
-        end: the same at its end.
-        by_value: effect of each (…, effect) per value.
-        by_rate: per slope·step.
-    """
-    steps, orders, effects = start.shape[0], start.shape[-1], by_value.shape[-1]
-    value, rate = by_value.reshape(-1, effects), by_rate.reshape(-1, effects)
-    values, rates = staged(*np.eye(4).reshape(4, 2, 2).swapaxes(0, 1))  # of what each end has, (value or slope, stage)
-    found = np.zeros((steps, 3, effects))
-    for given, of_value, of_rate in zip((start, end), values.reshape(2, 2, 3), rates.reshape(2, 2, 3), strict=True):
-        stages = np.flatnonzero(of_value.any(axis=0) | of_rate.any(axis=0))
-        weights = np.zeros((value.shape[0], orders, stages.size, effects))
-        for order, stage in np.ndindex(2, stages.size):
-            at = order, stages[stage]
-            weights[:, order, stage] = of_value[at] * value + of_rate[at] * rate
-        found[:, stages] += (given.reshape(steps, -1) @ weights.reshape(-1, stages.size * effects)).reshape(
-            steps, stages.size, effects
-        )
-    return found
 
 
 def small_machine(model: mujoco.MjModel, data: mujoco.MjData, plant: Plant) -> SmallMachine:

@@ -84,6 +84,18 @@ class Given(NamedTuple):
     """(steps, m, 4, 3) as `ehamj.memory.inputs`, where a law reads the ground."""
     times: int
     """Of the matrix: 1, or 3 for each step."""
+    steps: int
+
+    def part(self, first: int, steps: int) -> "Given":
+        """What drives some of the steps."""
+
+        def cut(table: Any) -> Any:
+            size = table.size // self.steps
+            return table[first * size : (first + steps) * size]
+
+        matrix = cut(self.matrix) if self.times > 1 else self.matrix
+        tables = (cut(table) for table in (self.pushed, self.ground, self.commands, self.inputs))
+        return Given._make((matrix, *tables, self.times, steps))
 
 
 class Scratch(NamedTuple):

@@ -20,7 +20,7 @@ from ehamj.labels import table
 from ehamj.pages.words import decibel
 from ehamj.plots import Figure, Line, lines_chart, style
 from ehamj.result import Result
-from ehamj.run.simulate import simulate_many
+from ehamj.run.many import simulate_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings

@@ -25,7 +25,7 @@ from ehamj.linear.machine import linear_model
 from ehamj.linear.response import rigid_floor
 from ehamj.plots import Figure, Line, lines_chart
 from ehamj.result import Result
-from ehamj.run.simulate import simulate_many
+from ehamj.run.many import simulate_many
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
