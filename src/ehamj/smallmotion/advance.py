@@ -250,7 +250,7 @@ def compiled_advance() -> Any:
         signals, act = np.zeros(sensing.layout.size * w), scratch.state[acts * w :]
         motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
         length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
-        ground = given.inputs.size // (steps + last)
+        ground = given.inputs.size // max(steps + last, 1)
         for k in range(steps + last):
             number = first + k
             time = number * h
