@@ -22,7 +22,7 @@ from ehamj.isolator.cylinder import Cylinder
 from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import Fluid, pressure_rate
 from ehamj.isolator.membrane import Membrane, lift, pull
-from ehamj.isolator.spool import Spool, full_stroke, spool_acceleration, spool_target
+from ehamj.isolator.spool import Command, Spool, full_stroke, spool_acceleration, spool_target
 from ehamj.isolator.supply import Feed
 from ehamj.memory import ISOLATOR, size
 from ehamj.scenario.model import Scenario
@@ -87,7 +87,7 @@ def mount_rates(states, rates, values, mount, sine, lanes):  # type: ignore[no-u
         spool, rate = peek(states, own), peek(states, own + w)
         one, two = peek(states, own + 2 * w), peek(states, own + 3 * w)
         flows = chamber_flows(full_stroke(spool, valve.spool_stroke), one, two, feed, edges)
-        target = spool_target(peek(values, at + AMPLITUDE * w) * sine, valve)
+        target = spool_target(Command(peek(values, at + AMPLITUDE * w) * sine, 0.0), valve)
         area, beta, wall = cylinder.piston_area, oil.bulk_modulus, oil.wall_compliance
         poke(rates, own, rate)
         poke(rates, own + w, spool_acceleration(target - spool, rate, valve))
