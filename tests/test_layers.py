@@ -27,10 +27,11 @@ RANKS = (
     ("linear", "result", "smallmotion"),
     ("designs", "pages"),
     ("run", "replay"),
-    ("rig", "bench"),
+    ("rig",),
     ("evaluation",),
     ("paper", "report", "studies"),
     ("design", "verify", "store"),
+    ("bench",),
     ("cli", "__init__"),
 )
 """Rooms of the package from the ground floor up; rooms of one rank do not know each other."""

@@ -1,30 +1,81 @@
-"""The timings run, and what is timed is the same motion."""
+"""The parts of the bench run, what is timed is the same motion, and what cannot be timed is refused."""
 
-from ehamj.bench.case import benchmark_case
-from ehamj.bench.mounts import COUNTS, cost_over_mounts
-from ehamj.bench.steps import additions, step_times, thread_scaling
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ehamj.bench.bench import PARTS, bench, bench_chart, chosen
+from ehamj.bench.ceiling import Ceiling
+from ehamj.bench.engines import benchmark_case
+from ehamj.bench.lane_ceiling import LaneCeiling
+from ehamj.bench.lanes import machines
+from ehamj.errors import InputError
 from ehamj.scenario.load import load_scenario
+
+STEP = 1e-4
+KEYS = {
+    "engines": {
+        "step_us", "hydraulics_over_bare_engine", "hydraulics_over_bare_engine_without_timer", "benchmark_case",
+        "recorded_over_bare_engine",
+    },
+    "lanes": {"lanes", "two_threads_over_one", "small_motion_two_threads_over_one"},
+    "controller": {"controlled", "step_over_step_without"},
+    "growth": {"growth", "step_over_four_upright_mounts"},
+    "stages": {"stages"},
+}  # fmt: skip
+"""What each part measures; other programs read these names."""
+
+
+def numbers(figures: dict[str, Any]) -> Iterator[float]:
+    for value in figures.values():
+        yield from numbers(value) if isinstance(value, dict) else (value,)
+
+
+def test_all_parts_but_the_peer_are_measured_without_being_asked() -> None:
+    assert [one.name for one in chosen()] == list(KEYS)
+    assert [one.name for one in chosen(["stages", "engines"])] == ["engines", "stages"]
+    assert [one.name for one in chosen(["stages"], ["peer"])] == ["stages", "peer"]
+
+
+@pytest.mark.parametrize("name", KEYS)
+def test_each_part_finds_times_and_draws_them(name: str) -> None:
+    parts = [PARTS[name]]
+    figures = bench(1, parts, share=0.005)
+    assert set(figures) == KEYS[name]
+    found = np.array(list(numbers(figures)))
+    assert np.all(np.isfinite(found))
+    assert np.all(found > 0.0)
+    assert len(bench_chart(figures, parts).axes) >= 1
 
 
 def test_the_benchmark_case_is_the_same_motion_with_and_without_the_engine() -> None:
-    case = benchmark_case(load_scenario("benchmark", ["duration=0.1"]), 1e-4, 1)
+    case = benchmark_case(load_scenario("benchmark", ["duration=0.1"]), STEP, 1)
     # 9.8e-7 at this step over the whole case; the first tenth of a second peaks lower.
     assert case["error"] < 1e-4
     assert case["ceiling_error"] < 1e-4
 
 
-def test_each_step_that_is_timed_takes_time() -> None:
-    scenario = load_scenario("benchmark", ["duration=0.02"])
-    times = step_times(scenario.plant, 1e-4, 1, steps=10)
-    assert set(times) == {"bare", "bare_without_timer", "hydraulics"}
-    assert min(times.values()) > 0.0
-    assert thread_scaling(scenario, 1, batch=2) > 0.0
-    assert set(additions(scenario, 1, steps=20)) == {"controller", "controller_and_sensors", "force"}
+@pytest.mark.parametrize("number", [1, 3, 16])
+def test_a_machine_moves_in_lanes_as_it_does_alone(number: int) -> None:
+    many = machines(number, 0.05)
+    together = LaneCeiling(many, STEP).channels()
+    alone = np.stack([Ceiling(one, STEP).channels() for one in many])
+    # The same operations in the same order: what is left is room for another compiler.
+    np.testing.assert_allclose(together, alone, rtol=0.0, atol=1e-12 * np.abs(alone).max())
+    assert number == 1 or np.ptp(together[:, -1, 2]) > 1e-6 * np.abs(together[:, -1, 2]).max()
 
 
-def test_cost_is_told_for_each_number_of_mounts_upright_and_skew() -> None:
-    costs = cost_over_mounts(1, steps=10)
-    assert set(costs) == {"upright", "skew"}
-    for each in costs.values():
-        assert set(each) == {str(mounts) for mounts in COUNTS}
-        assert min(each.values()) > 0.0
+def test_without_exudyn_the_peer_is_refused_before_anything_is_timed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "exudyn", None)  # as if it were not installed
+    said: list[str] = []
+    with pytest.raises(InputError, match=r"peer: needs Exudyn.*pip install exudyn"):
+        bench(1, chosen(["engines", "peer"]), said.append)
+    assert not said
+
+
+def test_with_exudyn_the_peer_moves_as_the_bare_loop_does() -> None:
+    pytest.importorskip("exudyn")
+    errors = bench(1, [PARTS["peer"]], share=0.05)["peer"]["error"]
+    assert errors["Exudyn"] == pytest.approx(errors["bare scalar loop"], rel=0.01)

@@ -75,7 +75,7 @@ def test_json_is_all_that_a_command_says(cli: Cli, command: str, monkeypatch: py
     monkeypatch.setattr("ehamj.paper.reproduction.reproduce", lambda: SimpleNamespace(to_dict=dict, table=()))
     for name in ("page.write_paper", "amplitude.amplitude_response", "amplitude.write_amplitude"):
         monkeypatch.setattr(f"ehamj.paper.{name}", lambda *_: None)
-    monkeypatch.setattr(ehamj.bench.bench, "bench", lambda repetitions: {"ratio": float(repetitions)})
+    monkeypatch.setattr(ehamj.bench.bench, "bench", lambda repetitions, *_: {"ratio": float(repetitions)})
     monkeypatch.setattr("ehamj.verify.verify", lambda **_: ())
     if command in ("replay", "report"):
         assert cli(*RUN).code == 0

@@ -1,41 +1,56 @@
-"""All timings together."""
+"""All timings together: the parts, in the order in which they are listed here."""
 
+from collections.abc import Iterable
 from typing import Any
 
-from ehamj.bench.case import benchmark_case
-from ehamj.bench.mounts import cost_over_mounts
-from ehamj.bench.steps import additions, step_times, thread_scaling
-from ehamj.mujoco import hydraulics
-from ehamj.run.timestep import choose_timestep
-from ehamj.scenario.load import load_scenario
+from ehamj.bench import (  # noqa: F401  # isort: skip
+    engines,
+    lanes,
+    controller,
+    growth,
+    stages,
+    peer,
+)
+from ehamj.bench.parts import PARTS, Effort, Part
+from ehamj.plots.style import Figure
+from ehamj.plots.timings import timings_chart
+from ehamj.run.progress import Progress, silent
+
+__all__ = ["PARTS", "bench", "bench_chart"]
 
 
-def bench(repetitions: int = 5) -> dict[str, Any]:
-    """What the hydraulics, the recording, the engine and a controller cost: seconds per step, ratios, errors.
+def chosen(names: Iterable[str] = (), more: Iterable[str] = ()) -> list[Part]:
+    """Parts by name, in their order; without names all but those that have to be asked for. ``more`` come in any case.
 
-    See the keys' names for units.
+    Raises:
+        InputError: if there is no such part.
     """
-    scenario, sliding_scenario = load_scenario("benchmark"), load_scenario("recorded")
-    with hydraulics():
-        step = choose_timestep(scenario)
-    times = {
-        "tied": step_times(scenario.plant, step, repetitions),
-        "sliding": step_times(sliding_scenario.plant, step, repetitions),
-    }
-    case = benchmark_case(scenario, step, repetitions)
+    named = [PARTS.find(name) for name in names] or [one for one in PARTS.values() if not one.asked]
+    wanted = {one.name for one in named} | {PARTS.find(name).name for name in more}
+    return [one for one in PARTS.values() if one.name in wanted]
 
-    def over(name: str) -> dict[str, float]:
-        return {plates: each["hydraulics"] / each[name] for plates, each in times.items()}
 
-    return {
-        "step_us": {plates: {name: 1e6 * value for name, value in each.items()} for plates, each in times.items()},
-        "hydraulics_over_bare_engine": over("bare"),
-        "hydraulics_over_bare_engine_without_timer": over("bare_without_timer"),
-        "benchmark_case": case,
-        "recorded_over_bare_engine": case["engine_us_per_step"] / (1e6 * times["tied"]["bare"]),
-        "two_threads_over_one": thread_scaling(scenario, repetitions),
-        "step_over_step_without": {"sliding": additions(sliding_scenario, repetitions)},
-        "step_over_four_upright_mounts": {
-            plates: cost_over_mounts(repetitions, plates) for plates in ("tied", "sliding")
-        },
-    }
+def bench(
+    repetitions: int = 5, parts: Iterable[Part] = (), progress: Progress = silent, share: float = 1.0
+) -> dict[str, Any]:
+    """What the simulator takes: seconds, ratios, errors; the keys' names say their units.
+
+    Args:
+        repetitions: of each timing; its median is given.
+        parts: what to time (`chosen`); by default what `chosen` gives without names.
+        progress: called with the part that is timed.
+        share: of the usual steps.
+    """
+    figures: dict[str, Any] = {}
+    wanted = list(parts) or chosen()
+    for one in wanted:
+        one.check()
+    for one in wanted:
+        progress(one.name)
+        figures |= one(Effort(repetitions, share))
+    return figures
+
+
+def bench_chart(figures: dict[str, Any], parts: Iterable[Part]) -> Figure:
+    """The figure of what the parts measured."""
+    return timings_chart("What ehamj takes", [panel for one in parts for panel in one.show(figures)])

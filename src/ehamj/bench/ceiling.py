@@ -1,13 +1,14 @@
 """The benchmark's equations in bare compiled RK4 without any multibody engine: the ceiling of what is possible."""
 
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numba
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.compiled import kernel
+from ehamj.compiled import OPTIONS, kernel
+from ehamj.compiled.kept import compiled
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
 from ehamj.isolator.membrane import lift, pull
@@ -21,21 +22,52 @@ from ehamj.scenario.model import Scenario
 N = len(DOFS)
 
 
-def ceiling(scenario: Scenario, step: float) -> Array:
-    """x, y, z, rx, ry and the load pressures of the benchmark at the recording rate, (n, 5 + mount)."""
-    plant, machine = scenario.plant, scenario.plant.machine
-    m, h = machine.mass, machine.cg[2]
-    mass = np.diag([m, m, m, m * h * h, m * h * h, 0.0])
-    mass[3:, 3:] += machine.tensor
-    mass[0, 4] = mass[4, 0] = m * h
-    mass[1, 3] = mass[3, 1] = -m * h
-    table = isolators(build_model(plant, step)).copy()
-    frequency = np.array([setting.frequency for setting in scenario.control.signals])  # type: ignore[attr-defined]
-    amplitude = np.array([setting.amplitude for setting in scenario.control.signals])  # type: ignore[attr-defined]
-    steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
-    rows = _loop()(np.linalg.inv(mass), table, amplitude, 2 * np.pi * frequency, steps, every, step)
-    pressures = rows[:, 2 * N :].reshape(len(rows), 4, table.size)[:, 2:]
-    return np.hstack([rows[:, :5], pressures[:, 0] - pressures[:, 1]])
+class System(NamedTuple):
+    """What the equations of the benchmark need of a scenario."""
+
+    inverse: Array
+    """Of the mass matrix about the mount plane's centre (6, 6)."""
+    table: Any
+    """`ehamj.memory.ISOLATOR` (mount,)."""
+    amplitude: Array
+    """Of the valves' commands [V]."""
+    angular: Array
+    """Their frequencies [rad/s]."""
+    steps: int
+    every: int
+    """Steps to a row."""
+
+    @classmethod
+    def of(cls, scenario: Scenario, step: float) -> Self:
+        """Of a scenario at a step [s]."""
+        machine, signals = scenario.plant.machine, scenario.control.signals  # type: ignore[attr-defined]
+        m, h = machine.mass, machine.cg[2]
+        mass = np.diag([m, m, m, m * h * h, m * h * h, 0.0])
+        mass[3:, 3:] += machine.tensor
+        mass[0, 4] = mass[4, 0] = m * h
+        mass[1, 3] = mass[3, 1] = -m * h
+        amplitude, frequency = (np.array([getattr(one, key) for one in signals]) for key in ("amplitude", "frequency"))
+        steps, every = round(scenario.duration / step), round(1.0 / (scenario.record_rate * step))
+        table = isolators(build_model(scenario.plant, step)).copy()
+        return cls(np.linalg.inv(mass), table, amplitude, 2 * np.pi * frequency, steps, every)
+
+
+class Ceiling:
+    """The benchmark on one machine at a step [s]; a call takes its steps."""
+
+    def __init__(self, scenario: Scenario, step: float) -> None:
+        self._system, self._step = System.of(scenario, step), step
+
+    def __call__(self) -> Array:
+        """Rows of states."""
+        rows: Array = _loop()(*self._system, self._step)
+        return rows
+
+    def channels(self) -> Array:
+        """x, y, z, rx, ry and the load pressures at the recording rate, (n, 5 + mount)."""
+        rows = self()
+        pressures = rows[:, 2 * N :].reshape(len(rows), 4, -1)[:, 2:]
+        return np.hstack([rows[:, :5], pressures[:, 0] - pressures[:, 1]])
 
 
 @kernel
@@ -80,7 +112,7 @@ def rates(motion, valves, t, system, force, out, valves_out):  # type: ignore[no
 
 @cache
 def _loop() -> Any:
-    compiled_rates = numba.njit(nogil=True, error_model="numpy")(rates)
+    called = numba.njit(**OPTIONS)(rates)
 
     def loop(inverse, table, amplitude, angular, steps, every, h):  # type: ignore[no-untyped-def]
         system, n = (inverse, table, amplitude, angular), 2 * N + 4 * table.size
@@ -97,11 +129,11 @@ def _loop() -> Any:
             for stage in range(4):
                 for i in range(n):
                     trial[i] = s[i] + nodes[stage] * h * rate[i]
-                compiled_rates(trial, oil(trial), (k + nodes[stage]) * h, system, force, rate, oil(rate))
+                called(trial, oil(trial), (k + nodes[stage]) * h, system, force, rate, oil(rate))
                 for i in range(n):
                     total[i] += weights[stage] * rate[i]
             for i in range(n):
                 s[i] += h / 6.0 * total[i]
         return rows
 
-    return numba.njit(nogil=True, error_model="numpy")(loop)
+    return compiled(loop)

@@ -1,31 +1,42 @@
 """Work that is timed: in turn with others, and steps of a scenario over and over."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.control import AnyController
 from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import NOT_LOADED, advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
-from ehamj.run.drive import sample_inputs
+from ehamj.run.drive import drive, sample_inputs
+from ehamj.run.prepare import prepare
+from ehamj.run.side_by_side import LANES, drive_block, small
 from ehamj.scenario.model import Scenario
 
 
 def interleaved(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, Array]:
-    """Wall times of each work [s], (repetition,), taken in turn; a first round, which warms up, is left out."""
+    """Wall times of each work [s], (repetition,), taken in turn; a first round, which warms up, is left out.
+
+    A work that returns a float has timed itself: that is its time [s].
+    """
     times = np.empty((repetitions + 1, len(works)))
     for repetition in times:
         for k, work in enumerate(works.values()):
             began = time.perf_counter()
-            work()
-            repetition[k] = time.perf_counter() - began
+            found = work()
+            repetition[k] = found if isinstance(found, float) else time.perf_counter() - began
     return dict(zip(works, times[1:].T, strict=True))
+
+
+def medians(works: Mapping[str, Callable[[], object]], repetitions: int) -> dict[str, float]:
+    """Median of each work's `interleaved` times [s]."""
+    return {name: float(np.median(each)) for name, each in interleaved(works, repetitions).items()}
 
 
 class Run:
@@ -47,3 +58,39 @@ class Run:
         recording = Recording.of(self.model, loop, self.every, self.steps // self.every + 1)
         with hydraulics():
             advance(self.model, data, 0, self.steps, self.inputs, recording, True, loop, noise, load)
+
+
+class Stepping:
+    """A scenario from its start to its end, as `ehamj.simulate` steps it; a call gives the seconds in the loop [s]."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.controller: AnyController | None = scenario.controller()  # once: to derive it takes as long as many steps
+
+    def __call__(self) -> float:
+        """Step it."""
+        with hydraulics():
+            return drive(prepare(self.scenario, self.controller)).seconds
+
+
+class SideBySide:
+    """Scenarios of one structure on the small-motion engine, from start to end, in as many blocks as they need.
+
+    A call gives the seconds in the loop [s]; ``whole`` is the time of the last call with what samples their inputs.
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], law: AnyController | None = None) -> None:
+        law = law or scenarios[0].controller()
+        with hydraulics():
+            self._runs = [prepare(scenario, law) for scenario in scenarios]
+            self._small = [small(run) for run in self._runs]
+        self.whole = 0.0
+
+    def __call__(self) -> float:
+        """Step them all."""
+        began, seconds = time.perf_counter(), 0.0
+        for first in range(0, len(self._runs), LANES):
+            block = slice(first, first + LANES)
+            seconds += sum(driven.seconds for driven in drive_block(self._runs[block], self._small[block]))
+        self.whole = time.perf_counter() - began
+        return seconds

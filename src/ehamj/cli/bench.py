@@ -1,30 +1,66 @@
 """The command that times the simulator."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ehamj.cli.frame import Json, app
-from ehamj.cli.printing import print_json, print_table
+from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
+from ehamj.errors import InputError
+
+SUFFIX = ".svg"
 
 
 @app.command()
 def bench(
+    parts: Annotated[
+        list[str] | None,
+        typer.Argument(help="What to time: engines, lanes, controller, growth, stages [default: all of these], peer."),
+    ] = None,
     repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
+    peer: Annotated[bool, typer.Option("--peer", help="Also time Exudyn, where it is installed.")] = False,
+    figure: Annotated[Path | None, typer.Option("--figure", help="Also draw the figures into this SVG file.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Time the simulator against the bare engine and against the same equations without any engine, as ratios."""
-    from ehamj.bench.bench import bench as measure
+    """Time the simulator against the bare engine and against the same equations without any engine, as ratios.
 
-    with doing("timing"):
-        figures = measure(repetitions)
+    Parts are engines (one machine alone), lanes (many machines side by side), controller (under control), growth (how
+    cost grows), stages (from command to picture), and peer (Exudyn, where it is installed). Without names all but peer
+    are timed, in about a minute.
+    """
+    from ehamj.bench.bench import bench as measure
+    from ehamj.bench.bench import bench_chart, chosen
+
+    if figure is not None:
+        _check(figure)
+    wanted = chosen(parts or (), ("peer",) if peer else ())
+    with doing("timing") as step:
+        figures = measure(repetitions, wanted, step)
+    if figure is not None:
+        from ehamj.plots.files import svg
+
+        try:
+            figure.write_text(svg(bench_chart(figures, wanted), "bench"), encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"--figure {str(figure)!r}: cannot be written ({error.strerror})") from error
     if as_json:
         print_json(figures)
         return
     rows = ((name, f"{value:.4g}") for name, value in _flat(figures))
     print_table("ehamj bench (medians; ratios are what to compare)", ("figure", "value"), rows)
+    if figure is not None:
+        say(f"figure: {figure}")
+
+
+def _check(figure: Path) -> None:
+    """Raise InputError unless the figure may be written; called before anything is timed."""
+    if figure.suffix != SUFFIX:
+        raise InputError(f"--figure {str(figure)!r}: must end with {SUFFIX}, which is what is drawn")
+    if not figure.absolute().parent.is_dir():
+        raise InputError(f"--figure {str(figure)!r}: cannot be written, since {str(figure.parent)!r} is no folder")
 
 
 def _flat(content: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, float]]:

@@ -14,6 +14,7 @@ from ehamj.control.compiled.signals import gather
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.spool import limits_reached
 from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE
+from ehamj.mujoco.rows import LIMITS
 from ehamj.smallmotion.isolators import (
     AT_LIMIT,
     BLOCK,
@@ -37,10 +38,8 @@ TOO_LARGE: Final = 5
 LARGEST_TURN: Final = 1e-3
 """Angle beyond which motions are not small [rad]: what is left out is a thousandth there."""
 
-TURNS: Final = range(3, 6)
-"""Coordinates that are angles."""
-
-LIMITS: Final = ("command", "spool", "spool_drive", "cavitation")
+COUNTS: Final = len(LIMITS.names or ())
+"""Limits that are counted of each mount."""
 
 
 class Counted(NamedTuple):
@@ -48,6 +47,8 @@ class Counted(NamedTuple):
 
     drawn: Any
     """(5,) flow [m³/s] and power [W] at the present state; sum of flows, largest flow, sum of power."""
+    kept: Any
+    """(4 m + 3) what was counted of a lane when it ended: limits of each mount, the last three of ``drawn``."""
 
 
 class Recorded(NamedTuple):
@@ -210,7 +211,19 @@ def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore
 
 
 @kernel
-def end_failed(own, scratch, ended, number, lanes):  # type: ignore[no-untyped-def]
+def keep_counts(own, counted, lane, lanes):  # type: ignore[no-untyped-def]
+    """Keep what was counted of a lane that has ended, whose states go on without a meaning."""
+    w, size = len(lanes), COUNTS
+    for mount in range(own.forms.size):
+        for k in range(size):
+            counts = peek(own.blocks, (mount * BLOCK + AT_LIMIT + k) * w + lane)
+            poke(counted.kept, (mount * size + k) * w + lane, counts)
+    for k in range(3):
+        poke(counted.kept, (own.forms.size * size + k) * w + lane, peek(counted.drawn, (2 + k) * w + lane))
+
+
+@kernel
+def end_failed(own, scratch, counted, ended, number, lanes):  # type: ignore[no-untyped-def]
     """Note where lanes that have failed ended; whether one is left."""
     left = 0
     for lane in range(len(lanes)):
@@ -220,6 +233,7 @@ def end_failed(own, scratch, ended, number, lanes):  # type: ignore[no-untyped-d
                 left += 1
             else:
                 ended[lane, 0], ended[lane, 1], ended[lane, 2] = number, status, mount
+                keep_counts(own, counted, lane, lanes)
     return left > 0
 
 
@@ -241,7 +255,7 @@ def compiled_advance() -> Any:
             time = number * h
             release(number, laws, memory, control, lanes)
             evaluate(own, given, k, 0, time, control, scratch, lanes)
-            if not within(own, scratch, lanes) and not end_failed(own, scratch, ended, number, lanes):
+            if not within(own, scratch, lanes) and not end_failed(own, scratch, counted, ended, number, lanes):
                 return k, row
             sampled = laws.base > 0 and number % laws.base == 0
             if sampled or sensing.order > 0:
@@ -254,6 +268,7 @@ def compiled_advance() -> Any:
                 answer = take_sample(number, time, laws, readings.readings, memory, lanes)
                 if answer == FAILED:
                     ended[0, 0], ended[0, 1], ended[0, 2] = number, LAW_FAILED, -1
+                    keep_counts(own, counted, 0, lanes)
                     return k, row
                 if answer == AT_ONCE:
                     convert_held(laws, memory, control, lanes)

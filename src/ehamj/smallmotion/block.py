@@ -95,7 +95,7 @@ class Block:
                 sizes,
             ),
             Scratch(stacked(start), *(np.zeros(size) for _ in range(3))),
-            Counted(np.zeros(5 * width)),
+            Counted(np.zeros(5 * width), np.zeros((4 * mounts + 3) * width)),
             Plates(
                 stacked(machine.rest[:first] for machine in machines),
                 stacked(machine.plate_at_rest for machine in machines),
@@ -217,10 +217,14 @@ class Block:
         """What was counted of one lane."""
         mounts = len(self.own.forms)
         counts = lane(self.own.blocks, (mounts, BLOCK), self.width, number)[:, AT_LIMIT : AT_LIMIT + 4]
+        total = lane(self.counted.drawn, (5,), self.width, number)[2:]
+        if self.ended[number, 1] != DONE:
+            kept = lane(self.counted.kept, (4 * mounts + 3,), self.width, number)
+            counts, total = kept[: 4 * mounts].reshape(mounts, 4), kept[4 * mounts :]
         limits, drawn = np.zeros(mounts, LIMITS), np.zeros(1, DRAWN)
         for k, name in enumerate(LIMITS.names or ()):
             limits[name] = counts[:, k]
-        drawn[0] = tuple(lane(self.counted.drawn, (5,), self.width, number)[2:])
+        drawn[0] = tuple(total)
         return Tally(limits, drawn)
 
     def stopped(self, number: int, done: int) -> Stopped:
