@@ -52,8 +52,8 @@ def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
         return f"simulation failed at {at:.6g} s, in the Python controller: {type(error).__name__}: {error}. {kept}"
     if stopped.status == TOO_LARGE:
         return (
-            f"simulation failed at {at:.6g} s, at the machine: it turned by more than {1e3 * LARGEST_TURN:g} mrad, which "
-            f"is no small motion. {kept}. engine = 'mujoco' follows any turn"
+            f"simulation failed at {at:.6g} s, at the machine: it turned by more than {1e3 * LARGEST_TURN:g} mrad, "
+            f"which is no small motion. {kept}. engine = 'mujoco' follows any turn"
         )
     where = prepared.scenario.plant.mounts[stopped.mount] if stopped.mount >= 0 else "the machine"
     what = "a state is no longer finite"
