@@ -152,4 +152,5 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A study",
         "A report section",
         "A verification case",
+        "A timing",
     }

@@ -1,17 +1,18 @@
 """A run's folder: the result, its variants in folders of their own, replay and report."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from itertools import count, zip_longest
 from pathlib import Path
 
 from ehamj.errors import InputError
 from ehamj.folders import RESULT_FILES, check_out, new_folder
 from ehamj.report import Shown, write_report
 from ehamj.result import Result
+from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
 
 
-def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent) -> None:
+def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent, apart: bool = False) -> None:
     """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
@@ -23,30 +24,23 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     for label in list(results)[1:]:
         (folder / variants[label]).mkdir()
         work.append((folder / variants[label], shown.only(label)))
-    jobs = [job for one in work for job in _jobs(*one)]
+    # What takes longest begins first: pages before recordings before results, all runs together before one.
+    jobs = [job for kind in zip_longest(*(_jobs(*one) for one in work)) for job in kind if job is not None]
     progress(f"{len(jobs)} files of {len(work)} runs")
-
-    def do(numbered: "tuple[str, Callable[[], None]]") -> str:
-        name, write = numbered
-        write()
-        return name
-
-    with ThreadPoolExecutor() as pool:
-        for count, finished in enumerate(as_completed([pool.submit(do, job) for job in jobs]), 1):
-            progress(f"{count} of {len(jobs)}, {finished.result()}")
+    numbers = count(1)
+    work_off(jobs, lambda name: progress(f"{next(numbers)} of {len(jobs)}, {name}"), apart)
 
 
 def _jobs(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
     """Name and writer of each file of a run; none needs another."""
     result = shown.first
-    yield f"result of {shown.label}", lambda: result.write(folder)
     output = result.scenario.output
-    if not result.dataset.time.size:
-        return  # it failed before its first row: there is nothing to show
-    if output.replay:
-        yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
-    if output.report:
-        yield f"report of {shown.label}", lambda: write_report(folder, shown)
+    if result.dataset.time.size:  # else it failed before its first row: there is nothing to show
+        if output.report:
+            yield f"report of {shown.label}", lambda: write_report(folder, shown)
+        if output.replay:
+            yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
+    yield f"result of {shown.label}", lambda: result.write(folder)
 
 
 def _write_replay(path: Path, shown: Shown) -> None:

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.bench.ceiling import Ceiling
-from ehamj.bench.engines import benchmark
+from ehamj.bench.engines import SMALL, benchmark
 from ehamj.bench.lane_ceiling import LaneCeiling
 from ehamj.bench.parts import Effort, Figures, part
 from ehamj.bench.runs import Run, SideBySide, interleaved, medians
@@ -26,10 +26,10 @@ SPREAD: Final = 0.02
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     rates = figures["lanes"]["rate_over_bare_loop"]
     lines = [
-        Line(name, [float(count) for count in each], list(each.values()), color, marker="os"[color])
-        for color, (name, each) in enumerate(rates.items())
+        Line(f"{who} in lanes", COUNTS, list(rates[key].values()), color, marker=marker)
+        for key, who, color, marker in (("bare", "bare loop", 4, "v"), ("small-motion", SMALL, 5, "P"))
     ]
-    return [Lines("Benchmark case, many machines on one core", "machines", "rate over bare scalar loop", lines)]
+    return [Lines("Benchmark case, many machines on one core", "machines", "rate over bare scalar loop", lines, COUNTS)]
 
 
 @part("lanes", "many machines of one structure, side by side in lanes and on two threads", _panels)

@@ -29,9 +29,9 @@ ROUNDS: Final = 2
 
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     found = figures["stages"]
-    title = f"From command to picture: {SCENARIO}, {found['simulated_s']:g} s"
+    axis = f"seconds, for {found['simulated_s']:g} s of {SCENARIO}"
     return [
-        Bars(f"{title}, {engine} engine", "seconds", found[key], {})
+        Bars(f"From command to picture, {engine} engine", axis, found[key], {})
         for engine, key in (("MuJoCo", "mujoco_s"), ("small-motion", "small_motion_s"))
     ]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ehamj.cli.frame import Json, app
-from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.printing import print_json, print_names, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 
@@ -18,22 +18,25 @@ SUFFIX = ".svg"
 def bench(
     parts: Annotated[
         list[str] | None,
-        typer.Argument(help="What to time: engines, lanes, controller, growth, stages [default: all of these], peer."),
+        typer.Argument(help="Parts to time, by name [default: all but peer]."),
     ] = None,
     repetitions: Annotated[int, typer.Option(min=1, help="Repetitions of each timing; medians are given.")] = 5,
     peer: Annotated[bool, typer.Option("--peer", help="Also time Exudyn, where it is installed.")] = False,
     figure: Annotated[Path | None, typer.Option("--figure", help="Also draw the figures into this SVG file.")] = None,
+    listed: Annotated[bool, typer.Option("--list", help="List the parts, and time nothing.")] = False,
     as_json: Json = False,
 ) -> None:
     """Time the simulator against the bare engine and against the same equations without any engine, as ratios.
 
-    Parts are engines (one machine alone), lanes (many machines side by side), controller (under control), growth (how
-    cost grows), stages (from command to picture), and peer (Exudyn, where it is installed). Without names all but peer
-    are timed, in about a minute.
+    `--list` names its parts, such as *engines* (one machine alone) and *lanes* (many side by side). All but *peer* take
+    about a minute.
     """
+    from ehamj.bench.bench import PARTS, bench_chart, chosen
     from ehamj.bench.bench import bench as measure
-    from ehamj.bench.bench import bench_chart, chosen
 
+    if listed:
+        print_names("parts", {name: part.about for name, part in PARTS.items()}, "about", as_json)
+        return
     if figure is not None:
         _check(figure)
     wanted = chosen(parts or (), ("peer",) if peer else ())

@@ -17,7 +17,7 @@ from ehamj.folders import RESULT_FILES, check_out, new_folder
 if TYPE_CHECKING:
     from ehamj.judge import Summary
     from ehamj.result import Result
-    from ehamj.scenario.model import Scenario
+    from ehamj.scenario.model import Output, Scenario
 
 
 @app.command()
@@ -46,11 +46,11 @@ def run(
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
     chosen = [] if engine is None else [f"engine={engine}"]
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
-    from ehamj.store import write_run  # what simulates and writes takes longer to import than a mistyped key to refuse
-
     results, failures = _simulate(loaded)
+    from ehamj.store import write_run
+
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
-        write_run(target, results, step)
+        write_run(target, results, step, apart=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
@@ -67,23 +67,37 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
+    from ehamj.ground.shared import Floors
     from ehamj.run.failures import Incomplete
     from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
+    floors = Floors(len(wanted))
 
     def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
         task = bar.add_task(escape(variant.name), total=1.0)
         try:
-            return simulate(variant, lambda fraction: bar.update(task, completed=fraction)), None
+            return simulate(variant, lambda fraction: bar.update(task, completed=fraction), floors=floors), None
         except Incomplete as failure:
             return failure.result, failure
 
     with bar, ThreadPoolExecutor() as pool:
+        pool.submit(_import_writers, scenario.output)
         outcomes = list(pool.map(one, wanted))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
     return results, [failure for _, failure in outcomes if failure is not None]
+
+
+def _import_writers(output: "Output") -> None:
+    """Import what writes the result while it is simulated, which leaves the interpreter free."""
+    from importlib import import_module
+
+    wanted = ["ehamj.store", "h5netcdf"]
+    wanted += ["matplotlib.figure", "matplotlib.backends.backend_svg"] if output.report else []
+    wanted += ["ehamj.replay"] if output.replay else []
+    for name in wanted:
+        import_module(name)
 
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:

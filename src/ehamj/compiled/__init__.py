@@ -11,8 +11,6 @@ from typing import Any, Final
 
 OPTIONS: Final = {"nogil": True, "error_model": "numpy"}
 """How everything is compiled."""
-INLINED: Final = OPTIONS | {"forceinline": True, "no_cfunc_wrapper": True}
-"""How a kernel is: into its callers, which hold the cache."""
 
 
 class Kernel:
@@ -23,18 +21,28 @@ class Kernel:
         update_wrapper(self, function)
 
     @cached_property
-    def _dispatcher(self) -> Any:
+    def _part(self) -> Any:
         import numba
 
-        return numba.njit(**INLINED)(self.py_func)
+        from ehamj.compiled.parts import PartCompiler
+
+        alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(forceinline=True, pipeline_class=PartCompiler, **alone, **OPTIONS)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
         """What Numba takes it for where compiled code names it."""
-        return self._dispatcher._numba_type_
+        return self._part._numba_type_
+
+    @cached_property
+    def _whole(self) -> Any:
+        import numba
+
+        return numba.njit(**OPTIONS)(self.py_func)
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._dispatcher(*arguments)
+        """What Python gets that tries it."""
+        return self._whole(*arguments)
 
 
 def kernel(function: Callable[..., Any]) -> Any:

@@ -5,6 +5,7 @@ written, everything still works, uncached.
 """
 
 import contextlib
+import gc
 import os
 import tempfile
 import threading
@@ -60,12 +61,15 @@ class Locator(_CacheLocator):
 def _located() -> Iterator[bool]:
     """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
     with _one_at_a_time:
-        before = numba.config.CACHE_LOCATOR_CLASSES
+        before, collecting = numba.config.CACHE_LOCATOR_CLASSES, gc.isenabled()
         try:
             numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"
+            gc.disable()  # a compiler makes much that it keeps: looking for what it does not takes a tenth of the time
             yield folder() is not None
         finally:
             numba.config.CACHE_LOCATOR_CLASSES = before
+            if collecting:
+                gc.enable()
 
 
 def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
@@ -74,7 +78,7 @@ def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
     Without a ``signature`` that happens when it is called, for the types that it is called with.
     """
     with _located() as kept:
-        return numba.njit(signature and [signature], cache=kept, **OPTIONS)(function)
+        return numba.njit(signature and [signature], cache=kept, no_cfunc_wrapper=True, **OPTIONS)(function)
 
 
 def compiled_callback(function: Callable[..., Any], signature: Any) -> Any:

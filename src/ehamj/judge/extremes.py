@@ -1,9 +1,12 @@
 """Peak and RMS of every variable of a run."""
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from ehamj.arrays import Array
 from ehamj.findings import finite
 
 
@@ -17,15 +20,18 @@ def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if not variable.size or name == "controller_state":
             continue
-        about = variable if name == "valve_command" else variable - variable[0]
-        peak[str(name)] = _nested(abs(about).max("time"))
-        rms[str(name)] = _nested((about**2).mean("time") ** 0.5)
+        values = np.asarray(variable.values, float)
+        about = values if name == "valve_command" else values - values[0]
+        labels = [[str(label) for label in variable[dimension].values] for dimension in variable.dims[1:]]
+        peak[str(name)] = _nested(np.fmax.reduce(np.abs(about), axis=0), labels)  # what is not known does not count
+        with np.errstate(invalid="ignore", over="ignore"):  # where nothing is
+            mean = np.nansum(about**2, axis=0) / np.count_nonzero(~np.isnan(about), axis=0)
+        rms[str(name)] = _nested(np.sqrt(mean), labels)
     return peak, rms
 
 
-def _nested(values: xr.DataArray) -> Any:
+def _nested(values: Array, labels: Sequence[Sequence[str]]) -> Any:
     """Labelled numbers as nested dictionaries; a number that is not finite becomes None."""
-    if values.ndim == 0:
+    if not labels:
         return finite(float(values))
-    dimension = values.dims[0]
-    return {str(label): _nested(values.sel({dimension: label})) for label in values[dimension].values}
+    return {label: _nested(own, labels[1:]) for label, own in zip(labels[0], values, strict=True)}

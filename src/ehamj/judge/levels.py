@@ -12,6 +12,7 @@ from ehamj.criteria.curves import ORDERS, Kind
 from ehamj.estimate.bands import Band, bands
 from ehamj.estimate.counted import Counted, by_column
 from ehamj.estimate.reading import Reading, band_rms
+from ehamj.estimate.remembered import remembered
 from ehamj.estimate.sliding import TIMES, statistics
 from ehamj.findings import finite
 from ehamj.judge.actuation import PASSIVE, actuation
@@ -85,7 +86,8 @@ def levels_of(
     places: dict[str, dict[Kind, Array]] = {}
     behind = np.empty(0)
     for place, velocity in motions_of(dataset, "velocity").items():
-        tables = _read(velocity, rate, known, kinds)
+        read = _read_floor if place == "floor" else _read
+        tables = read(velocity, rate, known, tuple(kinds))
         places[place] = dict(zip(kinds, tables, strict=False))
         behind = tables[-1] if place == "floor" else behind
         enough = len(velocity) >= LEAST_ROWS
@@ -118,6 +120,9 @@ def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence
     if counted.n - counted.start < LEAST_ROWS:
         return np.full((len(kinds) + 1, len(known), *velocity.shape[1:]), np.nan)
     return by_column(velocity, of_one)
+
+
+_read_floor = remembered(4)(_read)
 
 
 def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Array]:

@@ -6,8 +6,11 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from ehamj.arrays import Array
+from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import Counted
 from ehamj.estimate.reading import Reading
+from ehamj.estimate.remembered import remembered
 from ehamj.estimate.sliding import averaging_time
 from ehamj.estimate.stationarity import chance, largest_by_chance, shares, white
 from ehamj.findings import Finding
@@ -48,19 +51,26 @@ def transience(dataset: xr.Dataset, levels: Levels, rate: float) -> Transience |
 
     Bands far below the floor's strongest do not count: there it shows only the leakage of what moves elsewhere.
     """
-    behind, largest = levels.behind, levels.places["floor"]["velocity", "max_1s"]
+    velocity = motions_of(dataset, "velocity")["floor"]
+    return _strongest(velocity, levels.behind, levels.places["floor"]["velocity", "max_1s"], levels.bands, rate)
+
+
+@remembered(4)
+def _strongest(
+    velocity: Array, behind: Array, largest: Array, known: tuple[Band, ...], rate: float
+) -> Transience | None:
+    """Of a floor's velocity (time, mount, axis), RMS and largest second in bands (bands, mount, axis)."""
     least = np.maximum(NOISE, LEAST_LEVEL * np.fmax.reduce(behind, axis=0, initial=0.0))
     says = (behind > least) & np.isfinite(largest)
     if not says.any():
         return None
     ratio = np.divide(largest, behind, out=np.zeros_like(behind), where=says) ** 2
-    velocity = motions_of(dataset, "velocity")["floor"]
     counted = Counted(len(velocity), rate)
     separate = len({velocity[:, mount, axis].tobytes() for mount in range(says.shape[1]) for axis in range(3)})
     probability = 1.0 / ONCE_IN / (says.any(axis=(1, 2)).sum() * separate)
     readings: dict[tuple[int, int], Reading] = {}
     found: list[Transience] = []
-    for row, band in enumerate(levels.bands):
+    for row, band in enumerate(known):
         windows = counted.length / averaging_time(band, "max_1s")
         for axis, name in enumerate(AXES):
             mount = int(np.argmax(ratio[row, :, axis]))
@@ -68,7 +78,7 @@ def transience(dataset: xr.Dataset, levels: Levels, rate: float) -> Transience |
             if chance(r, white(band), windows) > probability:
                 continue  # noise of a narrower spectrum has it more often
             if (mount, axis) not in readings:
-                readings[mount, axis] = Reading.of(velocity[:, mount, axis], counted, levels.bands)
+                readings[mount, axis] = Reading.of(velocity[:, mount, axis], counted, known)
             own = shares(readings[mount, axis].spectra[band], band)
             if chance(r, own, windows) > probability:
                 continue

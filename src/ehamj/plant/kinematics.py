@@ -55,6 +55,12 @@ def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
     return excess.reshape(*lead, 3, 3), first.reshape(*lead, 3, 3, 3), second.reshape(*lead, 3, 3, 3, 3)
 
 
+def points_displaced(displacement: Array, points: Sequence[ArrayLike]) -> list[Array]:
+    """Displacement of points fixed to the machine, shape (n, 3) each; arguments as of `points_motion`."""
+    excess, _ = _turned(displacement[:, 3:])
+    return [displacement[:, :3] + excess @ np.asarray(point, float) for point in points]
+
+
 def points_motion(
     displacement: Array, velocity: Array, acceleration: Array, points: Sequence[ArrayLike]
 ) -> list[tuple[Array, Array, Array]]:

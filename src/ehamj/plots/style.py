@@ -2,6 +2,7 @@
 
 import itertools
 import textwrap
+import threading
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -78,12 +79,16 @@ FONTS: Final = "'Segoe UI', Roboto, Helvetica, Arial, 'Liberation Sans', sans-se
 """Fonts of the text in an SVG: none is wider than the one that the layout is computed with."""
 
 
+_DRAWING: Final = threading.RLock()
+"""Held by whoever draws: Matplotlib's style is one for all threads, and who leaves it takes it from the others."""
+
+
 @contextmanager
 def styled() -> Iterator[None]:
     """The style of all figures; decorates what draws one."""
     import matplotlib
 
-    with matplotlib.rc_context(STYLE), warnings.catch_warnings():
+    with _DRAWING, matplotlib.rc_context(STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # the reader's fonts draw the text, not these
         yield
 

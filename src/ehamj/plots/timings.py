@@ -53,6 +53,8 @@ class Lines:
     quantity: str
     lines: Sequence[Line]
     """With markers."""
+    ticks: Sequence[float] = ()
+    """Numbers on the horizontal axis, where they are not to be round ones."""
 
     @property
     def height(self) -> float:
@@ -61,11 +63,15 @@ class Lines:
 
     def draw(self, axes: Axes) -> None:
         """Draw them."""
+        from matplotlib.ticker import FixedLocator
+
         for line in self.lines:
             axes.plot(line.x, line.y, color=line.hue, linewidth=line.width, alpha=0.5)
         draw(axes, self.lines)
         axes.set(xlabel=self.axis, ylabel=self.quantity, xscale="log", yscale="log")
         set_scales(axes, "xy")
+        if self.ticks:
+            axes.xaxis.set_major_locator(FixedLocator(self.ticks))
 
 
 Panel = Bars | Lines

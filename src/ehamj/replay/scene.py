@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ehamj.mujoco.model import build_spec
-from ehamj.plant.kinematics import points_motion
+from ehamj.plant.kinematics import points_displaced
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
 from ehamj.plant.slide import Slide
@@ -182,10 +182,9 @@ def _largest_motion(result: Result) -> float:
     ground = result.dataset.ground_displacement.values[rows]
     if not len(machine):
         return 0.0
-    still = np.zeros_like(machine)
     length, width, height = result.scenario.machine.size
     corners = list(itertools.product((-length / 2, length / 2), (-width / 2, width / 2), (0.0, height)))
-    paths = [ground, *(moved for moved, *_ in points_motion(machine, still, still, corners))]
+    paths = [ground, *points_displaced(machine, corners)]
     return max(float(np.linalg.norm(path - path[0], axis=-1).max()) for path in paths)
 
 

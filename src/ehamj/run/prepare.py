@@ -15,6 +15,7 @@ from ehamj.criteria.curves import Norm
 from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import Motion
+from ehamj.ground.shared import Floors
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
 from ehamj.plant.statics import check_standing
 from ehamj.run.faults import shorter_step, unread
@@ -96,19 +97,20 @@ def _check_standing(scenario: Scenario) -> None:
         raise InputError(str(error)) from error
 
 
-def prepare(scenario: Scenario, controller: AnyController | None) -> Prepared:
+def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors | None = None) -> Prepared:
     """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
 
     Args:
         scenario: what to simulate.
         controller: runs instead of the scenario's control.
+        floors: that variants of a run share.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
-    motion, commands = scenario.motion(), scenario.commands()
+    motion, commands = scenario.motion(floors), scenario.commands()
     load, courses = scenario.pushed(), tuple(slide.course() for slide in scenario.slide)
     if controller is None:
         controller = scenario.controller()

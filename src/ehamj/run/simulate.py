@@ -7,6 +7,7 @@ import xarray as xr
 
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
+from ehamj.ground.shared import Floors
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.model import drawn_xml
 from ehamj.result import CONTROLLER_FILE, Result
@@ -22,7 +23,9 @@ from ehamj.scenario.model import Scenario
 T = TypeVar("T")
 
 
-def simulate(scenario: Given, progress: Progress | None = None, controller: Any = None) -> Result:
+def simulate(
+    scenario: Given, progress: Progress | None = None, controller: Any = None, *, floors: Floors | None = None
+) -> Result:
     """Run a scenario.
 
     Args:
@@ -31,13 +34,15 @@ def simulate(scenario: Given, progress: Progress | None = None, controller: Any 
         controller: runs instead of the scenario's control: a `ehamj.Controller`, a bank of them, a
             `ehamj.PythonController`, the file of a law, or a python-control system with ``dt`` and channels as input
             labels.
+        floors: that it shares with other runs (`ehamj.ground.shared`); ground channels of the result are then shared
+            too, and read-only.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
     began = clock.perf_counter()
-    run = _observed(as_scenario(scenario), progress, controller)
+    run = _observed(as_scenario(scenario), progress, controller, floors)
     return judged(run, began, controller)
 
 
@@ -65,9 +70,9 @@ def observed(scenario: Scenario, controller: Any = None) -> Observed:
     return run
 
 
-def _observed(scenario: Scenario, progress: Progress | None, controller: Any) -> Observed:
+def _observed(scenario: Scenario, progress: Progress | None, controller: Any, floors: Floors | None = None) -> Observed:
     with hydraulics():
-        prepared = prepare(scenario, None if controller is None else as_controller(controller))
+        prepared = prepare(scenario, None if controller is None else as_controller(controller), floors)
         if scenario.engine == "mujoco":
             driven = drive(prepared, progress)
         else:

@@ -22,6 +22,7 @@ from ehamj.forces.force import Load
 from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
+from ehamj.ground.shared import Floors
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
 from ehamj.scenario.keys import merge, plain
@@ -131,15 +132,16 @@ class Scenario(Installation, Course):
         held = self.control.designed_for if isinstance(self.control, DigitalSettings) else None
         return self.installation if held is None else held
 
-    def motion(self) -> Motion:
-        """The ground's motion.
+    def motion(self, floors: Floors | None = None) -> Motion:
+        """The ground's motion, of ``floors`` where variants share theirs.
 
         Raises:
             InputError: if a record cannot be used.
         """
         plant = self.plant
+        start = Start(plant.mounts, np.array(plant.positions), self.duration, self.seed)
         try:
-            return self.ground.motion(Start(plant.mounts, np.array(plant.positions), self.duration, self.seed))
+            return self.ground.motion(start) if floors is None else floors.motion(self.ground, start)
         except ValueError as error:
             raise InputError(str(error)) from error
 

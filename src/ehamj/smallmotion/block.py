@@ -152,16 +152,16 @@ class Block:
         """What drives a stretch: of each lane its coefficients, and its inputs at start and end of each step."""
         full = _filled(moved, self.width)
         given = _filled(inputs, self.width)
-        matrix = stacked(np.swapaxes(one.matrix, -1, -2) for one in full)
+        matrices = np.broadcast_arrays(*(np.swapaxes(one.matrix, -1, -2) for one in full))  # some slides may stand
         commands = [_commands(*each) for each in given]
         reads = self.loop.sensing.channels > 0
         return Given(
-            matrix,
+            stacked(matrices),
             _unless_zero([one.pushed for one in full]),
             _unless_zero([one.ground for one in full]),
             _unless_zero(commands),
             stacked(start for start, _ in given) if reads else np.zeros(0),
-            3 if full[0].matrix.shape[0] > 1 else 1,
+            matrices[0].shape[1],
             len(full[0].pushed),
         )
 

@@ -1,0 +1,121 @@
+"""Work that holds the interpreter, such as drawing, done in processes of its own beside each other."""
+
+import contextlib
+import gc
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import traceback
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from multiprocessing import connection
+from multiprocessing.process import BaseProcess
+from typing import Any, Final
+
+from ehamj.run.workers import processors
+
+Job = Callable[[], None]
+
+RARELY: Final = (50_000, 20, 100)
+"""Thresholds of the garbage collector in a process that ends with its jobs: a figure is many small objects that refer
+to each other, and looking for those that nobody needs took a sixth of the time that drawing does."""
+
+
+def work_off(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], apart: bool = False) -> None:
+    """Do jobs, which begin in order, as many at once as there are processors.
+
+    Args:
+        jobs: name and what is done; a job gives nothing back but what it wrote.
+        finished: called with the name of each that is.
+        apart: whether processes may do it, that know all that this one knows and share its memory: of a command, which
+            knows what else runs beside it. A library's caller may have threads whose locks nobody would open there.
+            They are forked, so that on systems where that is not safe threads do the jobs, as without ``apart``.
+
+    Raises:
+        Exception: of the first job that failed; no other job begins, and none goes on.
+    """
+    count = min(processors(), len(jobs))
+    own = apart and count > 1 and sys.platform == "linux" and threading.current_thread() is threading.main_thread()
+    (_forked if own else _threaded)(jobs, finished, count)
+
+
+def _threaded(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
+    with ThreadPoolExecutor(count) as pool:
+        running = {pool.submit(job): name for name, job in jobs}
+        try:
+            for one in as_completed(running):
+                one.result()
+                finished(running[one])
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)  # those that run end
+
+
+def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
+    context = multiprocessing.get_context("fork")
+    taken = context.Value("i", 0)
+    gc.collect()
+    gc.freeze()  # what a collector has never looked at stays shared memory
+    running: dict[connection.Connection, BaseProcess] = {}
+    try:
+        for _ in range(count):
+            ours, theirs = context.Pipe(duplex=False)
+            process: BaseProcess = context.Process(target=_work, args=(jobs, taken, theirs), daemon=True)
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "This process .* is multi-threaded", DeprecationWarning)
+                process.start()
+            theirs.close()
+            running[ours] = process
+        while running:
+            for ready in connection.wait(list(running)):
+                assert isinstance(ready, connection.Connection)
+                try:
+                    name, failure = ready.recv()
+                except EOFError:
+                    process = running.pop(ready)
+                    process.join()
+                    if process.exitcode:
+                        raise RuntimeError(f"a process that wrote files ended with {process.exitcode}") from None
+                    continue
+                if failure is not None:
+                    raise failure
+                finished(name)
+    finally:
+        for process in running.values():
+            process.terminate()
+        for process in running.values():
+            process.join()
+        gc.unfreeze()
+
+
+def _work(jobs: Sequence[tuple[str, Job]], taken: Any, told: Any) -> None:
+    """Do jobs that no other process has taken, until none is left or the first process is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process stops this one
+    gc.set_threshold(*RARELY)
+    parent = os.getppid()
+    while os.getppid() == parent:
+        with taken.get_lock():
+            number, taken.value = taken.value, taken.value + 1
+        if number >= len(jobs):
+            return
+        name, job = jobs[number]
+        try:
+            job()
+        except Exception as error:
+            error.add_note(f"in the process that wrote the {name}:\n{traceback.format_exc()}")
+            _tell(told, (name, error))
+            return
+        _tell(told, (name, None))
+
+
+def _tell(told: Any, message: tuple[str, Exception | None]) -> None:
+    name, error = message
+    with contextlib.suppress(BrokenPipeError):  # the first process is gone
+        try:
+            told.send(message)
+        except BrokenPipeError:
+            raise
+        except Exception:  # what cannot be pickled
+            told.send((name, RuntimeError(f"{type(error).__name__}: {error}")))
