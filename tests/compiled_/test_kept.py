@@ -10,7 +10,8 @@ from pathlib import Path
 import numba
 
 import ehamj.compiled
-from ehamj.compiled import kept
+from ehamj.compiled import kept, kernel
+from ehamj.compiled.told import telling
 
 SIMULATE = (
     "import ehamj, ehamj.compiled.kept as kept; "
@@ -51,7 +52,7 @@ def test_threads_that_compile_do_not_take_the_setting_from_each_other() -> None:
     seen: list[str] = []
 
     def compile_something(begun: threading.Event, finish: threading.Event) -> None:
-        with kept._located():
+        with kept._located(compile_something):
             begun.set()
             finish.wait(10.0)
             seen.append(numba.config.CACHE_LOCATOR_CLASSES)
@@ -67,3 +68,23 @@ def test_threads_that_compile_do_not_take_the_setting_from_each_other() -> None:
         thread.join()
     assert seen == ["ehamj.compiled.kept.Locator"] * 2
     assert before == numba.config.CACHE_LOCATOR_CLASSES
+
+
+def test_what_is_compiled_is_told_with_how_much_of_it_is_done() -> None:
+    @kernel
+    def twice(value: float) -> float:
+        return 2.0 * value
+
+    def fourfold(value):  # type: ignore[no-untyped-def]
+        return twice(twice(value))
+
+    seen: list[tuple[str, int, int]] = []
+    with telling(lambda *words: seen.append(words)):
+        assert numba.njit(fourfold)(1.5) == 6.0
+    assert seen[0] == ("fourfold", 0, 2)
+    assert seen[-1] == ("fourfold", 2, 2)
+    del seen[:]
+    with telling(lambda *words: seen.append(words)):
+        pass
+    numba.njit(fourfold)(1)
+    assert not seen  # nobody listens any more

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
@@ -67,22 +67,30 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
+    from ehamj.compiled.told import telling
     from ehamj.ground.shared import Floors
     from ehamj.run.failures import Incomplete
     from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
-    bar = Progress(TextColumn("simulating {task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
+    bar = Progress(TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
+    tasks: dict[str, TaskID] = {}
+
+    def compiling(what: str, done: int, of: int) -> None:
+        if what not in tasks:
+            tasks[what] = bar.add_task(f"compiling {what}, once", total=of)
+        bar.update(tasks[what], completed=done, visible=log.is_terminal)
+
     floors = Floors(len(wanted))
 
     def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
-        task = bar.add_task(escape(variant.name), total=1.0)
+        task = bar.add_task(f"simulating {escape(variant.name)}", total=1.0)
         try:
             return simulate(variant, lambda fraction: bar.update(task, completed=fraction), floors=floors), None
         except Incomplete as failure:
             return failure.result, failure
 
-    with bar, ThreadPoolExecutor() as pool:
+    with bar, telling(compiling), ThreadPoolExecutor() as pool:
         pool.submit(_import_writers, scenario.output)
         outcomes = list(pool.map(one, wanted))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}

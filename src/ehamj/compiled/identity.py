@@ -47,10 +47,15 @@ def _parts(function: FunctionType) -> Iterator[bytes]:
     """Code and defaults, and whatever its names stand for."""
     yield _told(_code(function.__code__, function.__doc__))
     yield _told(function.__defaults__)
+    yield from map(_told, named(function))
+
+
+def named(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    """Names that the code of a function uses and does not define, and what they stand for."""
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
-        yield _told((name, cell.cell_contents))
+        yield name, cell.cell_contents
     for name in sorted(set(_names(function.__code__)) & function.__globals__.keys()):
-        yield _told((name, function.__globals__[name]))
+        yield name, function.__globals__[name]
 
 
 def _code(code: CodeType, documentation: str | None = None) -> tuple[Any, ...]:

@@ -20,6 +20,7 @@ from platformdirs import user_cache_path
 
 from ehamj.compiled import OPTIONS
 from ehamj.compiled.identity import identity
+from ehamj.compiled.told import as_one
 
 _one_at_a_time = threading.Lock()
 """Where Numba keeps its code is the process's setting: of two threads that set it, one would take it from the other."""
@@ -58,14 +59,15 @@ class Locator(_CacheLocator):
 
 
 @contextlib.contextmanager
-def _located() -> Iterator[bool]:
+def _located(function: Any) -> Iterator[bool]:
     """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
     with _one_at_a_time:
         before, collecting = numba.config.CACHE_LOCATOR_CLASSES, gc.isenabled()
         try:
             numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"
             gc.disable()  # a compiler makes much that it keeps: looking for what it does not takes a tenth of the time
-            yield folder() is not None
+            with as_one(function):
+                yield folder() is not None
         finally:
             numba.config.CACHE_LOCATOR_CLASSES = before
             if collecting:
@@ -77,11 +79,11 @@ def compiled(function: Callable[..., Any], signature: Any = None) -> Any:
 
     Without a ``signature`` that happens when it is called, for the types that it is called with.
     """
-    with _located() as kept:
+    with _located(function) as kept:
         return numba.njit(signature and [signature], cache=kept, no_cfunc_wrapper=True, **OPTIONS)(function)
 
 
 def compiled_callback(function: Callable[..., Any], signature: Any) -> Any:
     """The same as a function that C calls; its ``address`` is what C is given, and it must be kept alive."""
-    with _located() as kept:
+    with _located(function) as kept:
         return numba.cfunc(signature, cache=kept, nopython=True, error_model=OPTIONS["error_model"])(function)

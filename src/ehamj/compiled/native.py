@@ -2,27 +2,26 @@
 
 from typing import Any
 
-import numba
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
-
-from ehamj.compiled import kernel
+from numba.np.arrayobj import make_array, populate_array
 
 
 @intrinsic
-def _pointer(typing_context: Any, address: Any) -> Any:
+def view(typing_context: Any, address: Any, n: Any, dtype: Any) -> Any:
+    """``n`` numbers or records that lie from an address on, as an array; ``numba.carray`` takes a function for each."""
+    kind = types.Array(dtype.dtype, 1, "C")
+
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+        found = make_array(kind)(context, builder)
+        size = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+        data = builder.inttoptr(arguments[0], found.data.type)
+        populate_array(found, data, (arguments[1],), (size,), size, None)
+        return found._getvalue()
 
-    return types.voidptr(types.intp), codegen
-
-
-@kernel
-def view(address, n, dtype):  # type: ignore[no-untyped-def]
-    """``n`` numbers or records that lie from an address on, as an array."""
-    return numba.carray(_pointer(address), n, dtype)
+    return kind(types.intp, types.intp, dtype), codegen
 
 
 def c_function(result: types.Type, *kinds: types.Type) -> Any:
