@@ -101,6 +101,10 @@ MOUNT: Final = record(
     "turn",  # what the finite rotation of the foot adds to the length at the current stage [m]
     "turn_rate",  # [m/s]
     "command",  # open-loop command at the current stage [V]
+    "switch_start",  # what a command that switches within the step adds at its start [V]
+    "switch_middle",
+    "switch_end",
+    "switching",  # at the current stage [V]
     "into_1",  # flow into the chambers at the current stage [m³/s]
     "into_2",
     "drawn",  # from the supply [m³/s]

@@ -31,8 +31,13 @@ def law(seed: int, states: int, **settings: Any) -> Controller:
 
 
 def bank(seed: int) -> ControllerBank:
-    """Two laws of two rates and delays, of states that are no multiple of four."""
-    laws = law(seed, 7, period=2e-4, delay=3e-4), law(seed + 100, 2, period=1e-4, delay=0.0)
+    """Laws of several rates and delays, of which two switch within steps, of states that are no multiple of four."""
+    laws = (
+        law(seed, 7, period=2e-4, delay=3e-4),
+        law(seed + 100, 2, period=1e-4, delay=0.0),
+        law(seed + 200, 3, period=2e-4, delay=2.3e-4),
+        law(seed + 300, 1, period=1e-4, delay=4e-5),
+    )
     found = ControllerBank.combine(laws)
     assert isinstance(found, ControllerBank)
     return found
@@ -45,22 +50,24 @@ def loop(seed: int, make: Callable[[int], Any] = bank) -> DigitalLoop:
 @numba.njit(error_model="numpy")
 def steps(laws, memory, sensing, readings, signals, noise, found, lanes):  # type: ignore[no-untyped-def]
     """What the stepping loop does with a controller."""
-    control = np.zeros(found.shape[1])
+    control = np.zeros(found.shape[1] // 4)
     for k in range(found.shape[0]):
         release(k, laws, memory, control, lanes)
         read_sensors(k, k // laws.base if k % laws.base == 0 else -1, sensing, noise, signals[k], readings, lanes)
         if take_sample(k, k * STEP, laws, readings.readings, memory, lanes) == AT_ONCE:
-            convert_held(laws, memory, control, lanes)
+            convert_held(k, laws, memory, control, lanes)
         for i in range(control.size):
             found[k, i] = control[i]
+        for i in range(memory.switching.size):
+            found[k, control.size + i] = memory.switching[i]
 
 
 def run(loop: DigitalLoop, signals: Array, noise: Array, width: int = 1) -> Array:
-    """Commands after each step, (step, valve·lane).
+    """Commands in each step, and what switches within it add at its start, middle and end, (step, 4·valve·lane).
 
     From signals (step, signal·lane) and noise (sample, channel·lane).
     """
-    found = np.empty((signals.shape[0], 4 * width))
+    found = np.empty((signals.shape[0], 4 * 4 * width))
     steps(loop.laws, loop.law_memory, loop.sensing, loop.readings, signals, noise, found, (0.0,) * width)
     return found
 

@@ -97,6 +97,21 @@ def measured(name: str, model: mujoco.MjModel, data: mujoco.MjData, ground: Any,
     return {"spool": spool, "load_pressure": one - two, "chamber_pressure": two if labels[-1] == "2" else one}[variable]
 
 
+def stages(times: list[float], levels: list[np.ndarray]) -> np.ndarray:
+    """Values at start, middle and end of a step, (3, 4), for levels that begin at times of it (of one that is 1 long).
+
+    The integrator weighs them so that a command u enters the states it drives by ∫u, what these drive by ∫(1 − s) u,
+    and the next by ∫(1 − s)²/2 u.
+    """
+    weights = np.array([[1.0, 4.0, 1.0], [1.0, 2.0, 0.0], [0.5, 0.5, 0.0]]) / 6.0
+    left = 1.0 - np.array([*times, 1.0])
+    moments = [
+        sum((left[n] ** p - left[n + 1] ** p) / (p * max(p - 1, 1)) * level for n, level in enumerate(levels))
+        for p in (1, 2, 3)
+    ]
+    return np.linalg.solve(weights, np.array(moments))
+
+
 def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.ndarray:
     """Commands at every step, (steps + 1, 4): the engine stepped from Python, the laws with plain arrays."""
     plant, motion, laws = case.plant, case.motion(), controller.parts
@@ -143,15 +158,27 @@ def in_python(case: Scenario, controller: Controller | ControllerBank) -> np.nda
                 states[j] = law.A @ states[j] + law.B @ inputs[j]
                 if law.anti_windup is not None:
                     states[j] += law.anti_windup @ missing
-                due.append((k + round(law.latency / step), j, share * latest[j]))
-            for moment, j, y in due:
-                if moment == k:
-                    held[j] = y
-            command = np.clip(held.sum(axis=0), -limit, limit)
-            if converter.bits is not None:
+                due.append((k + law.latency / step, j, share * latest[j]))
+
+            def command() -> np.ndarray:
+                volts = np.clip(held.sum(axis=0), -limit, limit)
+                if converter.bits is None:
+                    return volts
                 lsb = 2 * limit / 2**converter.bits
-                command = lsb * np.floor(command / lsb + 0.5)
-            data.ctrl[:] = command
+                return lsb * np.floor(volts / lsb + 0.5)
+
+            times, levels = [0.0], []
+            for moment, j, y in sorted(due, key=lambda each: each[0]):
+                if k - 1 + 1e-6 < moment < k + 1 - 1e-6:
+                    if moment > k + 1e-6:
+                        levels.append(command())
+                        times.append(moment - k)
+                    held[j] = y
+            levels.append(command())
+            data.ctrl[:] = levels[0]
+            for stage, extra in zip(("start", "middle", "end"), stages(times, levels), strict=True):
+                exchange(data, 4)[f"switch_{stage}"] = extra - levels[0]
+            due = [each for each in due if each[0] > k + 1 - 1e-6]
             mujoco.mj_forward(model, data)
             found.append(data.ctrl.copy())
             mujoco.mj_RungeKutta(model, data, 4)
@@ -201,6 +228,17 @@ def test_they_are_so_of_laws_of_several_rates_and_delays() -> None:
         from_the_ground(**common).with_anti_windup(0.005),
         from_the_machine(period=5e-4, delay=2e-4, seed=3, **common).with_anti_windup(0.01),
         proportional(2e4, period=2.5e-4, delay=0.0, **common),
+    )
+    assert_native_is_python(scenario(), ControllerBank(parts))
+
+
+def test_they_are_so_of_laws_that_switch_within_steps() -> None:
+    """At a step of 100 µs: two at the same fraction of it, one at another, one within the step of its sample."""
+    parts = (
+        from_the_ground(delay=2.3e-4, period=2e-4, **WINDS_UP).with_anti_windup(0.005),
+        from_the_machine(delay=3e-5, **WINDS_UP).with_anti_windup(0.01),
+        from_the_machine(period=5e-4, delay=1.6e-4, seed=3, **WINDS_UP),
+        proportional(2e4, delay=0.0, **WINDS_UP),
     )
     assert_native_is_python(scenario(), ControllerBank(parts))
 
@@ -262,10 +300,10 @@ def test_no_command_comes_before_the_delay_has_passed() -> None:
     ("settings", "message"),
     [
         ({}, r"timestep = 0\.000166667 s must divide the controller's period = 0\.0001 s; nearest: "),
-        ({"period": 1e-3, "delay": 2.5e-4}, r".* must divide the controller's delay = 0\.00025 s; nearest: 0\.000125"),
+        ({"period": 1.25e-3, "delay": 0.0}, r".* the controller's period = 0\.00125 s; nearest: 0\.00015625"),
     ],
 )
-def test_a_stated_step_must_divide_period_and_delay(settings: dict[str, float], message: str) -> None:
+def test_a_stated_step_must_divide_the_period(settings: dict[str, float], message: str) -> None:
     with pytest.raises(InputError, match=f"^{message}"):
         simulate(scenario(timestep=1 / 6000), controller=proportional(1.0, **settings))
 
@@ -274,13 +312,15 @@ def test_a_stated_step_must_divide_period_and_delay(settings: dict[str, float], 
     ("rate", "period", "delay"),
     [(1000.0, 1e-4, None), (1000.0, 1e-4, 5e-5), (300.0, 1e-4, 1.5e-4), (1000.0, 1 / 4000, 0.0), (500.0, 1e-3, 3.7e-4)],
 )
-def test_the_automatic_step_divides_the_period_the_delay_and_the_recording(
+def test_the_automatic_step_divides_the_period_and_the_recording_and_no_delay(
     rate: float, period: float, delay: float | None
 ) -> None:
     law = proportional(1.0, period=period, delay=delay)
     with hydraulics():
         step = choose_timestep(scenario(record_rate=rate), law)
-    for length in (1 / rate, period, law.latency):
+        longest = choose_timestep(scenario(record_rate=rate), proportional(1.0, period=period, delay=0.0))
+    assert step == longest
+    for length in (1 / rate, period):
         assert length / step == pytest.approx(round(length / step), abs=1e-6)
     assert 1e-5 <= step <= 1.2 / (2 * np.pi * 552.0)
 

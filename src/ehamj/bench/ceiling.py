@@ -12,7 +12,7 @@ from ehamj.compiled.kept import compiled
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
 from ehamj.isolator.membrane import lift, pull
-from ehamj.isolator.spool import full_stroke, spool_acceleration, spool_target
+from ehamj.isolator.spool import Command, full_stroke, spool_acceleration, spool_target
 from ehamj.memory import isolators
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.unpacking import feed_of, isolator_of
@@ -87,7 +87,7 @@ def rates(motion, valves, t, system, force, out, valves_out):  # type: ignore[no
         rise = motion[8] + y * motion[9] - x * motion[10]
         spool, rate, one, two = valves[0, i], valves[1, i], valves[2, i], valves[3, i]
         flows = chamber_flows(full_stroke(spool, own.spool.spool_stroke), one, two, feed, own.edges)
-        target = spool_target(amplitude[i] * np.sin(angular[i] * t), own.spool)
+        target = spool_target(Command(amplitude[i] * np.sin(angular[i] * t), 0.0), own.spool)
         area, beta, wall = own.cylinder.piston_area, own.fluid.bulk_modulus, own.fluid.wall_compliance
         valves_out[0, i] = rate
         valves_out[1, i] = spool_acceleration(target - spool, rate, own.spool)

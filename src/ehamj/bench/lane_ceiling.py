@@ -17,6 +17,7 @@ from ehamj.arrays import Array
 from ehamj.bench.ceiling import N, System
 from ehamj.compiled import kernel
 from ehamj.compiled.kept import compiled
+from ehamj.compiled.lanes import peek, poke
 from ehamj.isolator.cylinder import Cylinder
 from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import Fluid, pressure_rate
@@ -25,7 +26,7 @@ from ehamj.isolator.spool import Spool, full_stroke, spool_acceleration, spool_t
 from ehamj.isolator.supply import Feed
 from ehamj.memory import ISOLATOR, size
 from ehamj.scenario.model import Scenario
-from ehamj.smallmotion.lanes import lanes_of, peek, poke, stacked
+from ehamj.smallmotion.lanes import lanes_of, stacked
 
 _AT: Final = {name: number for number, name in enumerate(ISOLATOR.names or ())}
 AMPLITUDE: Final = size(ISOLATOR)

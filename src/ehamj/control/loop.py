@@ -1,26 +1,25 @@
 """A controller made ready for the stepping loop: its laws and sensors as the tables that compiled code works on."""
 
 import ctypes
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.control import AnyController, Controller, PythonController
 from ehamj.control.channels import STATIC, quantity_of
 from ehamj.control.compiled.converter import Conversion
-from ehamj.control.compiled.laws import LAW, LawMemory, Laws
+from ehamj.control.compiled.laws import LAW, LawMemory, Laws, step_shares
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
-
-Integers = NDArray[np.int64]
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
 
@@ -54,29 +53,29 @@ class DigitalLoop:
 
 def no_loop(mounts: int) -> DigitalLoop:
     """No controller and nothing to read."""
-    return _made((), (), Converter(), np.zeros((0, 0)), IDEAL, 1.0, mounts)
+    return _made((), (), Converter(), np.zeros((0, 0)), IDEAL, 1.0, np.full(mounts, np.inf))
 
 
 def make_loop(
     controller: AnyController | None, plant: Plant, timestep: float, sensors: Sensors = IDEAL, seed: int = 0
 ) -> DigitalLoop:
-    """A controller made ready for a step that divides its periods and delays, at the beginning of a simulation.
+    """A controller made ready for a step that divides its periods, at the beginning of a simulation.
 
     Raises:
         InputError: if a sensor does not measure what the controller reads.
     """
-    mounts = len(plant.mounts)
     if controller is None:
-        return no_loop(mounts)
+        return no_loop(len(plant.mounts))
     check_mounts(controller.converter, plant.mounts)
     rows = sensors.rows(controller.inputs, plant, seed)
-    return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, mounts)
+    ranges = np.array([actuator.voltage_limit for actuator in plant.actuators])
+    return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, ranges)
 
 
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.inputs_of, sensing.terms)
+    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, sensing.terms)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (*shapes, laws.converter, laws.base, sensing.layout, sensing.order, loop.states)
 
@@ -99,10 +98,11 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
             **{name: np.stack(part, axis=-1).ravel() for name, part in zip(own, parts, strict=True)}
         )
 
+    laws = [loop.laws if len(loops) == 1 else by_rows(loop.laws, loop.laws.ranges.size) for loop in loops]
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes([loop.laws for loop in loops], ("matrices",)),
+        laws=lanes(laws, ("matrices", "ranges")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -111,16 +111,18 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
 
 def _made(
     parts: Sequence[Controller | PythonController], channels: tuple[str, ...], converter: Converter, rows: Array,
-    sensors: Sensors, timestep: float, mounts: int,
+    sensors: Sensors, timestep: float, ranges: Array,
 ) -> DigitalLoop:  # fmt: skip
     failures: list[Exception] = []
+    mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     statics = [converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
-    laws = Laws(table, matrices, inputs_of, conversion, int(np.gcd.reduce(table["every"])))
+    within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
+    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, int(np.gcd.reduce(table["every"])))
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
     terms, weights = _terms(rows)
     resting = np.array(statics, float)
@@ -164,31 +166,36 @@ def _laws(
     timestep: float,
     functions: dict[int, Any],
     mounts: int,
-) -> tuple[Any, Array, Integers, int]:
+) -> tuple[Any, Matrices, Integers, int]:
     """Table of laws, their matrices and channels, and the size of their memory."""
     table = np.zeros(len(parts), LAW)
-    matrices: list[Array] = []
+    matrices = Matrices()
     inputs_of: list[int] = []
-    offset, states, size = 0, 0, sum(part.states for part in parts)
+    states, size = 0, sum(part.states for part in parts)
     for k, (law, part) in enumerate(zip(table, parts, strict=True)):
         law["states"], law["inputs"] = part.states, len(part.inputs)
-        law["every"], law["delay"] = round(part.period / timestep), round(part.latency / timestep)
-        law["matrices"], law["windup"], law["states_at"], law["inputs_at"] = offset, -1, states, len(inputs_of)
+        law["every"], (law["delay"], law["fraction"]) = round(part.period / timestep), _parts(part.latency, timestep)
+        law["at_start"], law["at_middle"], law["at_end"] = step_shares(law["fraction"])
+        law["states_at"], law["inputs_at"] = states, len(inputs_of)
         law["latest"], law["held"], law["taken"] = size + mounts * np.arange(3)
         law["ring"], law["places"] = size + 3 * mounts, law["delay"] // law["every"] + 1
+        law["rows"] = law["windup"] = -1
         if k in functions:
             law["function"] = ctypes.cast(functions[k], ctypes.c_void_p).value or 0
         if isinstance(part, Controller):
-            own = [part.A, part.B, part.C, part.D]
-            if part.anti_windup is not None:
-                law["windup"] = offset + sum(matrix.size for matrix in own)
-                own.append(part.anti_windup)
-            matrices += [matrix.T.ravel() for matrix in own]
-            offset += sum(matrix.size for matrix in own)
+            own = [part.A, part.B, part.C, part.D, *([] if part.anti_windup is None else [part.anti_windup])]
+            matrices.put(law, own)
         inputs_of += [channels.index(name) for name in part.inputs]
         states += part.states
         size = int(law["ring"] + mounts * law["places"])
-    return table, np.concatenate([np.zeros(0), *matrices]), np.array(inputs_of, np.int64), size
+    return table, matrices, np.array(inputs_of, np.int64), size
+
+
+def _parts(delay: float, timestep: float) -> tuple[int, float]:
+    """A delay as whole steps and a fraction of one."""
+    steps = delay / timestep
+    whole = math.floor(steps + 1e-6)  # times are rounded
+    return whole, steps - whole if steps - whole > 1e-6 else 0.0
 
 
 def _function(law: PythonController, failures: list[Exception], valves: int) -> Any:

@@ -1,6 +1,7 @@
 """The servo valve's spool: a second-order response whose drive saturates."""
 
 import math
+from typing import NamedTuple
 
 from ehamj.compiled import kernel
 from ehamj.isolator.component import Component
@@ -22,10 +23,19 @@ class Spool(Component):
     voltage_limit: float = quantity(10.0, "V", "v_max", "range of the command", "assumed", gt=0)
 
 
+class Command(NamedTuple):
+    """What a valve is commanded [V]."""
+
+    voltage: float
+    """That the valve limits to its range."""
+    switching: float = 0.0
+    """What is added after that at a stage of the integrator, for a command that switches within the step."""
+
+
 @kernel
-def spool_target(voltage: float, own: "Spool") -> float:
+def spool_target(command: Command, own: "Spool") -> float:
     """Spool position that a command v [V] asks for, c = K_v·sat(v) [mA] (paper eq. 1, static part)."""
-    return own.valve_gain * min(max(voltage, -own.voltage_limit), own.voltage_limit)
+    return own.valve_gain * (min(max(command.voltage, -own.voltage_limit), own.voltage_limit) + command.switching)
 
 
 @kernel
@@ -49,7 +59,7 @@ def full_stroke(position: float, stroke: float) -> float:
 @kernel
 def limits_reached(command: float, position: float, own: "Spool") -> tuple[bool, bool, bool]:
     """Whether command [V], spool [mA] and the spool's drive are at their limits."""
-    drive = own.valve_frequency**2 * (spool_target(command, own) - position)
+    drive = own.valve_frequency**2 * (spool_target(Command(command, 0.0), own) - position)
     return (
         math.fabs(command) >= own.voltage_limit,
         math.fabs(position) >= own.spool_stroke,

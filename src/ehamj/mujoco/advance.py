@@ -119,6 +119,16 @@ def write_inputs(machine, time, rate, start, end):  # type: ignore[no-untyped-de
 
 
 @kernel
+def write_switches(machine, switching):  # type: ignore[no-untyped-def]
+    """Hand a step what commands that switch within it add at its start, middle and end: (3·mount)."""
+    count = machine.mounts.size
+    for k in range(count):
+        mount = machine.mounts[k]
+        mount.switch_start, mount.switch_middle = switching[k], switching[count + k]
+        mount.switch_end = switching[2 * count + k]
+
+
+@kernel
 def write_load(machine, start, end):  # type: ignore[no-untyped-def]
     """Hand a step the force on the machine: (dof, 2) value and slope·step at its start and end."""
     machine.step[0].loaded = 1.0
@@ -229,6 +239,7 @@ def _advance() -> Any:
             if driving.slides.shape[0] > 0:
                 write_slides(machine, driving.slides[k])
             release(number, laws, memory, machine.control, alone)
+            write_switches(machine, memory.switching)
             on_state(engine.forward, (model, data))
             status, mount = check(machine)
             if status != DONE:
@@ -244,7 +255,8 @@ def _advance() -> Any:
                 if answer == FAILED:
                     return k, LAW_FAILED, -1, row
                 if answer == AT_ONCE:
-                    convert_held(laws, memory, machine.control, alone)
+                    convert_held(number, laws, memory, machine.control, alone)
+                    write_switches(machine, memory.switching)
                     on_state(engine.forward, (model, data))
             count_limits(machine, recording.tally)
             if number % every == 0:

@@ -13,6 +13,7 @@ from ehamj.compiled import kernel
 from ehamj.compiled.kept import compiled_callback
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance, isolator_rates
+from ehamj.isolator.spool import Command
 from ehamj.isolator.supply import Feed, supply_rates
 from ehamj.memory import LEDGER, MACHINE_BODY, OIL, SUPPLY, SUPPLY_STATE, size
 from ehamj.mujoco.feet import turned_stage, upright_stage
@@ -61,7 +62,7 @@ def write_rates(machine):  # type: ignore[no-untyped-def]
         derivative, of_options, flows, force = isolator_rates(
             state_of(machine.states[k]),
             options_of(machine.act, isolator),
-            machine.control[k] + mount.command,
+            Command(machine.control[k] + mount.command, mount.switching),
             plate_of(machine, k),
             mount.metering,
             machine.time[0],

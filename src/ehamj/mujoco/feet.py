@@ -5,11 +5,18 @@ from ehamj.isolator.cylinder import oil_force
 from ehamj.isolator.fluid import actual_pressure
 from ehamj.isolator.membrane import pull
 from ehamj.mujoco.finite import across, beyond, cross, dot, hinge_moments, plus, swung, times, turn_of
-from ehamj.mujoco.unpacking import cubic_of, hermite, isolator_of
+from ehamj.mujoco.unpacking import cubic_of, hermite, isolator_of, through
 from ehamj.plant.axes import JOINTS
 
 X, Y, Z = JOINTS.index("x"), JOINTS.index("y"), JOINTS.index("z")
 RX, RY, RZ = JOINTS.index("rx"), JOINTS.index("ry"), JOINTS.index("rz")
+
+
+@kernel
+def write_command(mount, s):  # type: ignore[no-untyped-def]
+    """Evaluate the command beside the controller's, and what a switch of that adds, at the fraction ``s`` of a step."""
+    mount.command = hermite(cubic_of(mount.open_loop), s)[0]
+    mount.switching = through(mount.switch_start, mount.switch_middle, mount.switch_end, s)
 
 
 @kernel
@@ -27,7 +34,7 @@ def upright_stage(machine, s, force):  # type: ignore[no-untyped-def]
         z, z_slope = hermite(cubic_of(mount.ground_z), s)
         mount.ground = z + isolator.height
         mount.ground_rate = z_slope * rate
-        mount.command = hermite(cubic_of(mount.open_loop), s)[0]
+        write_command(mount, s)
         pull_x, pull_y = pull(x, x_slope, rate, own), pull(y, y_slope, rate, own)
         force[X] += pull_x
         force[Y] += pull_y
@@ -80,7 +87,7 @@ def turned_stage(machine, s, force):  # type: ignore[no-untyped-def]
         x, x_slope = hermite(cubic_of(mount.ground_x), s)
         y, y_slope = hermite(cubic_of(mount.ground_y), s)
         z, z_slope = hermite(cubic_of(mount.ground_z), s)
-        mount.command = hermite(cubic_of(mount.open_loop), s)[0]
+        write_command(mount, s)
         ground = (x, y, z), (x_slope * rate, y_slope * rate, z_slope * rate)
         whole, extra = foot_forces(machine, k, motion, turn, ground, isolator_of(isolator))
         r = (isolator.mount_x, isolator.mount_y, isolator.mount_z)

@@ -14,6 +14,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.compiled import kernel
 from ehamj.memory import SLIDE
+from ehamj.mujoco.unpacking import through
 from ehamj.plant.axes import JOINTS
 from ehamj.plant.bodies import Body, principal_of
 from ehamj.plant.plant import Plant
@@ -61,9 +62,7 @@ def push_slides(machine, s, force):  # type: ignore[no-untyped-def]
     """Add the forces of the slides' drives at the fraction ``s`` of a step."""
     for k in range(machine.slides.size):
         own = machine.slides[k]
-        # Through the values at the three times at which the integrator asks.
-        bend = 2.0 * (own.start - 2.0 * own.middle + own.end)
-        force[FIRST + k] += own.start + s * (own.end - own.start + (s - 1.0) * bend)
+        force[FIRST + k] += through(own.start, own.middle, own.end, s)
 
 
 @kernel

@@ -70,6 +70,13 @@ def put_cubic(cubic, start, end):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def through(start: float, middle: float, end: float, s: float) -> float:
+    """Value at the fraction ``s`` of the step of what is known at the times at which the integrator asks."""
+    bend = 2.0 * (start - 2.0 * middle + end)
+    return start + s * (end - start + (s - 1.0) * bend)
+
+
+@kernel
 def hermite(cubic: Cubic, s: float) -> tuple[float, float]:
     """Value and slope·step of a cubic at the fraction ``s`` of the step."""
     rise = cubic.end_value - cubic.value

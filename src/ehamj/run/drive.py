@@ -18,7 +18,7 @@ from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.mujoco.slides import drives
 from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
-from ehamj.signals import Signal
+from ehamj.signals import Signal, Zero
 
 Progress = Callable[[float], None]
 
@@ -128,6 +128,8 @@ def sample_inputs(
     starts = points[:-1].copy()
     ends = points[1:]
     for mount, signal in enumerate(commands):
+        if isinstance(signal, Zero):
+            continue
         now = signal.sample(times[:-1])
         then = signal.sample(times[1:], left=True)
         starts[:, mount, COMMAND, 0], starts[:, mount, COMMAND, 1] = now.value, now.slope

@@ -1,4 +1,7 @@
-"""Where the step is chosen: as stated, or the longest that follows the fastest mode and divides every period."""
+"""Where the step is chosen: as stated, or the longest that follows the fastest mode and divides every period.
+
+Delays do not count: commands may switch within a step.
+"""
 
 import math
 from collections.abc import Sequence
@@ -29,8 +32,8 @@ cent and motions below 100 Hz to 1e-4."""
 def choose_timestep(scenario: Scenario, controller: AnyController | None = None) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
-    It divides the recording period, and the controller's sampling period and delay, and follows the shortest force on
-    the machine. Call it with the hydraulics installed.
+    It divides the recording period and the controller's sampling periods, and follows the shortest force on the
+    machine. Call it with the hydraulics installed.
 
     Raises:
         InputError: if a stated step does not divide them, or no reasonable step does.
@@ -45,8 +48,8 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None)
     if period < SHORTEST_STEP:
         times = ", ".join(f"{name} = {value:.9g} s" for name, value in periods.items())
         raise InputError(
-            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose record_rate, "
-            "control.rate and control.delay that are multiples of each other, or state a timestep"
+            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose record_rate and "
+            "control.rate that are multiples of each other, or state a timestep"
         )
     return period / max(1, math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9))
 
@@ -58,8 +61,6 @@ def _periods(scenario: Scenario, controller: AnyController | None) -> dict[str, 
     for number, part in enumerate(parts, start=1):
         whose = "the controller's" if len(parts) == 1 else f"the controller's part {number}'s"
         periods[f"{whose} period"] = part.period
-        if part.latency > 0:
-            periods[f"{whose} delay"] = part.latency
     return periods
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.compiled import kernel
 from ehamj.compiled.kept import compiled
+from ehamj.compiled.lanes import add_products, copy_lanes, peek, poke
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
@@ -29,8 +30,7 @@ from ehamj.smallmotion.isolators import (
     settle,
     state_in,
 )  # fmt: skip
-from ehamj.smallmotion.lanes import add_products, copy_lanes, peek, poke
-from ehamj.smallmotion.stage import CONNECTED, evaluate, runge_kutta
+from ehamj.smallmotion.stage import CONNECTED, Commanded, evaluate, runge_kutta
 
 TOO_LARGE: Final = 5
 """Status of a machine that turns by more than `LARGEST_TURN`."""
@@ -244,17 +244,18 @@ def compiled_advance() -> Any:
     def advance(own, given, stretch, recorded, counted, plates, law, scratch, ended, lanes):  # type: ignore[no-untyped-def]
         first, steps, last = stretch
         laws, memory, sensing, readings, noise, first_noise, control = law
+        commanded = Commanded(control, memory.switching)
         w, h, mounts = len(lanes), own.sizes.step, own.forms.size
         row, acts = 0, 2 * own.sizes.coordinates
         signals, act = np.zeros(sensing.layout.size * w), scratch.state[acts * w :]
         motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
         length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
-        ground = given.inputs.size // (steps + last)
+        ground = given.inputs.size // max(steps + last, 1)
         for k in range(steps + last):
             number = first + k
             time = number * h
             release(number, laws, memory, control, lanes)
-            evaluate(own, given, k, 0, time, control, scratch, lanes)
+            evaluate(own, given, k, 0, time, commanded, scratch, lanes)
             if not within(own, scratch, lanes) and not end_failed(own, scratch, counted, ended, number, lanes):
                 return k, row
             sampled = laws.base > 0 and number % laws.base == 0
@@ -271,14 +272,14 @@ def compiled_advance() -> Any:
                     keep_counts(own, counted, 0, lanes)
                     return k, row
                 if answer == AT_ONCE:
-                    convert_held(laws, memory, control, lanes)
-                    evaluate(own, given, k, 0, time, control, scratch, lanes)
+                    convert_held(number, laws, memory, control, lanes)
+                    evaluate(own, given, k, 0, time, commanded, scratch, lanes)
             count_limits(own, counted, lanes)
             if number % recorded.every == 0:
                 write_row(own, recorded, row, memory.values, readings.readings, scratch, lanes)
                 row += 1
             if k < steps:
-                runge_kutta(own, given, k, time, control, scratch, lanes)
+                runge_kutta(own, given, k, time, commanded, scratch, lanes)
                 settle(own.forms, own.blocks, scratch.state, acts, time, lanes)
         return steps, row
 

@@ -90,7 +90,7 @@ class Block:
                 np.zeros(mounts, np.int64),
                 blocks.ravel(),
                 stacked(machine.levers for machine in machines),
-                stacked(machine.stroke_at_rest for machine in machines),
+                stacked(_at_rest(machine) for machine in machines),
                 np.zeros(0) if shared is None else np.zeros(len(shared) * width),
                 sizes,
             ),
@@ -158,12 +158,19 @@ class Block:
         return Given(
             stacked(matrices),
             _unless_zero([one.pushed for one in full]),
-            _unless_zero([one.ground for one in full]),
+            self._strokes([one.ground for one in full]),
             _unless_zero(commands),
             stacked(start for start, _ in given) if reads else np.zeros(0),
             matrices[0].shape[1],
             len(full[0].pushed),
         )
+
+    def _strokes(self, ground: Sequence[Array]) -> Array:
+        """Strokes that the ground makes of machines in their equilibrium, or nothing where it rests."""
+        if not any(part.any() for part in ground):
+            return np.zeros(0)
+        machines = [self._simulation(number).machine for number in range(self.width)]
+        return stacked(_at_rest(machine) - part for machine, part in zip(machines, ground, strict=True))
 
     def advance(
         self, first: int, steps: int, last: bool, given: Given, recorded: Recorded, noise: Sequence[Array] | None
@@ -236,6 +243,11 @@ class Block:
 def _filled(parts: Sequence[T], width: int) -> list[T]:
     """One for each lane: the last again where there is none."""
     return [*parts, *[parts[-1]] * (width - len(parts))]
+
+
+def _at_rest(machine: SmallMachine) -> Array:
+    """Strokes in the equilibrium, and their rates (mount, 2)."""
+    return np.column_stack([machine.stroke_at_rest, np.zeros_like(machine.stroke_at_rest)])
 
 
 def _commands(start: Array, end: Array) -> Array:

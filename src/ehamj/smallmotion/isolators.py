@@ -11,18 +11,20 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.compiled import kernel
+from ehamj.compiled.lanes import copy_lanes, peek, poke
 from ehamj.isolator.actuator import COMPONENTS, OPTIONS, Actuator
 from ehamj.isolator.component import STAGES, Component
 from ehamj.isolator.equations import WHOLE, Equations, Isolator, State, equations, lapped_flows, settled, unlapped_flows
 from ehamj.isolator.fluid import liquid_rate
+from ehamj.isolator.spool import Command
 from ehamj.isolator.supply import Feed
 from ehamj.memory import ISOLATOR, PLACES, size
-from ehamj.smallmotion.lanes import copy_lanes, peek, poke
 
 EXCHANGE: Final = (
     "stroke",  # [m]
     "speed",  # [m/s]
     "command",  # [V]
+    "switching",  # what is added to it within the valve's range, of a command that switches within the step [V]
     "supply_pressure",  # [Pa]
     "metering",  # where the metering edges stood at the end of the last step [mA]
     "into_1",  # flow into the chambers [m³/s]
@@ -46,9 +48,25 @@ BLOCK: Final = EXCHANGE_AT + len(EXCHANGE)
 OWN: Final = len(State._fields)
 """States of an isolator."""
 
-STROKE, SPEED, COMMAND, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, AT_LIMIT, _1, _2, _3, TAKEN, STATE = (
-    range(EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1)
-)
+(
+    STROKE,
+    SPEED,
+    COMMAND,
+    SWITCHING,
+    SUPPLY,
+    METERING,
+    INTO_1,
+    INTO_2,
+    DRAWN,
+    FORCE,
+    REST,
+    AT_LIMIT,
+    _1,
+    _2,
+    _3,
+    TAKEN,
+    STATE,
+) = range(EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1)
 RATE: Final = STATE + len(State._fields)
 
 PLAIN, OPEN, LAPPED, ANY = range(4)
@@ -133,7 +151,7 @@ def _stage(kernels: Equations, absent: Collection[type[Component]], options: boo
             derivative, more, flows, force = rates_of(
                 state_in(blocks, at + STATE * w, lanes),
                 states,
-                peek(blocks, at + COMMAND * w),
+                Command(peek(blocks, at + COMMAND * w), peek(blocks, at + SWITCHING * w)),
                 peek(blocks, at + STROKE * w),
                 peek(blocks, at + SPEED * w),
                 peek(blocks, at + METERING * w),
@@ -174,9 +192,7 @@ def _load(blocks, state, acts, mount, lanes):  # type: ignore[no-untyped-def]
     In one block, at constant distances, the compiler sees that nothing overlaps.
     """
     w, found = len(lanes), 0
-    for k in range(OWN):
-        for lane in range(w):
-            poke(blocks, (mount * BLOCK + STATE + k) * w + lane, peek(state, (acts + mount * OWN + k) * w + lane))
+    copy_lanes(state, (acts + mount * OWN) * w, blocks, (mount * BLOCK + STATE) * w, OWN * w)
     for lane in range(w):
         at = mount * BLOCK * w + lane
         vapour = peek(blocks, at + VAPOUR * w)
@@ -203,8 +219,7 @@ def isolators(forms, blocks, state, rate, acts, time, lanes):  # type: ignore[no
             _open(blocks, state, rate, acts, mount, time, lanes)
         else:
             _lapped(blocks, state, rate, acts, mount, time, lanes)
-        for k in range(OWN * w):
-            poke(rate, (acts + mount * OWN) * w + k, peek(blocks, (mount * BLOCK + RATE) * w + k))
+        copy_lanes(blocks, (mount * BLOCK + RATE) * w, rate, (acts + mount * OWN) * w, OWN * w)
 
 
 @kernel

@@ -3,6 +3,7 @@
 from typing import Any, Final, NamedTuple
 
 from ehamj.compiled import kernel
+from ehamj.compiled.lanes import add_lanes, add_products, copy_lanes, peek, poke
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance
 from ehamj.isolator.supply import Feed, Supply, SupplyState, supply_rates
@@ -20,11 +21,11 @@ from ehamj.smallmotion.isolators import (
     STATE,
     STROKE,
     SUPPLY,
+    SWITCHING,
     isolator_in,
     isolators,
     state_in,
 )  # fmt: skip
-from ehamj.smallmotion.lanes import add_products, copy_lanes, peek, poke
 
 CONNECTED, PRESSURE, TANK = AT["connected"], AT["supply_pressure"], AT["tank_pressure"]
 RATED: Final = AT["rated_pressure"]
@@ -49,7 +50,7 @@ class Lanes(NamedTuple):
     levers: Any
     """(m, n) strokes per coordinate."""
     at_rest: Any
-    """(m,) strokes in the equilibrium [m]."""
+    """(m, 2) strokes in the equilibrium [m], and their rates, which are zero."""
     supply: Any
     """`Supply.Values`, or empty: the pressure is constant."""
     sizes: "Sizes"
@@ -77,7 +78,7 @@ class Given(NamedTuple):
     pushed: Any
     """(steps, 3, n) accelerations by ground and load [m/s²]."""
     ground: Any
-    """(steps, 3, m, 2) along the strokes [m, m/s]."""
+    """(steps, 3, m, 2) strokes that the ground makes of a machine in its equilibrium, and their rates [m, m/s]."""
     commands: Any
     """(steps, 3, m) beside the law's [V]."""
     inputs: Any
@@ -98,6 +99,15 @@ class Given(NamedTuple):
         return Given._make((matrix, *tables, self.times, steps))
 
 
+class Commanded(NamedTuple):
+    """What the laws command in a step; flat with the lane last."""
+
+    commands: Any
+    """(m) from the start of the step [V]."""
+    switching: Any
+    """(3, m) what switches within the step adds at its start, middle and end [V]."""
+
+
 class Scratch(NamedTuple):
     """States of all lanes, (2 n + activations)."""
 
@@ -115,28 +125,21 @@ supply_in: Final = _supply_in()
 
 
 @kernel
-def hand_over(own, given, here, state, control, stage, lanes):  # type: ignore[no-untyped-def]
+def hand_over(own, given, here, state, law, stage, lanes):  # type: ignore[no-untyped-def]
     """Put stroke, speed, command and supply of all mounts into their blocks; ``here`` is 3·step + stage."""
     w, n, mounts, blocks = len(lanes), own.sizes.coordinates, own.forms.size, own.blocks
     for mount in range(mounts):
         at = mount * BLOCK
-        copy_lanes(own.at_rest, mount * w, blocks, (at + STROKE) * w, w)
-        for lane in range(w):
-            poke(blocks, (at + SPEED) * w + lane, 0.0)
+        if given.ground.size > 0:
+            copy_lanes(given.ground, (here * mounts + mount) * 2 * w, blocks, (at + STROKE) * w, 2 * w)
+        else:
+            copy_lanes(own.at_rest, mount * 2 * w, blocks, (at + STROKE) * w, 2 * w)
         add_products(blocks, at + STROKE, own.levers, mount * n, state, 0, (1, 1), n, lanes)
         add_products(blocks, at + SPEED, own.levers, mount * n, state, n, (1, 1), n, lanes)
-        if given.ground.size > 0:
-            place = (here * mounts + mount) * 2 * w
-            for lane in range(w):
-                stroke, speed = (at + STROKE) * w + lane, (at + SPEED) * w + lane
-                poke(blocks, stroke, peek(blocks, stroke) - peek(given.ground, place + lane))
-                poke(blocks, speed, peek(blocks, speed) - peek(given.ground, place + w + lane))
-        copy_lanes(control, mount * w, blocks, (at + COMMAND) * w, w)
+        copy_lanes(law.commands, mount * w, blocks, (at + COMMAND) * w, w)
+        copy_lanes(law.switching, (stage * mounts + mount) * w, blocks, (at + SWITCHING) * w, w)
         if given.commands.size > 0:
-            for lane in range(w):
-                command = (at + COMMAND) * w + lane
-                beside = peek(given.commands, (here * mounts + mount) * w + lane)
-                poke(blocks, command, peek(blocks, command) + beside)
+            add_lanes(blocks, at + COMMAND, given.commands, here * mounts + mount, lanes)
         if own.sizes.supply_at > 0:
             shared = (2 * n + own.sizes.supply_at + 2) * w
             for lane in range(w):
@@ -208,10 +211,10 @@ def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-unty
 
 
 @kernel
-def evaluate(own, given, step, stage, time, control, scratch, lanes):  # type: ignore[no-untyped-def]
+def evaluate(own, given, step, stage, time, law, scratch, lanes):  # type: ignore[no-untyped-def]
     """The time derivative of all lanes at a stage (0 start, 1 middle, 2 end) of a step."""
     here, acts = 3 * step + stage, 2 * own.sizes.coordinates
-    hand_over(own, given, here, scratch.state, control, stage, lanes)
+    hand_over(own, given, here, scratch.state, law, stage, lanes)
     isolators(own.forms, own.blocks, scratch.state, scratch.rate, acts, time, lanes)
     if own.sizes.supply_at > 0:
         supply_stage(own, scratch.state, scratch.rate, lanes)
@@ -221,7 +224,7 @@ def evaluate(own, given, step, stage, time, control, scratch, lanes):  # type: i
 
 
 @kernel
-def runge_kutta(own, given, step, time, control, scratch, lanes):  # type: ignore[no-untyped-def]
+def runge_kutta(own, given, step, time, law, scratch, lanes):  # type: ignore[no-untyped-def]
     """The classical step of fourth order of all lanes; the rate at its start has been evaluated."""
     h, size = own.sizes.step, scratch.state.size
     state, rate, start, total = scratch.state, scratch.rate, scratch.start, scratch.total
@@ -231,7 +234,7 @@ def runge_kutta(own, given, step, time, control, scratch, lanes):  # type: ignor
         share = 1.0 if number == 3 else 0.5
         for k in range(size):
             state[k] = start[k] + share * h * rate[k]
-        evaluate(own, given, step, 2 if number == 3 else 1, time + share * h, control, scratch, lanes)
+        evaluate(own, given, step, 2 if number == 3 else 1, time + share * h, law, scratch, lanes)
         weight = 1.0 if number == 3 else 2.0
         for k in range(size):
             total[k] += weight * rate[k]

@@ -2,6 +2,15 @@
 
 Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``. What is the
 same for each entry and lane runs through both at once.
+
+A command may switch within a step of the integrator. Its response is then that of the switch to fourth order, as
+anywhere else, if the integrator, which asks at start, middle and end, sees there a(w), b(w), c(w) of what changes, for
+a command that acts in the last share w of the step:
+
+    (a + 4 b + c)/6 = w,    (a + 2 b)/6 = w²/2,    (a + b)/12 = w³/6,
+
+so that the mean of the command and its first two moments are exact (`step_shares`). A switch at the start of a step is
+there already: (1, 1, 1); one at its end (0, 0, 0).
 """
 
 from typing import Any, Final, NamedTuple
@@ -10,6 +19,7 @@ import numpy as np
 from numba import types
 
 from ehamj.compiled import copy, kernel
+from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 
@@ -20,11 +30,13 @@ LAW: Final = np.dtype(
             "states",
             "inputs",
             "every",  # steps between samples
-            "delay",  # steps from a sample to its command
+            "delay",  # whole steps from a sample to its command
             "function",  # address of a Python law; 0: none
-            # Where its matrices begin in `Laws.matrices`, its inputs in `Laws.inputs_of`:
+            # Where its matrices begin in `Laws.matrices`, their rows in `Laws.rows` (−1: the matrices are full), its
+            # inputs in `Laws.inputs_of`:
             "matrices",
-            "windup",  # -1: no anti-windup
+            "rows",
+            "windup",  # -1: no anti-windup; else where it begins, among the rows where they are
             "inputs_at",
             # Where in `LawMemory.values` its states lie; per valve its latest outputs, those that are held, what fade
             # and range last took; and the ring of outputs that wait for their time:
@@ -36,8 +48,17 @@ LAW: Final = np.dtype(
             "places",  # of the ring: as many samples as the delay is long, and one
         )
     ]
+    # What of a step the delay is longer than its whole steps, and what of a switch there is seen at each stage:
+    + [(name, np.float64) for name in ("fraction", "at_start", "at_middle", "at_end")]
 )
-"""A law as the loop knows it; all fields are whole numbers."""
+"""A law as the loop knows it; all fields but the last are whole numbers."""
+
+
+def step_shares(fraction: float) -> tuple[float, float, float]:
+    """What of a command that switches at this fraction of a step is seen at its start, middle and end."""
+    w = 1.0 - fraction
+    return w**2 * (4.0 * w - 3.0), w**2 * (3.0 - 2.0 * w), w * (6.0 - w * (9.0 - 4.0 * w))
+
 
 NOT_DUE: Final = 0
 WAITS: Final = 1
@@ -47,15 +68,24 @@ FAILED: Final = 3
 
 
 class Laws(NamedTuple):
-    """The laws that run side by side; of a block of machines only the matrices are each lane's own."""
+    """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
     """A `LAW` per law."""
     matrices: Any
-    """A, B, C, D and anti-windup of every law, each transposed and flat."""
+    """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
+    rows: Any
+    """Of laws made of blocks, whose matrices are mostly zero, where each row of A, B, C, D and anti-windup begins in
+    ``matrices``, which then hold what is not zero; of each matrix its end too."""
+    columns: Any
+    """Column of each number in ``matrices``, for these laws."""
     inputs_of: Any
     """Channels that the laws measure, one law after the other."""
     converter: Conversion
+    ranges: Any
+    """Of each valve's command [V]."""
+    switching: Any
+    """Laws whose commands switch within a step, in the order in which they do."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -68,11 +98,13 @@ class LawMemory(NamedTuple):
     scratch: Any
     totals: Any
     """(2·valve): wanted, and what fade and range take."""
+    switching: Any
+    """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
         """Memory of a size."""
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), np.zeros(2 * mounts))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *(np.zeros(n * mounts) for n in (2, 3)))
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -80,29 +112,70 @@ call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.
 
 
 @kernel
-def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-def]
-    """Hand the valves the outputs whose time has come."""
-    changed, values, width = False, memory.values, len(lanes)
-    for k in range(laws.table.size):
-        law = laws.table[k]
-        since = number - law.delay
-        if law.delay > 0 and since >= 0 and since % law.every == 0:
-            place = law.ring * width + control.size * ((since // law.every) % law.places)
-            for i in range(control.size):
-                values[law.held * width + i] = values[place + i]
-            changed = True
-    if changed:
-        convert_held(laws, memory, control, lanes)
+def due(number, law):  # type: ignore[no-untyped-def]
+    """Whether outputs of a law have waited as many whole steps as its delay has."""
+    since = number - law.delay
+    return since >= 0 and since % law.every == 0
 
 
 @kernel
-def convert_held(laws, memory, control, lanes):  # type: ignore[no-untyped-def]
-    """Commands from what all laws hold."""
-    for i in range(control.size):
-        total = 0.0
-        for k in range(laws.table.size):
-            total += memory.values[laws.table[k].held * len(lanes) + i]
-        control[i] = converted(total, laws.converter.limit, laws.converter.resolution)
+def waiting(number, law, size, lanes):  # type: ignore[no-untyped-def]
+    """Where the outputs of a law that are due lie."""
+    return law.ring * len(lanes) + size * (((number - law.delay) // law.every) % law.places)
+
+
+@kernel
+def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-def]
+    """Hand the valves the outputs whose time has come, or comes within this step."""
+    changed, values = False, memory.values
+    for k in range(laws.table.size):
+        law = laws.table[k]
+        begun = number if law.fraction == 0.0 else number - 1  # step within which what is held from now on switched
+        if (law.delay > 0 or law.fraction > 0.0) and due(begun, law):
+            place, held = waiting(begun, law, control.size, lanes), law.held * len(lanes)
+            for i in range(control.size):
+                values[held + i] = values[place + i]
+            changed = True
+        if law.fraction > 0.0 and law.delay > 0 and due(number, law):
+            changed = True
+    if changed:
+        convert_held(number, laws, memory, control, lanes)
+
+
+@kernel
+def total_after(number, fraction, i, laws, values, size, lanes):  # type: ignore[no-untyped-def]
+    """Sum of what all laws command after a fraction of a step, of one valve and lane."""
+    total = 0.0
+    for k in range(laws.table.size):
+        law = laws.table[k]
+        place = law.held * len(lanes)
+        if 0.0 < law.fraction <= fraction and due(number, law):
+            place = waiting(number, law, size, lanes)
+        total += values[place + i]
+    return converted(total, laws.converter.limit, laws.converter.resolution)
+
+
+@kernel
+def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyped-def]
+    """Commands from what all laws hold, and what it adds that they switch within this step.
+
+    Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
+    """
+    size, values, added = control.size, memory.values, memory.switching
+    for i in range(size):
+        control[i] = total_after(number, 0.0, i, laws, values, size, lanes)
+        added[i] = added[size + i] = added[2 * size + i] = 0.0
+    for j in range(laws.switching.size):
+        law = laws.table[laws.switching[j]]
+        if due(number, law):
+            before = laws.table[laws.switching[j - 1]].fraction if j > 0 else 0.0
+            for i in range(size):
+                now = total_after(number, before, i, laws, values, size, lanes)
+                then = total_after(number, law.fraction, i, laws, values, size, lanes)
+                rise = converted(then, laws.ranges[i], 0.0) - converted(now, laws.ranges[i], 0.0)
+                added[i] += law.at_start * rise
+                added[size + i] += law.at_middle * rise
+                added[2 * size + i] += law.at_end * rise
 
 
 @kernel
@@ -150,6 +223,16 @@ def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-
 
 
 @kernel
+def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
+    """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
+    `add_product`, which adds the zeros too."""
+    for i in range(result.size // len(lanes)):
+        first = laws.rows[at + i]
+        count = laws.rows[at + i + 1] - first
+        add_indexed(result, i, laws.matrices, first, vector, 0, laws.columns, count, lanes)
+
+
+@kernel
 def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
     width, valves, values = len(lanes), memory.totals.size // 2, memory.values
@@ -162,9 +245,15 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
     if law.function != 0:
         lost = values[law.taken * width : law.taken * width + valves]
         return call_law(law.function, (time, inputs.ctypes.data, lost.ctypes.data, latest.ctypes.data)) == 0
+    states = values[law.states_at * width : law.states_at * width + n]
+    if law.rows >= 0:
+        latest[:] = 0.0
+        rows = law.rows + 2 * (law.states + 1)
+        add_rows(laws, rows, states, latest, lanes)
+        add_rows(laws, rows + valves // width + 1, inputs, latest, lanes)
+        return True
     C = first + law.states * (n + p)
     D = C + law.states * valves
-    states = values[law.states_at * width : law.states_at * width + n]
     wanted(laws.matrices[C:D], laws.matrices[D : D + law.inputs * valves], states, inputs, latest, lanes)
     return True
 
@@ -206,12 +295,20 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
         states = values[law.states_at * width : law.states_at * width + n]
         B = first + law.states * n
         inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
-        advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
-        if law.windup >= 0:
-            windup = law.windup * width
-            add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+        windup = law.windup * width
+        if law.rows >= 0:
+            scratch[:] = 0.0
+            add_rows(laws, law.rows, states, scratch, lanes)
+            add_rows(laws, law.rows + law.states + 1, inputs, scratch, lanes)
+            copy(scratch, states)
+            if law.windup >= 0:
+                add_rows(laws, law.windup, lost, states, lanes)
+        else:
+            advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
+            if law.windup >= 0:
+                add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
     place = law.ring * width + valves * ((number // law.every) % law.places)
-    if law.delay == 0:
+    if law.delay == 0 and law.fraction == 0.0:
         place = law.held * width
     for i in range(valves):
         values[law.taken * width + i] = lost[i]
