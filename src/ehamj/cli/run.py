@@ -26,6 +26,10 @@ def run(
     out_folder: Out = None,
     overwrite: Overwrite = False,
     overrides: Set = None,
+    engine: Annotated[
+        str | None,
+        typer.Option("--engine", help="mujoco, or small-motion, which is many times faster; as --set engine=…"),
+    ] = None,
     no_replay: Annotated[bool, typer.Option("--no-replay", help="Do not write replay.rrd.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Do not write report.html and figures/.")] = False,
     as_json: Json = False,
@@ -40,7 +44,8 @@ def run(
 
     check_out(out_folder, overwrite, RESULT_FILES)
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
-    loaded = load_scenario(scenario, [*(overrides or ()), *off])
+    chosen = [] if engine is None else [f"engine={engine}"]
+    loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
     results, failures = _simulate(loaded)
     from ehamj.store import write_run
 

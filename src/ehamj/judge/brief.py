@@ -47,8 +47,10 @@ def brief(summary: Summary) -> dict[str, str]:
 
 
 def simulated(summary: Summary) -> str:
-    """How much was simulated, and how long it took."""
-    return f"{summary.timing.simulated_s:g} s simulated in {summary.timing.wall_s:.2g} s"
+    """How much was simulated, how long it took, and on which engine, where that is not the default one."""
+    timing = summary.timing
+    engine = "" if timing.engine == "mujoco" else f" on the {timing.engine} engine"
+    return f"{timing.simulated_s:g} s simulated in {timing.wall_s:.2g} s{engine}"
 
 
 def told_attenuation(summary: Summary) -> dict[str, dict[str, str]]:

@@ -80,6 +80,8 @@ class Timing(Finding):
     steps: int
     timestep_s: float
     ratio: float | None
+    engine: str = "mujoco"
+    """What stepped it, as the scenario's key says."""
 
 
 class Head(Finding):

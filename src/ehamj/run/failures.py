@@ -10,6 +10,7 @@ from ehamj.result import Result
 from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
 from ehamj.run.timestep import follows
+from ehamj.smallmotion.advance import LARGEST_TURN, TOO_LARGE
 
 EMPTY = {CHAMBER_1_EMPTY: 1, CHAMBER_2_EMPTY: 2}
 """Chamber that ran empty, by status."""
@@ -49,6 +50,11 @@ def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
     if stopped.status == LAW_FAILED:
         error = prepared.loop.failures[0]
         return f"simulation failed at {at:.6g} s, in the Python controller: {type(error).__name__}: {error}. {kept}"
+    if stopped.status == TOO_LARGE:
+        return (
+            f"simulation failed at {at:.6g} s, at the machine: it turned by more than {1e3 * LARGEST_TURN:g} mrad, "
+            f"which is no small motion. {kept}. engine = 'mujoco' follows any turn"
+        )
     where = prepared.scenario.plant.mounts[stopped.mount] if stopped.mount >= 0 else "the machine"
     what = "a state is no longer finite"
     if stopped.status in EMPTY:

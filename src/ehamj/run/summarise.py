@@ -84,6 +84,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
             steps=steps,
             timestep_s=prepared.timestep,
             ratio=simulated / driven.seconds if driven.seconds > 0 else None,
+            engine=scenario.engine,
         ),
         versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         seed=scenario.seed,

@@ -7,3 +7,4 @@ from ehamj.verify import valve
 from ehamj.verify import conservation
 from ehamj.verify import machine
 from ehamj.verify import statics
+from ehamj.verify import small_motion

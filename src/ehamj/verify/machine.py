@@ -41,6 +41,12 @@ def motion_error(result: Result, reference: ReferenceRun, vapour: float = 0.0) -
     return float((np.abs(found - wanted).max(axis=0)[moves] / peak[moves]).max())
 
 
+@cache
+def smooth_reference() -> ReferenceRun:
+    """The workshop with smooth options at 1e-8."""
+    return simulate_reference(workshop(SMOOTH_OPTIONS), 1e-8)
+
+
 @case(
     "whole machine, smooth options",
     "2 s of workshop floor under feedforward, every option but hysteresis and stops, at the automatic step",
@@ -51,8 +57,7 @@ def motion_error(result: Result, reference: ReferenceRun, vapour: float = 0.0) -
 )
 def smooth_machine(subject: Subject) -> Finding:
     """Every option but hysteresis and stops."""
-    scenario = workshop(SMOOTH_OPTIONS)
-    reference = simulate_reference(scenario, 1e-8)
+    scenario, reference = workshop(SMOOTH_OPTIONS), smooth_reference()
     return Finding(motion_error(subject.simulate(scenario), reference), f"{reference.steps} steps of the reference")
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from typing import Any, Final
@@ -36,7 +37,9 @@ TIMING: Final = (
 def numbers(shown: Shown) -> Section:
     """What the figures show, as numbers."""
     of_axes = [table(shown, axis) for axis in shown.judged_axes for table in (_bands, _statistics)]
-    tables = [*of_axes, _levels(shown), of_each("Computation", "timing", TIMING, shown)]
+    computation = of_each("Computation", "timing", TIMING, shown)
+    engines = ["engine", *(result.summary.timing.engine for result in shown.results.values())]
+    tables = [*of_axes, _levels(shown), replace(computation, rows=[engines, *computation.rows])]
     return Section("tables", "Numbers", tables=tables)
 
 
