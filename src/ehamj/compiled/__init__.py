@@ -11,6 +11,8 @@ from typing import Any, Final
 
 OPTIONS: Final = {"nogil": True, "error_model": "numpy"}
 """How everything is compiled."""
+PART: Final = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+"""How a kernel is: inlined into its callers, without counting who refers to its arrays, which they keep alive."""
 
 
 class Kernel:
@@ -26,8 +28,7 @@ class Kernel:
 
         from ehamj.compiled.parts import PartCompiler
 
-        alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        return numba.njit(forceinline=True, pipeline_class=PartCompiler, **alone, **OPTIONS)(self.py_func)
+        return numba.njit(pipeline_class=PartCompiler, **PART, **OPTIONS)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
 
-from ehamj.compiled import Kernel
+from ehamj.compiled import OPTIONS, PART, Kernel
 
 _LIBRARIES = ("numba", "numpy", "llvmlite", "math")
 """Their functions are what their name says; a change of Numba's version compiles everything anew."""
@@ -30,7 +30,7 @@ def identity(function: FunctionType) -> str:
     Raises:
         TypeError: if it names something that this file does not know how to tell from a changed one.
     """
-    return _digest(function).hex()[:16]
+    return hashlib.sha256(_digest(function) + repr((PART, OPTIONS)).encode()).hexdigest()[:16]
 
 
 def _digest(function: FunctionType) -> bytes:

@@ -82,6 +82,20 @@ def add_products(
 
 
 @intrinsic
+def set_lanes(typing_context: Any, result: Any, r: Any, values: Any, v: Any, lanes: Any) -> Any:
+    """result[r] = values[v] in all lanes."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        target, source = (
+            _vector(context, builder, signature.args[k], arguments[k], arguments[k + 1], len(lanes)) for k in (0, 2)
+        )
+        builder.store(builder.load(source, align=DOUBLE), target, align=DOUBLE)
+        return context.get_dummy_value()
+
+    return types.void(result, types.intp, values, types.intp, lanes), codegen
+
+
+@intrinsic
 def add_lanes(typing_context: Any, result: Any, r: Any, values: Any, v: Any, lanes: Any) -> Any:
     """result[r] += values[v] in all lanes."""
 
@@ -126,6 +140,6 @@ def add_indexed(
 
 @kernel
 def copy_lanes(source, s, result, r, count):  # type: ignore[no-untyped-def]
-    """result[r:] = source[s:], so many numbers."""
+    """result[r:] = source[s:], so many numbers; of a few `set_lanes` is faster."""
     for k in range(count):
         poke(result, r + k, peek(source, s + k))

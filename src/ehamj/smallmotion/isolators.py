@@ -11,7 +11,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.compiled import kernel
-from ehamj.compiled.lanes import copy_lanes, peek, poke
+from ehamj.compiled.lanes import peek, poke, set_lanes
 from ehamj.isolator.actuator import COMPONENTS, OPTIONS, Actuator
 from ehamj.isolator.component import STAGES, Component
 from ehamj.isolator.equations import WHOLE, Equations, Isolator, State, equations, lapped_flows, settled, unlapped_flows
@@ -192,7 +192,8 @@ def _load(blocks, state, acts, mount, lanes):  # type: ignore[no-untyped-def]
     In one block, at constant distances, the compiler sees that nothing overlaps.
     """
     w, found = len(lanes), 0
-    copy_lanes(state, (acts + mount * OWN) * w, blocks, (mount * BLOCK + STATE) * w, OWN * w)
+    for k in range(OWN):
+        set_lanes(blocks, mount * BLOCK + STATE + k, state, acts + mount * OWN + k, lanes)
     for lane in range(w):
         at = mount * BLOCK * w + lane
         vapour = peek(blocks, at + VAPOUR * w)
@@ -207,7 +208,6 @@ def isolators(forms, blocks, state, rate, acts, time, lanes):  # type: ignore[no
     ``forms`` (mount,) is the simplest form that serves all lanes; ``acts`` where the activations begin in ``state`` and
     ``rate``. What cavitates is computed in full.
     """
-    w = len(lanes)
     for mount in range(forms.size):
         form = forms[mount]
         void = _load(blocks, state, acts, mount, lanes)
@@ -219,7 +219,8 @@ def isolators(forms, blocks, state, rate, acts, time, lanes):  # type: ignore[no
             _open(blocks, state, rate, acts, mount, time, lanes)
         else:
             _lapped(blocks, state, rate, acts, mount, time, lanes)
-        copy_lanes(blocks, (mount * BLOCK + RATE) * w, rate, (acts + mount * OWN) * w, OWN * w)
+        for k in range(OWN):
+            set_lanes(rate, acts + mount * OWN + k, blocks, mount * BLOCK + RATE + k, lanes)
 
 
 @kernel
@@ -229,7 +230,7 @@ def settle(forms, blocks, state, acts, time, lanes):  # type: ignore[no-untyped-
     for mount in range(forms.size):
         first = (acts + mount * OWN) * w
         if forms[mount] == PLAIN:
-            copy_lanes(state, first, blocks, (mount * BLOCK + METERING) * w, w)
+            set_lanes(blocks, mount * BLOCK + METERING, state, acts + mount * OWN, lanes)
         else:
             for lane in range(w):
                 at, y = mount * BLOCK * w + lane, first + lane

@@ -3,7 +3,7 @@
 from typing import Any, Final, NamedTuple
 
 from ehamj.compiled import kernel
-from ehamj.compiled.lanes import add_lanes, add_products, copy_lanes, peek, poke
+from ehamj.compiled.lanes import add_lanes, add_products, copy_lanes, peek, poke, set_lanes
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance
 from ehamj.isolator.supply import Feed, Supply, SupplyState, supply_rates
@@ -128,18 +128,23 @@ supply_in: Final = _supply_in()
 def hand_over(own, given, here, state, law, stage, lanes):  # type: ignore[no-untyped-def]
     """Put stroke, speed, command and supply of all mounts into their blocks; ``here`` is 3·step + stage."""
     w, n, mounts, blocks = len(lanes), own.sizes.coordinates, own.forms.size, own.blocks
+    # Named once: each look into a tuple of arrays counts references.
+    levers, at_rest, ground, beside = own.levers, own.at_rest, given.ground, given.commands
+    held, switching, rides, driven = law.commands, law.switching, given.ground.size > 0, given.commands.size > 0
     for mount in range(mounts):
         at = mount * BLOCK
-        if given.ground.size > 0:
-            copy_lanes(given.ground, (here * mounts + mount) * 2 * w, blocks, (at + STROKE) * w, 2 * w)
+        if rides:
+            set_lanes(blocks, at + STROKE, ground, (here * mounts + mount) * 2, lanes)
+            set_lanes(blocks, at + SPEED, ground, (here * mounts + mount) * 2 + 1, lanes)
         else:
-            copy_lanes(own.at_rest, mount * 2 * w, blocks, (at + STROKE) * w, 2 * w)
-        add_products(blocks, at + STROKE, own.levers, mount * n, state, 0, (1, 1), n, lanes)
-        add_products(blocks, at + SPEED, own.levers, mount * n, state, n, (1, 1), n, lanes)
-        copy_lanes(law.commands, mount * w, blocks, (at + COMMAND) * w, w)
-        copy_lanes(law.switching, (stage * mounts + mount) * w, blocks, (at + SWITCHING) * w, w)
-        if given.commands.size > 0:
-            add_lanes(blocks, at + COMMAND, given.commands, here * mounts + mount, lanes)
+            set_lanes(blocks, at + STROKE, at_rest, mount * 2, lanes)
+            set_lanes(blocks, at + SPEED, at_rest, mount * 2 + 1, lanes)
+        add_products(blocks, at + STROKE, levers, mount * n, state, 0, (1, 1), n, lanes)
+        add_products(blocks, at + SPEED, levers, mount * n, state, n, (1, 1), n, lanes)
+        set_lanes(blocks, at + COMMAND, held, mount, lanes)
+        set_lanes(blocks, at + SWITCHING, switching, stage * mounts + mount, lanes)
+        if driven:
+            add_lanes(blocks, at + COMMAND, beside, here * mounts + mount, lanes)
         if own.sizes.supply_at > 0:
             shared = (2 * n + own.sizes.supply_at + 2) * w
             for lane in range(w):
@@ -147,7 +152,7 @@ def hand_over(own, given, here, state, law, stage, lanes):  # type: ignore[no-un
                 own_pressure = peek(blocks, (at + PRESSURE) * w + lane)
                 poke(blocks, (at + SUPPLY) * w + lane, peek(state, shared + lane) if reached else own_pressure)
         else:
-            copy_lanes(blocks, (at + PRESSURE) * w, blocks, (at + SUPPLY) * w, w)
+            set_lanes(blocks, at + SUPPLY, blocks, at + PRESSURE, lanes)
 
 
 @kernel
@@ -197,17 +202,18 @@ def ledger_stage(own, rate, lanes):  # type: ignore[no-untyped-def]
 @kernel
 def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-untyped-def]
     """Velocities and accelerations as rates of coordinates and velocities."""
-    w, n, mounts, rate = len(lanes), own.sizes.coordinates, own.forms.size, scratch.rate
-    copy_lanes(scratch.state, n * w, rate, 0, n * w)
-    if given.pushed.size > 0:
-        copy_lanes(given.pushed, here * n * w, rate, n * w, n * w)
-    else:
-        for k in range(n * w):
-            poke(rate, n * w + k, 0.0)
-    first = here * (2 * n + mounts) * n if given.times > 1 else 0
+    w, n, mounts = len(lanes), own.sizes.coordinates, own.forms.size
+    state, rate, blocks, matrix, pushed = scratch.state, scratch.rate, own.blocks, given.matrix, given.pushed
+    first, driven = here * (2 * n + mounts) * n if given.times > 1 else 0, given.pushed.size > 0
     for i in range(n):
-        add_products(rate, n + i, given.matrix, first + i, scratch.state, 0, (n, 1), 2 * n, lanes)
-        add_products(rate, n + i, given.matrix, first + 2 * n * n + i, own.blocks, FORCE, (n, BLOCK), mounts, lanes)
+        set_lanes(rate, i, state, n + i, lanes)
+        if driven:
+            set_lanes(rate, n + i, pushed, here * n + i, lanes)
+        else:
+            for lane in range(w):
+                poke(rate, (n + i) * w + lane, 0.0)
+        add_products(rate, n + i, matrix, first + i, state, 0, (n, 1), 2 * n, lanes)
+        add_products(rate, n + i, matrix, first + 2 * n * n + i, blocks, FORCE, (n, BLOCK), mounts, lanes)
 
 
 @kernel

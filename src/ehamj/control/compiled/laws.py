@@ -143,16 +143,16 @@ def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-de
 
 
 @kernel
-def total_after(number, fraction, i, laws, values, size, lanes):  # type: ignore[no-untyped-def]
+def total_after(number, fraction, i, table, converter, values, size, lanes):  # type: ignore[no-untyped-def]
     """Sum of what all laws command after a fraction of a step, of one valve and lane."""
     total = 0.0
-    for k in range(laws.table.size):
-        law = laws.table[k]
+    for k in range(table.size):
+        law = table[k]
         place = law.held * len(lanes)
         if 0.0 < law.fraction <= fraction and due(number, law):
             place = waiting(number, law, size, lanes)
         total += values[place + i]
-    return converted(total, laws.converter.limit, laws.converter.resolution)
+    return converted(total, converter.limit, converter.resolution)
 
 
 @kernel
@@ -162,17 +162,18 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
     Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
     """
     size, values, added = control.size, memory.values, memory.switching
+    table, converter, ranges, switching = laws.table, laws.converter, laws.ranges, laws.switching
     for i in range(size):
-        control[i] = total_after(number, 0.0, i, laws, values, size, lanes)
+        control[i] = total_after(number, 0.0, i, table, converter, values, size, lanes)
         added[i] = added[size + i] = added[2 * size + i] = 0.0
-    for j in range(laws.switching.size):
-        law = laws.table[laws.switching[j]]
+    for j in range(switching.size):
+        law = table[switching[j]]
         if due(number, law):
-            before = laws.table[laws.switching[j - 1]].fraction if j > 0 else 0.0
+            before = table[switching[j - 1]].fraction if j > 0 else 0.0
             for i in range(size):
-                now = total_after(number, before, i, laws, values, size, lanes)
-                then = total_after(number, law.fraction, i, laws, values, size, lanes)
-                rise = converted(then, laws.ranges[i], 0.0) - converted(now, laws.ranges[i], 0.0)
+                now = total_after(number, before, i, table, converter, values, size, lanes)
+                then = total_after(number, law.fraction, i, table, converter, values, size, lanes)
+                rise = converted(then, ranges[i], 0.0) - converted(now, ranges[i], 0.0)
                 added[i] += law.at_start * rise
                 added[size + i] += law.at_middle * rise
                 added[2 * size + i] += law.at_end * rise
@@ -226,10 +227,10 @@ def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-
 def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
     """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
     `add_product`, which adds the zeros too."""
+    rows, columns, matrices = laws.rows, laws.columns, laws.matrices  # once: looking into the tuple costs
     for i in range(result.size // len(lanes)):
-        first = laws.rows[at + i]
-        count = laws.rows[at + i + 1] - first
-        add_indexed(result, i, laws.matrices, first, vector, 0, laws.columns, count, lanes)
+        first = rows[at + i]
+        add_indexed(result, i, matrices, first, vector, 0, columns, rows[at + i + 1] - first, lanes)
 
 
 @kernel

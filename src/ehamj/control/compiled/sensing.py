@@ -111,20 +111,21 @@ def combine(terms, weights, signals, raw, lanes):  # type: ignore[no-untyped-def
 @kernel
 def measure(sample, noise, own, memory):  # type: ignore[no-untyped-def]
     """Readings of one sample from what the instruments give; ``noise`` (sample, channel) may be empty."""
-    readings, analogue = memory.readings, memory.analogue
+    readings, analogue, noisy = memory.readings, memory.analogue, noise.shape[0] > 0
+    gains, offsets, limits, resolutions = own.gains, own.offsets, own.limits, own.resolutions
     for c in range(readings.size):
-        value = analogue[c] + noise[sample, c] if noise.shape[0] > 0 else analogue[c]
-        readings[c] = converted(own.gains[c] * value + own.offsets[c], own.limits[c], own.resolutions[c])
+        value = analogue[c] + noise[sample, c] if noisy else analogue[c]
+        readings[c] = converted(gains[c] * value + offsets[c], limits[c], resolutions[c])
 
 
 @kernel
 def read_sensors(number, sample, own, noise, signals, memory, lanes):  # type: ignore[no-untyped-def]
     """Filter the channels for one step; at a sample (number ``sample`` of ``noise``; −1: none) take the readings."""
-    raw, rest, analogue = memory.raw, memory.rest, memory.analogue
+    raw, rest, analogue, zeroed = memory.raw, memory.rest, memory.analogue, own.zeroed
     combine(own.terms, own.weights, signals, raw, lanes)
     for c in range(raw.size):
         if number == 0:
-            rest[c] = own.zeroed[c] * raw[c]
+            rest[c] = zeroed[c] * raw[c]
         raw[c] -= rest[c]
     if own.order > 0:
         if number == 0:
