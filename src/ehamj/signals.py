@@ -167,8 +167,11 @@ class Lines:
         turn = 2j * np.pi * np.arange(self.lines.size) / size
         half = self.lines * (0.5 * size)
         half[0] = 2.0 * half[0].real
-        samples = scipy.fft.irfft(np.array([half, turn * half, turn * turn * half]), size)
-        return np.concatenate([samples, samples[:, :1]], axis=1)
+        grid = np.empty((3, size + 1))
+        for k, lines in enumerate((half, turn * half, turn * turn * half)):  # one by one: a long floor's grid is large
+            grid[k, :-1] = scipy.fft.irfft(lines, size)
+        grid[:, -1] = grid[:, 0]
+        return grid
 
     def sample(self, time: Array, left: bool = False) -> Sample:
         grid = self._grid

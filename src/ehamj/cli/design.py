@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app
+from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
@@ -15,7 +15,7 @@ OCTAVES = ("1", "2", "4", "8", "16", "31.5", "63", "125", "250")
 """Bands that are printed [Hz]; all are on the page."""
 
 
-@app.command()
+@app.command(cls=Command)
 def design(
     scenario: ScenarioName = "recorded",
     architecture: Annotated[

@@ -29,6 +29,18 @@ COMMANDS: Final = {
 """Every command, in the order in which `ehamj --help` lists them, and the module of this room that registers it."""
 
 
+class Command(TyperCommand):
+    """A command that simulates or computes; its scenario is sought before anything is imported that could do either.
+
+    That is once all words of the command line are understood: one too many is what is said first.
+    """
+
+    def invoke(self, ctx: Any) -> Any:
+        if "scenario" in ctx.params:
+            scenario_path(ctx.params["scenario"])
+        return super().invoke(ctx)
+
+
 class _Commands(TyperGroup):
     """The commands, of which each is imported when it is asked for: neither help nor a mistyped word waits for one."""
 
@@ -82,13 +94,7 @@ out = Console()
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
-def _found(name: str) -> str:
-    """A scenario that is there; one that is not is refused before anything is imported that could simulate it."""
-    scenario_path(name)
-    return name
-
-
-ScenarioName = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.", callback=_found)]
+ScenarioName = Annotated[str, typer.Argument(help="A TOML file, or the name of a shipped scenario.")]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the scenario, e.g. machine.mass=4500."),

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 import xarray as xr
 
-from ehamj.cli.frame import Json, ScenarioName, Set, app
+from ehamj.cli.frame import Command, Json, ScenarioName, Set, app
 from ehamj.cli.modal_tables import print_measured, print_modes
 from ehamj.cli.printing import print_json, say
 from ehamj.cli.progress import doing
@@ -40,7 +40,7 @@ Measured = Annotated[
 Noise = Annotated[float, typer.Option(help="Noise of the measurement's sensors, as a share of each signal's RMS.")]
 
 
-@app.command()
+@app.command(cls=Command)
 def modes(
     scenario: ScenarioName = "recorded",
     overrides: Set = None,

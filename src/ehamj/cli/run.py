@@ -9,7 +9,7 @@ import typer
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, log, out
+from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.folders import RESULT_FILES, check_out, new_folder
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ehamj.scenario.model import Output, Scenario
 
 
-@app.command()
+@app.command(cls=Command)
 def run(
     scenario: ScenarioName = "recorded",
     out_folder: Out = None,

@@ -6,7 +6,7 @@ import numpy as np
 import typer
 
 from ehamj.arrays import Array
-from ehamj.cli.frame import Json, ScenarioName, Set, app
+from ehamj.cli.frame import Command, Json, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.linear.statics import GOALS, StaticLoads, static_loads
 from ehamj.pages.words import NEGLIGIBLE, number
@@ -25,7 +25,7 @@ Goal = Annotated[
 ]
 
 
-@app.command()
+@app.command(cls=Command)
 def statics(
     scenario: ScenarioName = "recorded", overrides: Set = None, shims: Goal = None, as_json: Json = False
 ) -> None:

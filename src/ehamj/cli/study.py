@@ -8,7 +8,7 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from ehamj.cli.frame import Json, Out, Overwrite, ScenarioName, Set, app, out
+from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, out
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_names, say
 from ehamj.cli.progress import doing
@@ -100,4 +100,4 @@ def _stored(path: Path, one: Study[Any]) -> dict[str, Any]:
 
 
 for _name, _one in STUDIES.items():
-    studies.command(_name, help=f"{_one.question[0].upper()}{_one.question[1:]}.")(_command(_one))
+    studies.command(_name, cls=Command, help=f"{_one.question[0].upper()}{_one.question[1:]}.")(_command(_one))
