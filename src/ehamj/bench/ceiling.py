@@ -7,7 +7,7 @@ import numba
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.compiled import OPTIONS, kernel
+from ehamj.compiled import OPTIONS, giving_arrays
 from ehamj.compiled.kept import compiled
 from ehamj.isolator.edges import chamber_flows
 from ehamj.isolator.fluid import pressure_rate
@@ -70,7 +70,7 @@ class Ceiling:
         return np.hstack([rows[:, :5], pressures[:, 0] - pressures[:, 1]])
 
 
-@kernel
+@giving_arrays
 def oil(state):  # type: ignore[no-untyped-def]
     """The isolators' part of a state: spool, its rate, both pressures (4, mount)."""
     return state[2 * N :].reshape(4, -1)

@@ -11,15 +11,15 @@ from typing import Any, Final
 
 OPTIONS: Final = {"nogil": True, "error_model": "numpy"}
 """How everything is compiled."""
-PART: Final = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
-"""How a kernel is: inlined into its callers, without counting who refers to its arrays, which they keep alive."""
+PART: Final = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""How a kernel is: inlined into its callers, which hold the cache."""
 
 
 class Kernel:
     """A function that compiled code can call; see `kernel`."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self.py_func = function
+    def __init__(self, function: Callable[..., Any], counts: bool) -> None:
+        self.py_func, self.counts = function, counts
         update_wrapper(self, function)
 
     @cached_property
@@ -28,7 +28,7 @@ class Kernel:
 
         from ehamj.compiled.parts import PartCompiler
 
-        return numba.njit(pipeline_class=PartCompiler, **PART, **OPTIONS)(self.py_func)
+        return numba.njit(pipeline_class=PartCompiler, _nrt=self.counts, **PART, **OPTIONS)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
@@ -47,8 +47,16 @@ class Kernel:
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Decorator of every kernel."""
-    return Kernel(function)
+    """Decorator of every kernel that gives no array.
+
+    References to arrays are not counted in it, which would cost more than many a kernel: its callers keep them.
+    """
+    return Kernel(function, counts=False)
+
+
+def giving_arrays(function: Callable[..., Any]) -> Any:
+    """Decorator of kernels that give arrays or views."""
+    return Kernel(function, counts=True)
 
 
 @kernel

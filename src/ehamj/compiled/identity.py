@@ -75,7 +75,7 @@ def _names(code: CodeType) -> Iterator[str]:
 def _told(value: Any) -> bytes:
     """Bytes that differ where compiled code would."""
     if isinstance(value, Kernel | Dispatcher):
-        return _told(value.py_func)
+        return _told((getattr(value, "counts", None), value.py_func))
     if isinstance(value, _Intrinsic):
         return _told(value._defn)
     if isinstance(value, FunctionType | BuiltinFunctionType | np.ufunc | type):

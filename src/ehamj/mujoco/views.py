@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.compiled import kernel
+from ehamj.compiled import giving_arrays, kernel
 from ehamj.compiled.native import view
 from ehamj.memory import CUBIC, DOUBLE, ISOLATOR, ISOLATOR_STATE, LOADS_SIZE, MOUNT, SLIDE, STEP
 from ehamj.plant.axes import DOFS
@@ -32,31 +32,31 @@ def address_at(struct, offset):  # type: ignore[no-untyped-def]
     return view(struct + offset, 1, np.intp)[0]
 
 
-@kernel
+@giving_arrays
 def numbers_at(struct, offset, n):  # type: ignore[no-untyped-def]
     """The array of ``n`` numbers whose address is stored ``offset`` bytes into a struct."""
     return view(address_at(struct, offset), n, np.float64)
 
 
-@kernel
+@giving_arrays
 def part(activations, place, n, dtype):  # type: ignore[no-untyped-def]
     """``n`` records at a place among the activations, or among their rates."""
     return view(activations.ctypes.data + DOUBLE * int(place), n, dtype)
 
 
-@kernel
+@giving_arrays
 def row_at(model, at, row, n, dtype):  # type: ignore[no-untyped-def]
     """``n`` records from a row of the actuators' table on."""
     return view(address_at(model, at.actuator_user) + WIDTH * int(row), n, dtype)
 
 
-@kernel
+@giving_arrays
 def mounts_at(data, at, n):  # type: ignore[no-untyped-def]
     """What a step and the mounts exchange (mount,)."""
     return view(address_at(data, at.userdata) + MOUNTS_AT, n, MOUNT)
 
 
-@kernel
+@giving_arrays
 def machine_of(model, data, at, nq, nv):  # type: ignore[no-untyped-def]
     """Views of a model and its data, of ``nq`` positions and ``nv`` velocities."""
     head = row_at(model, at, 0, 1, ISOLATOR)[0]
