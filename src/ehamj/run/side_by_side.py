@@ -12,6 +12,7 @@ from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_inputs, sa
 from ehamj.run.prepare import Prepared
 from ehamj.smallmotion.block import Block, Simulation, simulation
 from ehamj.smallmotion.lanes import WIDTHS
+from ehamj.smallmotion.machine import InTime
 from ehamj.smallmotion.stage import Given
 
 LANES: Final = WIDTHS[-1]
@@ -45,7 +46,7 @@ def drive_block(
     Raises:
         InputError: if the rows do not fit in memory.
     """
-    block, first = Block.of(simulations), runs[0]
+    block, first, alike = Block.of(simulations), runs[0], _alike(runs)
     count = first.steps // first.every + 1
     try:
         recorded = block.recorded(first.every, count)
@@ -56,7 +57,7 @@ def drive_block(
     while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
         if given is None or done not in sampled:
             sampled = range(done, min(done + STRETCH, first.steps))
-            given = _given(block, runs, done, len(sampled) + (sampled.stop == first.steps))
+            given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
         for number, faults in enumerate(struck):
             if faults.due(done) and block.stopped(number, done).status == DONE:
                 block.put_back(number)
@@ -83,15 +84,29 @@ def drive_block(
         yield Driven(table, block.tally(number), stopped, seconds / len(runs), faults.found)
 
 
-def _given(block: Block, runs: Sequence[Prepared], first: int, steps: int) -> Given:
-    """What drives some steps of all runs."""
-    inputs, moved = [], []
-    for run, own in zip(runs, block.simulations, strict=True):
-        sampled = sample_inputs(run.motion, run.commands, first, steps, run.timestep)
+def _given(block: Block, runs: Sequence[Prepared], alike: Sequence[int], first: int, steps: int) -> Given:
+    """What drives some steps of all runs; those of one floor and equal commands sample them once."""
+    inputs: list[tuple[Array, Array]] = []
+    moved: list[InTime] = []
+    for run, own, same in zip(runs, block.simulations, alike, strict=True):
+        if same < len(inputs):
+            sampled = inputs[same]
+        else:
+            sampled = sample_inputs(run.motion, run.commands, first, steps, run.timestep)
         load = None if run.load.absent else sample_load(run.load, first, steps, run.timestep)
         inputs.append(sampled)
         moved.append(own.machine.in_time(first, steps, run.timestep, sampled, load))
     return block.given(moved, inputs)
+
+
+def _alike(runs: Sequence[Prepared]) -> list[int]:
+    """For each run the first with the same inputs: ground, seed, mounts, open-loop commands."""
+    keys: list[tuple[object, ...]] = []
+    for run in runs:
+        s = run.scenario
+        open_loop = s.control if run.controller is None else None
+        keys.append((s.ground, s.seed, s.duration, s.mount, open_loop))
+    return [keys.index(key) for key in keys]
 
 
 def _heard(run: Prepared, first: int, steps: int) -> Array:

@@ -153,7 +153,8 @@ class Block:
         full = _filled(moved, self.width)
         given = _filled(inputs, self.width)
         matrices = np.broadcast_arrays(*(np.swapaxes(one.matrix, -1, -2) for one in full))  # some slides may stand
-        commands = [_commands(*each) for each in given]
+        of_each = {id(each): _commands(*each) for each in inputs}  # lanes may share theirs
+        commands = [of_each[id(each)] for each in given]
         reads = self.loop.sensing.channels > 0
         return Given(
             stacked(matrices),
