@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ehamj.isolator.edges import Edges, port_flow, turbulence
-from ehamj.isolator.spool import Spool, spool_acceleration, spool_target
+from ehamj.isolator.spool import Command, Spool, spool_acceleration, spool_target
 from ehamj.isolator.supply import Feed
 
 GAIN, LEAK, EPS = 1.94e-6, 3.3e-12, 1e-3
@@ -26,7 +26,8 @@ laminar = st.floats(1e-9, 0.1)
 
 @given(st.floats(-100.0, 100.0))
 def test_the_spool_is_asked_for_the_command_within_its_range(voltage: float) -> None:
-    assert spool_target(voltage, SPOOL) == 2.0 * min(max(voltage, -10.0), 10.0)
+    assert spool_target(Command(voltage, 0.0), SPOOL) == 2.0 * min(max(voltage, -10.0), 10.0)
+    assert spool_target(Command(voltage, 1.0), SPOOL) == 2.0 * (min(max(voltage, -10.0), 10.0) + 1.0)
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-1e3, 1e3), st.floats(-1.0, 1.0))
