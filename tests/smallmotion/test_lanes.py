@@ -8,6 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ehamj.control import PythonController
 from ehamj.errors import SimulationFailed
 from ehamj.isolator.actuator import OPTIONS, Actuator
 from ehamj.run.many import observe_many, simulate_many
@@ -89,6 +90,29 @@ def test_a_lane_that_fails_says_so_and_the_others_go_on() -> None:
     assert kept
     for found in kept:
         same(observed(good).dataset, found)
+
+
+def test_a_lane_that_failed_waits_for_no_fault() -> None:
+    """The one turns too far long before its fault, the other goes on."""
+    leak = {"kind": "chamber-leak", "mount": MOUNT, "time": 0.05, "settling": 0.01}
+    rock = {"kind": "sine", "dof": "ry", "amplitude": 5e-3, "frequency": 30.0}
+    good, bad = small(fault=[leak]), small(fault=[leak], ground=rock)
+    with pytest.raises(SimulationFailed, match="scenario 1"):
+        observe_many([good, bad, good, good], lambda run: run)
+
+
+def test_a_python_law_begins_anew_with_each_run() -> None:
+    class Counting:
+        def reset(self) -> None:
+            self.calls = 0
+
+        def __call__(self, time: float, measured: np.ndarray, limited: np.ndarray) -> np.ndarray:
+            self.calls += 1
+            return np.full(4, 1e-4 * self.calls)
+
+    law = PythonController(Counting(), [f"stroke {MOUNT}"], period=1e-3)
+    first, second = simulate_many([small(), small()], threads=1, controllers=[law, law])
+    same(first.dataset, second.dataset)
 
 
 def test_runs_of_unequal_structure_run_too() -> None:

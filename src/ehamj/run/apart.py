@@ -4,6 +4,7 @@ import contextlib
 import gc
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -37,6 +38,8 @@ def work_off(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], a
     Raises:
         Exception: of the first job that failed; no other job begins, and none goes on.
     """
+    if not jobs:
+        return
     count = min(processors(), len(jobs))
     own = apart and count > 1 and sys.platform == "linux" and threading.current_thread() is threading.main_thread()
     (_forked if own else _threaded)(jobs, finished, count)
@@ -114,8 +117,10 @@ def _tell(told: Any, message: tuple[str, Exception | None]) -> None:
     name, error = message
     with contextlib.suppress(BrokenPipeError):  # the first process is gone
         try:
-            told.send(message)
-        except BrokenPipeError:
-            raise
-        except Exception:  # what cannot be pickled
-            told.send((name, RuntimeError(f"{type(error).__name__}: {error}")))
+            pickle.loads(pickle.dumps(error))
+        except Exception:  # an error that the first process could not make again
+            plain = RuntimeError(f"{type(error).__name__}: {error}")
+            for note in getattr(error, "__notes__", ()):
+                plain.add_note(note)
+            message = name, plain
+        told.send(message)

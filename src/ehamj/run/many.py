@@ -4,6 +4,7 @@ import threading
 import time as clock
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Sized
 from contextlib import AbstractContextManager, contextmanager
+from itertools import chain
 from typing import Any, NamedTuple, TypeVar, overload
 
 from ehamj.control import as_controller
@@ -74,7 +75,8 @@ def simulate_many(
     Raises:
         InputError: if there are not as many controllers as scenarios, ``threads`` is less than one, or there is no such
             engine.
-        As `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further one begins.
+        As `simulate` or ``reduce``, for the first scenario that fails (of those that step together, one that does),
+        which the message names; no further one begins.
     """
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads}: must be at least 1")
@@ -166,32 +168,45 @@ def _together(
             yield batch
 
     def one(_: int, batch: list[_Item]) -> list[T]:
-        began, found = clock.perf_counter(), {}
-        for item, prepared, driven in _driven(batch):
+        found = {}
+        for item, prepared, driven, spent in _driven(batch):
+            began = clock.perf_counter() - spent
             with item.named():
                 found[item.number] = work(item, seen(prepared, driven), began)
-            began = clock.perf_counter()
         return [found[item.number] for item in batch]
 
     with hydraulics():
         return [each for batch in worked_through(batches(), one, threads, meanwhile) for each in batch]
 
 
-def _driven(batch: Sequence[_Item]) -> Iterator[tuple[_Item, Prepared, Driven]]:
-    """Runs as their engines leave them: those of one structure on the small-motion engine side by side."""
-    blocks: dict[Hashable, list[tuple[_Item, Prepared, Simulation]]] = {}
+def _driven(batch: Sequence[_Item]) -> Iterator[tuple[_Item, Prepared, Driven, float]]:
+    """Runs as their engines leave them, those of one structure on the small-motion engine side by side; and how long
+    each took, of what it took together its share [s]."""
+    blocks: dict[Hashable, list[tuple[_Item, Prepared, Simulation, float]]] = {}
     for item in batch:
+        began = clock.perf_counter()
         with item.named():
             prepared = prepare(item.scenario, None if item.law is None else as_controller(item.law))
-            if item.scenario.engine == "mujoco":
-                yield item, prepared, drive(prepared)
-                continue
-            own = small(prepared)
-        blocks.setdefault(shape(prepared, own), []).append((item, prepared, own))
+            own = None if item.scenario.engine == "mujoco" else small(prepared)
+            alone = None
+            if own is None:
+                alone = drive(prepared)
+            elif prepared.loop.functions:  # a Python function may remember: it is reset before each run, and then runs
+                alone = next(drive_block([prepared], [own]))
+        spent = clock.perf_counter() - began
+        if alone is not None:
+            yield item, prepared, alone, spent
+        elif own is not None:
+            blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
     for block in blocks.values():
-        taken, runs, simulations = zip(*block, strict=True)
-        for item, prepared, driven in zip(taken, runs, drive_block(runs, simulations), strict=True):
-            yield item, prepared, driven
+        taken, runs, simulations, before = zip(*block, strict=True)
+        began, ended = clock.perf_counter(), drive_block(runs, simulations)
+        numbers = ", ".join(str(item.number) for item in taken)
+        with _naming(f"scenario {numbers}" if len(taken) == 1 else f"scenarios {numbers}, which step together"):
+            first = next(ended)
+        share = (clock.perf_counter() - began) / len(block)
+        for item, prepared, driven, spent in zip(taken, runs, chain([first], ended), before, strict=True):
+            yield item, prepared, driven, spent + share
 
 
 def _check_count(laws: Sequence[Any], scenarios: int) -> None:

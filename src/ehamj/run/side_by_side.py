@@ -63,7 +63,8 @@ def drive_block(
                 block.put_back(number)
                 faults.strike(done)
                 block.renew(number)
-        steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in struck))
+        running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
+        steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
         last = done + steps == first.steps
         noise = None
         if any(run.noise is not None for run in runs):
