@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
-    ("errors", "arrays", "labels", "plain"),
+    ("errors", "arrays", "labels", "plain", "stopped"),
     ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
     ("isolator", "estimate", "slides"),
     ("plant",),

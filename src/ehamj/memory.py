@@ -19,7 +19,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.actuator import COMPONENTS, STATEFUL
-from ehamj.isolator.component import Option
+from ehamj.isolator.component import STAGES, Option
 from ehamj.isolator.equations import State
 from ehamj.isolator.supply import Feed, Supply, SupplyState
 from ehamj.plant.axes import AXES, DOFS
@@ -39,6 +39,9 @@ def record(*fields: str | tuple[str, np.dtype[Any]]) -> np.dtype[Any]:
 
 PLACES: Final = {option: f"{option.__name__.lower()}_at" for option in STATEFUL}
 """Field that says where the states of an isolator's option begin among the activations; 0: it has none."""
+
+RATE_ORDER: Final = sorted(PLACES, key=lambda option: min(list(STAGES).index(stage) for stage in option.path))
+"""Options with states in the order in which rates of their states come: of the stages at which they take part."""
 
 HEAD: Final = ("mounts", "actuators", "activations", "supply_row", "supply_at", "ledger_at", "level_enough", "slides")
 """What the first row says of the whole model: how many mounts, actuators and activations it has; the row of the shared

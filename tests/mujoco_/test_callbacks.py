@@ -22,7 +22,7 @@ from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.memory import ISOLATOR, activations, exchange, inputs, isolators, step
 from ehamj.mujoco import ForeignCallbackError, hydraulics
-from ehamj.mujoco.advance import CHAMBER_1_EMPTY, DONE, NOT_FINITE, advance
+from ehamj.mujoco.advance import advance
 from ehamj.mujoco.callbacks import callbacks
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, rates
 from ehamj.mujoco.hold import default_timer, installed, library
@@ -37,6 +37,7 @@ from ehamj.run.many import simulate_many
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.stopped import CHAMBER_1_EMPTY, DONE, NOT_FINITE
 
 STEP = 1e-4
 TOPOLOGIES = ("sliding", "tied")

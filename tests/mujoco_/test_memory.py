@@ -11,13 +11,14 @@ from ehamj.isolator.actuator import COMPONENTS, Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.memory import ISOLATOR, activations, exchange, inputs, isolators, mounts_of, states_of
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.advance import DONE, advance
+from ehamj.mujoco.advance import advance
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
 from ehamj.mujoco.rows import Recording
 from ehamj.plant.mounts import UP
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
+from ehamj.stopped import DONE
 
 
 def ring(mounts: int) -> Plant:

@@ -59,6 +59,12 @@ def giving_arrays(function: Callable[..., Any]) -> Any:
     return Kernel(function, counts=True)
 
 
+def written(arguments: str, *body: str, **scope: Any) -> Any:
+    """A kernel from source, for what Numba has no loop over: the fields of a record."""
+    exec(f"def written({arguments}):\n    " + "\n    ".join(body), scope)
+    return kernel(scope["written"])
+
+
 @kernel
 def copy(values, result):  # type: ignore[no-untyped-def]
     """result = values, element by element: what assigns to a slice takes a second to compile, for its errors."""

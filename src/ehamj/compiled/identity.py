@@ -6,6 +6,7 @@ intrinsics. So the compiled code of an older release serves a newer one that cha
 """
 
 import hashlib
+import inspect
 from collections.abc import Iterator
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -15,13 +16,13 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
 
-from ehamj.compiled import OPTIONS, PART, Kernel
+from ehamj.compiled import OPTIONS, PART, Kernel, parts
 
 _LIBRARIES = ("numba", "numpy", "llvmlite", "math")
 """Their functions are what their name says; a change of Numba's version compiles everything anew."""
 
 _known: dict[int, tuple[FunctionType, bytes]] = {}
-"""What was found for each function; None: it is being looked at. Functions are kept, so that numbers stay theirs."""
+"""What was found for each function (its name, while it is looked at), and the function, so that numbers stay theirs."""
 
 
 def identity(function: FunctionType) -> str:
@@ -30,7 +31,7 @@ def identity(function: FunctionType) -> str:
     Raises:
         TypeError: if it names something that this file does not know how to tell from a changed one.
     """
-    return hashlib.sha256(_digest(function) + repr((PART, OPTIONS)).encode()).hexdigest()[:16]
+    return hashlib.sha256(_digest(function) + repr((PART, OPTIONS, inspect.getsource(parts))).encode()).hexdigest()[:16]
 
 
 def _digest(function: FunctionType) -> bytes:

@@ -62,16 +62,26 @@ class Locator(_CacheLocator):
 def _located(function: Any) -> Iterator[bool]:
     """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
     with _one_at_a_time:
-        before, collecting = numba.config.CACHE_LOCATOR_CLASSES, gc.isenabled()
+        before = numba.config.CACHE_LOCATOR_CLASSES
         try:
             numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"
-            gc.disable()  # a compiler makes much that it keeps: looking for what it does not takes a tenth of the time
-            with as_one(function):
+            with uncollected(), as_one(function):
                 yield folder() is not None
         finally:
             numba.config.CACHE_LOCATOR_CLASSES = before
-            if collecting:
-                gc.enable()
+
+
+@contextlib.contextmanager
+def uncollected() -> Iterator[None]:
+    """Within, nothing is looked for that could be forgotten: a compiler makes much that it keeps, and the looking takes
+    a tenth of its time."""
+    collecting = gc.isenabled()
+    try:
+        gc.disable()
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def compiled(function: Callable[..., Any], signature: Any = None) -> Any:

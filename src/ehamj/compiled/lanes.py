@@ -53,32 +53,63 @@ def _vector(context: Any, builder: Any, kind: Any, array: Any, place: Any, width
     return builder.bitcast(data, ir.PointerType(ir.VectorType(ir.DoubleType(), width)))
 
 
+def _sum(context: Any, builder: Any, signature: Any, arguments: Any, places: Any) -> Any:
+    """Add to the result's place the products of the numbers at both ``places`` of each term, each rounded."""
+    width = len(signature.args[-1])
+
+    def load(which: int, place: Any) -> Any:
+        at = _vector(context, builder, signature.args[which], arguments[which], place, width)
+        return builder.load(at, align=DOUBLE)
+
+    target = _vector(context, builder, signature.args[0], arguments[0], arguments[1], width)
+    total = cgutils.alloca_once_value(builder, builder.load(target, align=DOUBLE))
+    with cgutils.for_range(builder, arguments[7]) as loop:
+        product = builder.fmul(*map(load, (2, 4), places(loop.index)))
+        builder.store(builder.fadd(builder.load(total), product), total)
+    builder.store(builder.load(total), target, align=DOUBLE)
+    return context.get_dummy_value()
+
+
 @intrinsic
 def add_products(
     typing_context: Any, result: Any, r: Any, a: Any, f: Any, b: Any, v: Any, strides: Any, count: Any, lanes: Any
 ) -> Any:
-    """result[r] += Σ a[f + k·strides[0]]·b[v + k·strides[1]] over ``count`` terms in their order, in all lanes.
-
-    Each product and each sum is rounded.
-    """
-    width = len(lanes)
+    """result[r] += Σ a[f + k·strides[0]]·b[v + k·strides[1]] over ``count`` terms in their order, in all lanes."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        target = _vector(context, builder, signature.args[0], arguments[0], arguments[1], width)
-        total = cgutils.alloca_once_value(builder, builder.load(target, align=DOUBLE))
-        strides = cgutils.unpack_tuple(builder, arguments[6])
-        with cgutils.for_range(builder, arguments[7]) as loop:
-            factors = []
-            for which, stride in zip((2, 4), strides, strict=True):
-                place = builder.add(arguments[which + 1], builder.mul(loop.index, stride))
-                at = _vector(context, builder, signature.args[which], arguments[which], place, width)
-                factors.append(builder.load(at, align=DOUBLE))
-            builder.store(builder.fadd(builder.load(total), builder.fmul(*factors)), total)
-        builder.store(builder.load(total), target, align=DOUBLE)
-        return context.get_dummy_value()
+        over, by = cgutils.unpack_tuple(builder, arguments[6])
+
+        def places(k: Any) -> Any:
+            return builder.add(arguments[3], builder.mul(k, over)), builder.add(arguments[5], builder.mul(k, by))
+
+        return _sum(context, builder, signature, arguments, places)
 
     place = types.intp
     return types.void(result, place, a, place, b, place, types.UniTuple(place, 2), place, lanes), codegen
+
+
+@intrinsic
+def add_indexed(
+    typing_context: Any, result: Any, r: Any, a: Any, f: Any, b: Any, v: Any, columns: Any, count: Any, lanes: Any
+) -> Any:
+    """result[r] += Σ a[f + k]·b[v + columns[f + k]] over ``count`` terms in their order, in all lanes: a sparse row."""
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        def places(k: Any) -> Any:
+            place = builder.add(arguments[3], k)
+            column = builder.load(_place(context, builder, signature.args[6], arguments[6], place))
+            return place, builder.add(arguments[5], column)
+
+        return _sum(context, builder, signature, arguments, places)
+
+    place = types.intp
+    return types.void(result, place, a, place, b, place, columns, place, lanes), codegen
+
+
+def _two(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Addresses of the result's numbers and of the other's, in all lanes."""
+    width = len(signature.args[-1])
+    return (_vector(context, builder, signature.args[k], arguments[k], arguments[k + 1], width) for k in (0, 2))
 
 
 @intrinsic
@@ -86,9 +117,7 @@ def set_lanes(typing_context: Any, result: Any, r: Any, values: Any, v: Any, lan
     """result[r] = values[v] in all lanes."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        target, source = (
-            _vector(context, builder, signature.args[k], arguments[k], arguments[k + 1], len(lanes)) for k in (0, 2)
-        )
+        target, source = _two(context, builder, signature, arguments)
         builder.store(builder.load(source, align=DOUBLE), target, align=DOUBLE)
         return context.get_dummy_value()
 
@@ -100,42 +129,12 @@ def add_lanes(typing_context: Any, result: Any, r: Any, values: Any, v: Any, lan
     """result[r] += values[v] in all lanes."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        target, value = (
-            _vector(context, builder, signature.args[k], arguments[k], arguments[k + 1], len(lanes)) for k in (0, 2)
-        )
-        total = builder.fadd(builder.load(target, align=DOUBLE), builder.load(value, align=DOUBLE))
+        target, source = _two(context, builder, signature, arguments)
+        total = builder.fadd(builder.load(target, align=DOUBLE), builder.load(source, align=DOUBLE))
         builder.store(total, target, align=DOUBLE)
         return context.get_dummy_value()
 
     return types.void(result, types.intp, values, types.intp, lanes), codegen
-
-
-@intrinsic
-def add_indexed(
-    typing_context: Any, result: Any, r: Any, a: Any, f: Any, b: Any, v: Any, columns: Any, count: Any, lanes: Any
-) -> Any:
-    """result[r] += Σ a[f + k]·b[v + columns[f + k]] over ``count`` terms in their order, in all lanes: a sparse row.
-
-    Each product and each sum is rounded.
-    """
-    width = len(lanes)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kinds = signature.args
-        target = _vector(context, builder, kinds[0], arguments[0], arguments[1], width)
-        total = cgutils.alloca_once_value(builder, builder.load(target, align=DOUBLE))
-        with cgutils.for_range(builder, arguments[7]) as loop:
-            place = builder.add(arguments[3], loop.index)
-            column = builder.load(_place(context, builder, kinds[6], arguments[6], place))
-            factor = builder.load(_vector(context, builder, kinds[2], arguments[2], place, width), align=DOUBLE)
-            at = builder.add(arguments[5], column)
-            value = builder.load(_vector(context, builder, kinds[4], arguments[4], at, width), align=DOUBLE)
-            builder.store(builder.fadd(builder.load(total), builder.fmul(factor, value)), total)
-        builder.store(builder.load(total), target, align=DOUBLE)
-        return context.get_dummy_value()
-
-    place = types.intp
-    return types.void(result, place, a, place, b, place, columns, place, lanes), codegen
 
 
 @kernel

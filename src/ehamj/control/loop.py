@@ -98,7 +98,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
             **{name: np.stack(part, axis=-1).ravel() for name, part in zip(own, parts, strict=True)}
         )
 
-    laws = [loop.laws if len(loops) == 1 else by_rows(loop.laws, loop.laws.ranges.size) for loop in loops]
+    laws = [loop.laws if len(loops) == 1 else by_rows(loop.laws) for loop in loops]
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,

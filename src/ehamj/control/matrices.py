@@ -61,11 +61,11 @@ class Matrices:
         return np.concatenate(self._values), np.concatenate(self._rows), np.concatenate(self._columns)
 
 
-def by_rows(laws: Laws, valves: int) -> Laws:
+def by_rows(laws: Laws) -> Laws:
     """The same laws with all matrices row by row, zeros of full ones too: what serves several machines side by side."""
     if bool((laws.table["rows"] >= 0).all()):
         return laws
-    matrices, table = Matrices(), laws.table.copy()
+    matrices, table, valves = Matrices(), laws.table.copy(), laws.ranges.size
     for law in table:
         n, p = int(law["states"]), int(law["inputs"])
         shapes = [(n, n), (n, p), (valves, n), (valves, p), *([(n, valves)] if law["windup"] >= 0 else [])]

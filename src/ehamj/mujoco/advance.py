@@ -31,12 +31,7 @@ from ehamj.mujoco.slides import place_slides, write_slides
 from ehamj.mujoco.unpacking import isolator_of, options_of, put_cubic, state_of
 from ehamj.mujoco.views import machine_of
 from ehamj.plant.axes import DOFS
-
-DONE: Final = 0
-NOT_FINITE: Final = 1
-CHAMBER_1_EMPTY: Final = 2
-CHAMBER_2_EMPTY: Final = 3
-LAW_FAILED: Final = 4
+from ehamj.stopped import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE, Stopped
 
 STANDING: Final = np.zeros((0, 0, size(SLIDE)))
 """No slide moves."""
@@ -48,14 +43,6 @@ on_state = c_function(types.void, types.intp, types.intp)
 """void f(mjModel*, mjData*)"""
 runge_kutta = c_function(types.void, types.intp, types.intp, types.int32)
 """void f(mjModel*, mjData*, int order)"""
-
-
-class Stopped(NamedTuple):
-    """How a stretch ended: steps done, why (`DONE`, `NOT_FINITE`, …), and at which mount (−1: the machine)."""
-
-    steps: int
-    status: int
-    mount: int
 
 
 class Engine(NamedTuple):

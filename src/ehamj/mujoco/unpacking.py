@@ -2,18 +2,11 @@
 
 from typing import Any
 
-from ehamj.compiled import kernel
+from ehamj.compiled import kernel, written
 from ehamj.isolator.actuator import COMPONENTS
-from ehamj.isolator.component import STAGES
 from ehamj.isolator.equations import Isolator, State
 from ehamj.isolator.supply import Feed, Supply, SupplyState
-from ehamj.memory import PLACES, Cubic
-
-
-def _written(arguments: str, *body: str, **scope: Any) -> Any:
-    """A kernel from source, for what Numba has no loop over: the fields of a record."""
-    exec(f"def written({arguments}):\n    " + "\n    ".join(body), scope)
-    return kernel(scope["written"])
+from ehamj.memory import PLACES, RATE_ORDER, Cubic
 
 
 def _made(name: str, values: Any) -> str:
@@ -23,14 +16,14 @@ def _made(name: str, values: Any) -> str:
 
 def unpacker(values: Any) -> Any:
     """The kernel that does so."""
-    return _written("row", f"return {_made('values', values)}", values=values)
+    return written("row", f"return {_made('values', values)}", values=values)
 
 
 def _unpack_isolator() -> Any:
     values = {component.__name__: component.Values for component in COMPONENTS}
     parts = ", ".join(_made(*each) for each in values.items())
     places = "".join(f"row.{field}, " for field in PLACES.values())
-    return _written("row", f"return Isolator({parts}, ({places}))", Isolator=Isolator, **values)
+    return written("row", f"return Isolator({parts}, ({places}))", Isolator=Isolator, **values)
 
 
 def _unpack_options() -> Any:
@@ -39,18 +32,16 @@ def _unpack_options() -> Any:
     for option, field in PLACES.items():
         own = ", ".join(f"act[int(row.{field}) + {j}]" for j in range(len(option.State._fields)))
         parts += f"{option.__name__}({own}), "
-    return _written("act, row", f"return ({parts})", **states)
+    return written("act, row", f"return ({parts})", **states)
 
 
 def _pack_options() -> Any:
-    """Rates come in the order of the stages at which their options take part."""
-    stages = list(STAGES)
     body = ["pass"]
-    for option in sorted(PLACES, key=lambda option: min(stages.index(stage) for stage in option.path)):
+    for option in RATE_ORDER:
         place = f"row.{PLACES[option]}"
         for j in range(len(option.State._fields)):
             body.append(f"if {place} > 0.0: act_dot[int({place}) + {j}] = rates[{len(body) - 1}]")
-    return _written("rates, act_dot, row", *body)
+    return written("rates, act_dot, row", *body)
 
 
 isolator_of = _unpack_isolator()

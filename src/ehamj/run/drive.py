@@ -13,12 +13,13 @@ from ehamj.faults import in_order
 from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.memory import COMMAND, inputs
-from ehamj.mujoco.advance import DONE, NOT_LOADED, STANDING, Stopped, advance, compile_loop
+from ehamj.mujoco.advance import NOT_LOADED, STANDING, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.mujoco.slides import drives
 from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
 from ehamj.signals import Signal, Zero
+from ehamj.stopped import DONE, Stopped
 
 Progress = Callable[[float], None]
 

@@ -5,12 +5,12 @@ import xarray as xr
 
 from ehamj.errors import SimulationFailed
 from ehamj.judge.levels import duration_of
-from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, Stopped
 from ehamj.result import Result
 from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
 from ehamj.run.timestep import follows
-from ehamj.smallmotion.advance import LARGEST_TURN, TOO_LARGE
+from ehamj.smallmotion.advance import LARGEST_TURN
+from ehamj.stopped import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, TOO_LARGE, Stopped
 
 EMPTY = {CHAMBER_1_EMPTY: 1, CHAMBER_2_EMPTY: 2}
 """Chamber that ran empty, by status."""

@@ -11,11 +11,11 @@ from ehamj.control import as_controller
 from ehamj.errors import InputError
 from ehamj.mujoco import hydraulics
 from ehamj.result import Result
-from ehamj.run.drive import Driven, drive
+from ehamj.run.drive import Driven
 from ehamj.run.failures import Incomplete
 from ehamj.run.prepare import Prepared, prepare
 from ehamj.run.side_by_side import LANES, drive_block, shape, small
-from ehamj.run.simulate import Observed, judged, seen
+from ehamj.run.simulate import Observed, driven_alone, judged, seen
 from ehamj.run.workers import processors, worked_through
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import ENGINES, Engine, Scenario
@@ -187,17 +187,14 @@ def _driven(batch: Sequence[_Item]) -> Iterator[tuple[_Item, Prepared, Driven, f
         began = clock.perf_counter()
         with item.named():
             prepared = prepare(item.scenario, None if item.law is None else as_controller(item.law))
-            own = None if item.scenario.engine == "mujoco" else small(prepared)
-            alone = None
-            if own is None:
-                alone = drive(prepared)
-            elif prepared.loop.functions:  # a Python function may remember: it is reset before each run, and then runs
-                alone = next(drive_block([prepared], [own]))
+            # A Python function may remember: it is reset before each run, and then runs.
+            if item.scenario.engine == "mujoco" or prepared.loop.functions:
+                driven = driven_alone(prepared)
+                yield item, prepared, driven, clock.perf_counter() - began
+                continue
+            own = small(prepared)
         spent = clock.perf_counter() - began
-        if alone is not None:
-            yield item, prepared, alone, spent
-        elif own is not None:
-            blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
+        blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
     for block in blocks.values():
         taken, runs, simulations, before = zip(*block, strict=True)
         began, ended = clock.perf_counter(), drive_block(runs, simulations)

@@ -7,13 +7,14 @@ from typing import Final
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.mujoco.advance import DONE
+from ehamj.compiled.kept import uncollected
 from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_inputs, sample_load
 from ehamj.run.prepare import Prepared
 from ehamj.smallmotion.block import Block, Simulation, simulation
 from ehamj.smallmotion.lanes import WIDTHS
 from ehamj.smallmotion.machine import InTime
 from ehamj.smallmotion.stage import Given
+from ehamj.stopped import DONE
 
 LANES: Final = WIDTHS[-1]
 """Runs that step together at most."""
@@ -71,7 +72,8 @@ def drive_block(
             noise = [_heard(run, done, steps + last) for run in runs]
         part = given.part(done - sampled.start, steps + last)
         if done == 0:  # so that no simulation's timing contains what compiling takes
-            block.advance(0, 0, False, given.part(0, 0), recorded, None)
+            with uncollected():
+                block.advance(0, 0, False, given.part(0, 0), recorded, None)
         began = clock.perf_counter()
         taken, written = block.advance(done, steps, last, part, recorded.after(rows), noise)
         seconds += clock.perf_counter() - began

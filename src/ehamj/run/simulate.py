@@ -1,7 +1,7 @@
-"""Run one scenario, or many: prepare → drive → observe → summarise."""
+"""Run one scenario: prepare → drive → observe → summarise."""
 
 import time as clock
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import xarray as xr
 
@@ -19,8 +19,6 @@ from ehamj.run.side_by_side import drive_block, small
 from ehamj.run.summarise import summarise
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
-
-T = TypeVar("T")
 
 
 def simulate(
@@ -73,11 +71,14 @@ def observed(scenario: Scenario, controller: Any = None) -> Observed:
 def _observed(scenario: Scenario, progress: Progress | None, controller: Any, floors: Floors | None = None) -> Observed:
     with hydraulics():
         prepared = prepare(scenario, None if controller is None else as_controller(controller), floors)
-        if scenario.engine == "mujoco":
-            driven = drive(prepared, progress)
-        else:
-            driven = next(drive_block([prepared], [small(prepared)], progress))
-    return seen(prepared, driven)
+        return seen(prepared, driven_alone(prepared, progress))
+
+
+def driven_alone(prepared: Prepared, progress: Progress | None = None) -> Driven:
+    """What the stepping loop of its engine left of a run; call it with the hydraulics installed."""
+    if prepared.scenario.engine == "mujoco":
+        return drive(prepared, progress)
+    return next(drive_block([prepared], [small(prepared)], progress))
 
 
 def seen(prepared: Prepared, driven: Driven) -> Observed:

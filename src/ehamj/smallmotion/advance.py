@@ -14,7 +14,6 @@ from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.spool import limits_reached
-from ehamj.mujoco.advance import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE
 from ehamj.mujoco.rows import LIMITS
 from ehamj.smallmotion.isolators import (
     AT_LIMIT,
@@ -22,6 +21,7 @@ from ehamj.smallmotion.isolators import (
     COMMAND,
     DRAWN,
     INTO_1,
+    OWN,
     STATE,
     STROKE,
     SUPPLY,
@@ -31,9 +31,7 @@ from ehamj.smallmotion.isolators import (
     state_in,
 )  # fmt: skip
 from ehamj.smallmotion.stage import CONNECTED, Commanded, evaluate, runge_kutta
-
-TOO_LARGE: Final = 5
-"""Status of a machine that turns by more than `LARGEST_TURN`."""
+from ehamj.stopped import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, NOT_FINITE, TOO_LARGE
 
 LARGEST_TURN: Final = 1e-3
 """Angle beyond which motions are not small [rad]: what is left out is a thousandth there."""
@@ -90,8 +88,6 @@ class Plates(NamedTuple):
     """(6,) coordinates in the equilibrium [m, rad]."""
     plate: Any
     """(m,) plates in the equilibrium [m]."""
-    levers: Any
-    """(m, n) plates per coordinate."""
 
 
 @kernel
@@ -103,7 +99,7 @@ def within(own, scratch, lanes):  # type: ignore[no-untyped-def]
         wrong |= abs(peek(state, k)) > LARGEST_TURN
     for k in range(state.size):
         wrong |= peek(state, k) - peek(state, k) != 0.0
-    for k in range(n * w, 2 * n * w):
+    for k in range(n * w, (2 * n + OWN * own.forms.size) * w):
         wrong |= peek(rate, k) - peek(rate, k) != 0.0
     for mount in range(own.forms.size):
         for lane in range(w):
@@ -120,7 +116,7 @@ def failing(own, scratch, lane, lanes):  # type: ignore[no-untyped-def]
     least, status, where = 0.0, DONE, -1
     for mount in range(own.forms.size):
         at = mount * BLOCK * w + lane
-        for k in range(8):
+        for k in range(2 * OWN):
             value = peek(own.blocks, at + (STATE + k) * w)
             if value - value != 0.0:
                 return NOT_FINITE, mount
@@ -206,8 +202,8 @@ def look(own, plates, scratch, motion, length, velocity, lanes):  # type: ignore
     for k in range(velocity.size):
         poke(velocity, k, 0.0)
     for mount in range(own.forms.size):
-        add_products(length, mount, plates.levers, mount * n, scratch.state, 0, (1, 1), n, lanes)
-        add_products(velocity, mount, plates.levers, mount * n, scratch.state, n, (1, 1), n, lanes)
+        add_products(length, mount, own.levers, mount * n, scratch.state, 0, (1, 1), n, lanes)
+        add_products(velocity, mount, own.levers, mount * n, scratch.state, n, (1, 1), n, lanes)
 
 
 @kernel

@@ -11,7 +11,6 @@ from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop, structure
 from ehamj.control.loop import stacked as stacked_loops
 from ehamj.memory import COMMAND, isolators, supply
-from ehamj.mujoco.advance import DONE, Stopped
 from ehamj.mujoco.rows import DRAWN, LIMITS, Rows, Tally
 from ehamj.plant.axes import DOFS
 from ehamj.smallmotion.advance import Counted, Plates, Recorded, compiled_advance
@@ -20,6 +19,7 @@ from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, 
 from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
 from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine
 from ehamj.smallmotion.stage import Given, Lanes, Scratch, Sizes
+from ehamj.stopped import DONE, Stopped
 
 T = TypeVar("T")
 
@@ -99,14 +99,14 @@ class Block:
             Plates(
                 stacked(machine.rest[:first] for machine in machines),
                 stacked(machine.plate_at_rest for machine in machines),
-                stacked(machine.levers for machine in machines),
             ),
             stacked_loops([one.loop for one in full]),
             np.zeros(mounts * width),
             ended,
         )
         for number in range(width):
-            block.renew(number)
+            block._take(number)
+        block._reform()
         spools = lane(block.scratch.state, (2 * n + na,), width, slice(None))[2 * n : 2 * n + 4 * mounts : 4]
         lane(block.own.blocks, (mounts, BLOCK), width, slice(None))[:, METERING] = spools
         return block
@@ -120,7 +120,14 @@ class Block:
         return self.simulations[min(number, len(self.simulations) - 1)]
 
     def renew(self, number: int) -> None:
-        """Take the records of a lane's model anew, and its activations: at the beginning, and after a fault."""
+        """Take the records of a lane's model anew, and its activations, after a fault."""
+        self._take(number)
+        self._reform()
+
+    def _reform(self) -> None:
+        self.own.forms[:] = forms_of([isolators(each.model) for each in self.simulations])
+
+    def _take(self, number: int) -> None:
         one, mounts, sizes = self._simulation(number), len(self.own.forms), self.own.sizes
         table = isolators(one.model)
         values = table.view(np.float64).reshape(mounts, EXCHANGE_AT)
@@ -129,7 +136,6 @@ class Block:
         if shared is not None:
             lane(self.own.supply, (len(shared),), self.width, number)[:] = list(shared)
         self._state(number)[2 * sizes.coordinates :] = one.data.act
-        self.own.forms[:] = forms_of([isolators(each.model) for each in self.simulations])
 
     def put_back(self, number: int) -> None:
         """Hand a lane's activations to its data: what a fault changes."""

@@ -5,20 +5,21 @@ one number per lane. Isolators are computed in the simplest form that gives all 
 """
 
 from collections.abc import Collection
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.compiled import kernel
+from ehamj.compiled import kernel, written
 from ehamj.compiled.lanes import peek, poke, set_lanes
 from ehamj.isolator.actuator import COMPONENTS, OPTIONS, Actuator
-from ehamj.isolator.component import STAGES, Component
+from ehamj.isolator.component import Component
 from ehamj.isolator.equations import WHOLE, Equations, Isolator, State, equations, lapped_flows, settled, unlapped_flows
 from ehamj.isolator.fluid import liquid_rate
 from ehamj.isolator.spool import Command
 from ehamj.isolator.supply import Feed
-from ehamj.memory import ISOLATOR, PLACES, size
+from ehamj.memory import ISOLATOR, PLACES, RATE_ORDER, size
 
 EXCHANGE: Final = (
     "stroke",  # [m]
@@ -48,25 +49,13 @@ BLOCK: Final = EXCHANGE_AT + len(EXCHANGE)
 OWN: Final = len(State._fields)
 """States of an isolator."""
 
-(
-    STROKE,
-    SPEED,
-    COMMAND,
-    SWITCHING,
-    SUPPLY,
-    METERING,
-    INTO_1,
-    INTO_2,
-    DRAWN,
-    FORCE,
-    REST,
-    AT_LIMIT,
-    _1,
-    _2,
-    _3,
-    TAKEN,
-    STATE,
-) = range(EXCHANGE_AT, EXCHANGE_AT + len(EXCHANGE) - 2 * len(State._fields) + 1)
+_SLOT: Final = {name: EXCHANGE_AT + number for number, name in enumerate(EXCHANGE)}
+STROKE, SPEED, COMMAND, SWITCHING, SUPPLY, METERING, INTO_1, INTO_2, DRAWN, FORCE, REST, AT_LIMIT, TAKEN, STATE = (
+    _SLOT[name] for name in (
+        "stroke", "speed", "command", "switching", "supply_pressure", "metering", "into_1", "into_2", "drawn", "force",
+        "rest", "at_command_limit", "taken", State._fields[0],
+    )
+)  # fmt: skip
 RATE: Final = STATE + len(State._fields)
 
 PLAIN, OPEN, LAPPED, ANY = range(4)
@@ -76,11 +65,6 @@ SLOW: Final = tuple(option for option in OPTIONS if not option.arithmetic or opt
 """Options whose isolators go one by one."""
 
 AT: Final = {name: number for number, name in enumerate(ISOLATOR.names or ())}
-
-
-def _written(arguments: str, body: str, **scope: Any) -> Any:
-    exec(f"def written({arguments}):\n    return {body}", scope)
-    return kernel(scope["written"])
 
 
 def _peeked(name: str, values: Any) -> str:
@@ -95,7 +79,7 @@ def _unpacker(absent: Collection[type[Component]] = ()) -> Any:
         scope[component.__name__] = component.Values
         parts.append("0.0" if component in absent else _peeked(component.__name__, component.Values))
     places = "".join(f"peek(values, at + {AT[field]} * len(lanes)), " for field in PLACES.values())
-    return _written("values, at, lanes", f"Isolator({', '.join(parts)}, ({places}))", **scope)
+    return written("values, at, lanes", f"return Isolator({', '.join(parts)}, ({places}))", **scope)
 
 
 def _option_states() -> Any:
@@ -107,19 +91,21 @@ def _option_states() -> Any:
         place = f"int(peek(values, at + {AT[field]} * len(lanes)))"
         own = ", ".join(f"peek(state, first + ({place} + {j}) * len(lanes))" for j in range(len(option.State._fields)))
         parts += f"{option.__name__}({own}), "
-    return _written("values, at, state, first, lanes", f"({parts})", **scope)
+    return written("values, at, state, first, lanes", f"return ({parts})", **scope)
 
 
 def _put_option_rates() -> Any:
     """The kernel that writes the rates of those states."""
     scope: dict[str, Any] = {"peek": peek, "poke": poke, "only": _only}
-    body, number, stages = [], 0, list(STAGES)
-    for option, field in sorted(PLACES.items(), key=lambda each: min(stages.index(stage) for stage in each[0].path)):
-        place = f"int(peek(values, at + {AT[field]} * len(lanes)))"
+    body, number = [], 0
+    for option in RATE_ORDER:
+        place = f"int(peek(values, at + {AT[PLACES[option]]} * len(lanes)))"
         for j in range(len(option.State._fields)):
             body.append(f"only({place} > 0, rate, first + ({place} + {j}) * len(lanes), rates[{number}])")
             number += 1
-    return _written("rates, values, at, rate, first, lanes", f"({''.join(part + ', ' for part in body)})", **scope)
+    return written(
+        "rates, values, at, rate, first, lanes", f"return ({''.join(part + ', ' for part in body)})", **scope
+    )
 
 
 @kernel
@@ -242,9 +228,15 @@ def settle(forms, blocks, state, acts, time, lanes):  # type: ignore[no-untyped-
                 poke(blocks, at + METERING * w, edges)
 
 
+@cache
+def _usual() -> dict[str, float]:
+    """The record of an isolator whose options are all off."""
+    return Actuator().record()
+
+
 def form_of(record: Any) -> int:
     """The simplest form for an isolator's record (`ehamj.memory.ISOLATOR`)."""
-    usual = Actuator().record()
+    usual = _usual()
     off = {option: all(record[name] == usual[name] for name in option.Values._fields) for option in OPTIONS}
     if record["air_fraction"] != 0.0 or not all(off[option] for option in SLOW):
         return ANY

@@ -2,12 +2,12 @@
 
 from typing import Any, Final, NamedTuple
 
-from ehamj.compiled import kernel
+from ehamj.compiled import kernel, written
 from ehamj.compiled.lanes import add_lanes, add_products, copy_lanes, peek, poke, set_lanes
 from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance
 from ehamj.isolator.supply import Feed, Supply, SupplyState, supply_rates
-from ehamj.memory import LEDGER, OIL, size
+from ehamj.memory import OIL, size
 from ehamj.smallmotion.isolators import (
     AT,
     BLOCK,
@@ -29,15 +29,7 @@ from ehamj.smallmotion.isolators import (
 
 CONNECTED, PRESSURE, TANK = AT["connected"], AT["supply_pressure"], AT["tank_pressure"]
 RATED: Final = AT["rated_pressure"]
-OIL_SIZE, BOOKS = size(OIL), LEDGER.names or ()
-STATION: Final = len(Supply.Values._fields)
-
-
-def _supply_in() -> Any:
-    fields = ", ".join(f"peek(values, {k} * len(lanes) + lane)" for k in range(STATION))
-    scope: dict[str, Any] = {"peek": peek, "Values": Supply.Values}
-    exec(f"def written(values, lane, lanes):\n    return Values({fields})", scope)
-    return kernel(scope["written"])
+OIL_SIZE: Final = size(OIL)
 
 
 class Lanes(NamedTuple):
@@ -48,7 +40,7 @@ class Lanes(NamedTuple):
     blocks: Any
     """(m, `BLOCK`)"""
     levers: Any
-    """(m, n) strokes per coordinate."""
+    """(m, n) strokes, and plates, per coordinate [m/m, m/rad]."""
     at_rest: Any
     """(m, 2) strokes in the equilibrium [m], and their rates, which are zero."""
     supply: Any
@@ -120,7 +112,8 @@ class Scratch(NamedTuple):
     """Weighted sum of the rates."""
 
 
-supply_in: Final = _supply_in()
+_fields = ", ".join(f"peek(values, {k} * len(lanes) + lane)" for k in range(len(Supply.Values._fields)))
+supply_in = written("values, lane, lanes", f"return Values({_fields})", peek=peek, Values=Supply.Values)
 """`Supply.Values` of a lane."""
 
 
@@ -200,7 +193,7 @@ def ledger_stage(own, rate, lanes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def accelerate(own, given, here, stage, scratch, lanes):  # type: ignore[no-untyped-def]
+def accelerate(own, given, here, scratch, lanes):  # type: ignore[no-untyped-def]
     """Velocities and accelerations as rates of coordinates and velocities."""
     w, n, mounts = len(lanes), own.sizes.coordinates, own.forms.size
     state, rate, blocks, matrix, pushed = scratch.state, scratch.rate, own.blocks, given.matrix, given.pushed
@@ -226,7 +219,7 @@ def evaluate(own, given, step, stage, time, law, scratch, lanes):  # type: ignor
         supply_stage(own, scratch.state, scratch.rate, lanes)
     if own.sizes.ledger_at > 0:
         ledger_stage(own, scratch.rate, lanes)
-    accelerate(own, given, here, stage, scratch, lanes)
+    accelerate(own, given, here, scratch, lanes)
 
 
 @kernel

@@ -51,7 +51,7 @@ LAW: Final = np.dtype(
     # What of a step the delay is longer than its whole steps, and what of a switch there is seen at each stage:
     + [(name, np.float64) for name in ("fraction", "at_start", "at_middle", "at_end")]
 )
-"""A law as the loop knows it; all fields but the last are whole numbers."""
+"""A law as the loop knows it; all fields but the last four are whole numbers."""
 
 
 def step_shares(fraction: float) -> tuple[float, float, float]:
