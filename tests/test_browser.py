@@ -2,6 +2,7 @@
 
 import html
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -15,9 +16,11 @@ from ehamj.report.comparison import write_transmissibility
 from ehamj.run.many import simulate_many
 from ehamj.scenario.load import load_scenario
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+CHROMIUM = next(filter(None, (os.environ.get("EHAMJ_BROWSER"), *map(shutil.which, NAMES))), None)
 pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="no Chromium here (apt-get install chromium): pages are not opened in a browser"
+    CHROMIUM is None,
+    reason="no Chromium here (apt-get install chromium, or EHAMJ_BROWSER names one): no page is opened",
 )
 
 OPTIONS = (

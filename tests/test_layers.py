@@ -112,6 +112,7 @@ def test_what_should_be_at_once_imports_nothing_slow(done: str) -> None:
         f"atexit.register(lambda: print('IMPORTED', *sorted(set({without}) & set(sys.modules)), file=sys.stderr)); "
     )
     said = subprocess.run([sys.executable, "-c", told + code], capture_output=True, text=True, check=False).stderr
+    assert "Traceback" not in said, said
     assert said.splitlines()[-1].split() == ["IMPORTED"], said
 
 

@@ -8,11 +8,16 @@ import pytest
 from harness import Cli
 
 from ehamj.bench.bench import PARTS, bench, bench_chart, chosen
-from ehamj.bench.ceiling import Ceiling
+from ehamj.bench.ceiling import Ceiling, System
 from ehamj.bench.engines import benchmark_case
+from ehamj.bench.exudyn_case import ExudynCase
 from ehamj.bench.lane_ceiling import LaneCeiling
 from ehamj.bench.lanes import machines
 from ehamj.errors import InputError
+from ehamj.isolator.edges import Edges, chamber_flows
+from ehamj.isolator.fluid import Fluid, pressure_rate
+from ehamj.isolator.spool import Command, Spool, spool_acceleration, spool_target
+from ehamj.isolator.supply import Feed
 from ehamj.scenario.load import load_scenario
 
 STEP = 1e-4
@@ -75,9 +80,31 @@ def test_a_machine_moves_in_lanes_as_it_does_alone(number: int) -> None:
 def test_without_exudyn_the_peer_is_refused_before_anything_is_timed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "exudyn", None)  # as if it were not installed
     said: list[str] = []
-    with pytest.raises(InputError, match=r"peer: needs Exudyn.*pip install exudyn"):
+    with pytest.raises(InputError, match=r"peer: needs Exudyn.*pip install 'ehamj\[peer\]'"):
         bench(1, chosen(["engines", "peer"]), said.append)
     assert not said
+
+
+def test_the_peers_own_equations_are_those_of_the_valve() -> None:
+    """What is written anew for the peer, NumPy in place of its symbols, against the kernels; the machine at rest."""
+    scenario = load_scenario("benchmark")
+    case: Any = object.__new__(ExudynCase)
+    case._system = System.of(scenario, 1.0 / 3000.0)
+    for mount, time, state in ((0, 0.0, (105e5, 105e5, 0.3, -2.0)), (2, 0.013, (90e5, 120e5, -0.2, 5.0))):
+        actuator, supply = scenario.plant.actuators[mount], scenario.plant.supply
+        setting: Any = scenario.control.signals[mount]  # type: ignore[union-attr]
+        feed = Feed(supply.pressure, supply.tank_pressure, supply.rating_pressure)
+        own, valve, oil = Edges.values_of(actuator), Spool.values_of(actuator), Fluid.values_of(actuator)
+        flows = chamber_flows(state[2], state[0], state[1], feed, own)
+        command = setting.amplitude * np.sin(2.0 * np.pi * setting.frequency * time)
+        target = spool_target(Command(command, 0.0), valve)
+        rises = [
+            pressure_rate(flow, 0.0, pressure, volume, oil.bulk_modulus, oil.wall_compliance)
+            for flow, pressure, volume in zip(flows[:2], state[:2], (actuator.volume_1, actuator.volume_2), strict=True)
+        ]
+        expected = [*rises, state[3], spool_acceleration(target - state[2], state[3], valve)]
+        # The flows are those of a plain root: 1e-300 in the kernel's, and sums in another order.
+        np.testing.assert_allclose(case._rates(np, mount, time, np.array(state)), expected, rtol=1e-12)
 
 
 def test_with_exudyn_the_peer_moves_as_the_bare_loop_does() -> None:

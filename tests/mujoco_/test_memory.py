@@ -1,4 +1,4 @@
-"""Memory by name: for the number of mounts of the model, and compiled anew only where compiled code changed."""
+"""Memory by name: for the number of mounts of the model."""
 
 from dataclasses import replace
 

@@ -10,6 +10,13 @@ from ehamj.run.simulate import observed
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
 
+
+@pytest.fixture(autouse=True)
+def _one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All cases come in one batch, however many processors there are."""
+    monkeypatch.setattr("ehamj.run.many.processors", lambda: 1)
+
+
 TURNED = 5.0
 """What is left out, of a channel's peak, over the angle by which the machine turns: docs/physics.md."""
 

@@ -52,7 +52,7 @@ class LaneCeiling:
         return rows
 
     def channels(self) -> Array:
-        """As `ehamj.bench.ceiling.ceiling` of each machine, (machine, n, 5 + mount)."""
+        """As `ehamj.bench.ceiling.Ceiling.channels` of each machine, (machine, n, 5 + mount)."""
         rows = self()
         states = rows.reshape(len(rows), -1, self._width).transpose(2, 0, 1)
         pressures = states[:, :, 2 * N :].reshape(self._width, len(rows), -1, OWN)[..., 2:4]

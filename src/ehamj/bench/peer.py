@@ -30,7 +30,7 @@ def check_peer() -> Any:
     try:
         return import_module("exudyn")
     except ImportError as error:
-        raise InputError(f"peer: needs Exudyn, which is not installed ({error}): pip install exudyn") from None
+        raise InputError(f"peer: needs Exudyn, which is not installed ({error}): pip install 'ehamj[peer]'") from None
 
 
 @part("peer", "the benchmark case in Exudyn, where it is installed", _panels, asked=True, check=check_peer)
