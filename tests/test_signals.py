@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ehamj.signals import Chirp, Faded, Lines, Multisine, Product, Sampled, Signal, Step, Total, Zero
+from ehamj.lines import Lines
+from ehamj.signals import Chirp, Faded, Multisine, Product, Sampled, Signal, Step, Total, Zero
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
