@@ -1,17 +1,12 @@
 """Scalar signals of time with their first two derivatives; ground motion and commands are made of these."""
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
-
-DEGREE = 5
-"""Degree of the spline through samples."""
 
 SLACK = 5e-10
 """Half a nanosecond: the times of steps are multiples of the step with rounding, and a jump belongs to one of them."""
@@ -107,40 +102,6 @@ class Chirp:
         sine, cosine = np.where(inside, np.sin(angle), 0.0), np.where(inside, np.cos(angle), 0.0)
         curvature = self.amplitude * (growth * omega * cosine - omega**2 * sine)
         return Sample(self.amplitude * sine, self.amplitude * omega * cosine, curvature)
-
-
-@dataclass(frozen=True)
-class Sampled:
-    """A quintic spline through uniform samples, so that its two derivatives belong to it exactly.
-
-    ``values`` (n,) at ``start`` + k/``rate``; the samples should be at least four times as dense as the highest
-    frequency needs. Outside the samples the first and last value hold.
-    """
-
-    rate: float
-    values: Array = field(repr=False)
-    start: float = 0.0
-
-    @cached_property
-    def _spline(self) -> "scipy.interpolate.PPoly":
-        times = self.start + np.arange(self.values.size) / self.rate
-        return scipy.interpolate.PPoly.from_spline(scipy.interpolate.make_interp_spline(times, self.values, k=DEGREE))
-
-    def sample(self, time: Array, left: bool = False) -> Sample:
-        end = self.start + (self.values.size - 1) / self.rate
-        inside = (time >= self.start) & (time <= end)
-        clipped = np.clip(time, self.start, end)
-        # All three at once from the pieces' coefficients: several times faster than a spline evaluated thrice.
-        breaks, coefficients = self._spline.x, self._spline.c
-        # Knots are the samples but for the second, third and their like at the end, with five empty pieces at each end.
-        sample = ((clipped - self.start) * self.rate).astype(np.int64)
-        piece = np.clip(sample + DEGREE - 2, DEGREE, breaks.size - DEGREE - 2)
-        s = clipped - breaks[piece]
-        a, b, c, d, e, f = coefficients[:, piece]
-        value = ((((a * s + b) * s + c) * s + d) * s + e) * s + f
-        slope = (((5.0 * a * s + 4.0 * b) * s + 3.0 * c) * s + 2.0 * d) * s + e
-        curvature = ((20.0 * a * s + 12.0 * b) * s + 6.0 * c) * s + 2.0 * d
-        return Sample(value, np.where(inside, slope, 0.0), np.where(inside, curvature, 0.0))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import errno
 import tempfile
 import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +11,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import make_interp_spline
 
 from ehamj.errors import InputError
 from ehamj.forces.vibrations import random_force
 from ehamj.ground import Motion
-from ehamj.lines import Lines, grid, parts, room
-from ehamj.lines.grid import Grid
 from ehamj.scenario.load import parse_scenario
-
-
-@pytest.fixture
-def short_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Blocks so short that a short floor takes many."""
-    monkeypatch.setattr(grid, "BLOCK", 1500)
+from ehamj.series import Lines, Sampled, parts, room, stored
+from ehamj.series.grid import Grid
 
 
 def whole(lines: np.ndarray, size: int) -> np.ndarray:
@@ -71,11 +67,11 @@ def floor(duration: float = 12.0, **ground: Any) -> Motion:
 
 @pytest.mark.parametrize("ground", [{}, {"coherence": {}}, {"kind": "burst"}])
 def test_a_seed_gives_the_same_floor_in_blocks_and_from_a_file(
-    ground: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    ground: dict[str, Any], blocks_of: Callable[[int], None]
 ) -> None:
     times = np.linspace(0.0, 12.0, 777)
     held = floor(**ground).sample(times)
-    monkeypatch.setattr(grid, "BLOCK", 5000)
+    blocks_of(5000)
     blocks = floor(**ground).sample(times)
     for one, other in zip(held, blocks, strict=True):
         # Accelerations come of differences of displacements, whose rounding of 1e-16 is 1e-10 of them.
@@ -83,10 +79,10 @@ def test_a_seed_gives_the_same_floor_in_blocks_and_from_a_file(
         assert (error <= 1e-9 * np.sqrt((one**2).mean(axis=(0, 1)))).all()
 
 
-def test_a_random_force_is_the_same_in_blocks_and_from_a_file(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_random_force_is_the_same_in_blocks_and_from_a_file(blocks_of: Callable[[int], None]) -> None:
     times = np.linspace(0.0, 8.0, 400)
     held = random_force(20.0, 5.0, 200.0, 8.0, np.random.default_rng(3)).sample(times)
-    monkeypatch.setattr(grid, "BLOCK", 1500)
+    blocks_of(1500)
     blocks = random_force(20.0, 5.0, 200.0, 8.0, np.random.default_rng(3)).sample(times)
     for one, other in zip(held, blocks, strict=True):
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-9 * np.sqrt((one**2).mean()))
@@ -110,6 +106,22 @@ def test_a_floor_ten_times_as_long_takes_no_more_memory() -> None:
     assert long - short < 1.0 * 500.0 * (960.0 - 96.0)
 
 
+@pytest.mark.usefixtures("short_blocks")
+def test_a_spline_in_blocks_is_the_spline_through_all_samples() -> None:
+    values, times = np.random.default_rng(4).normal(size=7000).cumsum(), np.linspace(-1.0, 71.0, 5001)
+    own = Sampled(100.0, stored(values))
+    assert not isinstance(own.values, np.ndarray)
+    spline = make_interp_spline(np.arange(7000) / 100.0, values, k=5)
+    for order, part in enumerate(own.sample(times)):
+        inside = (times >= 0.0) & (times <= 69.99)
+        wanted = spline.derivative(order)(times[inside]) if order else spline(times[inside])
+        # What both splines round, 1e-16 of the value, times some ten per derivative and sample.
+        np.testing.assert_allclose(part[inside], wanted, rtol=0, atol=1e-13 * 3e3**order * np.abs(values).max())
+        np.testing.assert_array_equal(
+            part[~inside], np.where(times[~inside] < 0.0, values[0], values[-1]) if order == 0 else 0.0
+        )
+
+
 # --- files --------------------------------------------------------------------------------------------------------
 
 
@@ -131,7 +143,7 @@ def test_a_full_disk_is_named_with_the_way_out(monkeypatch: pytest.MonkeyPatch) 
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("os.pwrite", full)
-    with pytest.raises(InputError, match=r"need 0\.0960* MB in the folder .*: No space left on device; make the dur"):
+    with pytest.raises(InputError, match=r"needs 0\.096 MB in the folder .*: No space left on device; make the dur"):
         floor()
 
 

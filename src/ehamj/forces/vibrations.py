@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.forces.force import PER_PERIOD, ContinuousForce, ForceSettings
-from ehamj.lines import Lines, parts, room
+from ehamj.series import Lines, parts, room
 from ehamj.settings import Positive, SineSum
 from ehamj.signals import Array, Multisine, Sample, Signal, rise
 

@@ -22,8 +22,8 @@ from pydantic import Field
 from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.spectra import Axis, Spectrum
 from ehamj.ground.waves import Coherence, Wave, spread
-from ehamj.lines import Lines, parts, room
 from ehamj.plant.axes import AXES
+from ehamj.series import Lines, parts, room
 from ehamj.signals import Array, Product, Signal
 
 LEAST_PERIOD = 10.0

@@ -1,6 +1,8 @@
-"""Sums of many lines: what random floors and forces are made of, in memory that does not grow with their length."""
+"""Long series: sums of many lines, and many samples, in memory that does not grow with their length."""
 
-from ehamj.lines.held import PART, Held, parts, room
-from ehamj.lines.periodic import Lines
+from ehamj.series.grid import room
+from ehamj.series.held import PART, Held, parts, stored
+from ehamj.series.lines import Lines
+from ehamj.series.sampled import Sampled
 
-__all__ = ["PART", "Held", "Lines", "parts", "room"]
+__all__ = ["PART", "Held", "Lines", "Sampled", "parts", "room", "stored"]

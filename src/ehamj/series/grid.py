@@ -8,29 +8,19 @@ convolution function for Fourier inversion using gridding*, IEEE Trans. Med. Ima
 RMS. Memory is that of the blocks; time is that of spreading all lines for each of them.
 """
 
-import threading
-from collections import OrderedDict
 from functools import lru_cache
 from itertools import count
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
-
-if TYPE_CHECKING:
-    from ehamj.lines.held import Held
+from ehamj.series.held import BLOCK, Held, OnDisk, Recent, is_whole
 
 LINE_SAMPLES: Final = 8
 """Samples per period of the highest line; a quintic between them is then within 5e-6 of that line."""
-
-BLOCK: Final = 65536
-"""Samples of a block at most."""
-
-KEPT: Final = 4
-"""Blocks that are kept: runs of one floor beside each other may be at as many places of it."""
 
 AMPLE: Final = 3
 """Length of a block's FFT over its window: so ample that the kernel's transform is flat within it, and dividing by that
@@ -55,21 +45,24 @@ def grid_size(lines: int) -> int:
     return int(scipy.fft.next_fast_len(LINE_SAMPLES * max(lines - 1, 1), real=True))
 
 
-def is_whole(size: int) -> bool:
-    """Whether a grid is held whole: as long as all the blocks that are kept."""
-    return size <= KEPT * BLOCK
+def room(lines: int) -> Held[np.complex128]:
+    """Room for the amplitudes of so many lines, zero until they are written.
+
+    Raises:
+        InputError: if they need a temporary file, and there is no room for it.
+    """
+    return np.zeros(lines, complex) if is_whole(grid_size(lines)) else OnDisk(lines, np.complex128)
 
 
 class Grid:
     """Value, slope and curvature of Re Σ ``lines``[k]·exp(2πi k n/size) at n = 0, 1, … in units of a grid step."""
 
-    def __init__(self, lines: "Held") -> None:
+    def __init__(self, lines: Held[np.complex128]) -> None:
         self._lines, self.size = lines, grid_size(lines.size)
         self._fold = 1 if is_whole(self.size) else next(q for q in count(self.size // (AMPLE * BLOCK)) if self._fits(q))
         self._length = self.size // self._fold
         self._span = self.size if self._fold == 1 else self._length // AMPLE
-        self._kept: OrderedDict[int, Array] = OrderedDict()
-        self._lock = threading.Lock()
+        self._recent = Recent(lambda number: self._whole() if self._fold == 1 else self._block(number * self._span))
 
     def _fits(self, fold: int) -> bool:
         return fold > 0 and self.size % fold == 0 and self.size <= AMPLE * BLOCK * fold
@@ -86,13 +79,7 @@ class Grid:
         return first, second
 
     def _in_block(self, number: int, at: NDArray[np.int64]) -> tuple[Array, Array]:
-        with self._lock:  # two that ask at once: one computes
-            block = self._kept.pop(number, None)
-            if block is None:
-                while len(self._kept) >= KEPT:
-                    self._kept.popitem(last=False)
-                block = self._whole() if self._fold == 1 else self._block(number * self._span)
-            self._kept[number] = block
+        block = self._recent[number]
         at = at - number * self._span
         return block[:, at], block[:, at + 1]
 

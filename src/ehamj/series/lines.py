@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.lines.grid import Grid
-from ehamj.lines.held import Held
+from ehamj.series.grid import Grid
+from ehamj.series.held import Held
 from ehamj.signals import Sample
 
 
@@ -15,14 +15,14 @@ from ehamj.signals import Sample
 class Lines:
     """A periodic signal, the real part of Σ ``lines``[k]·exp(2πi k t/``period``), k = 0, 1, …
 
-    The sum and its two derivatives are known on a grid of `ehamj.lines.grid.LINE_SAMPLES` per period of the highest
+    The sum and its two derivatives are known on a grid of `ehamj.series.grid.LINE_SAMPLES` per period of the highest
     line; the quintic that takes all six values at the two ends of a step lies between, so that the derivatives belong
     to the value exactly.
     """
 
     period: float
     """[s]"""
-    lines: Held = field(repr=False)
+    lines: Held[np.complex128] = field(repr=False)
     """Complex amplitudes, shape (n,)."""
 
     @cached_property
