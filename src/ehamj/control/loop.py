@@ -17,6 +17,7 @@ from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.linearisation import numbers_of
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
@@ -67,9 +68,9 @@ def make_loop(
     if controller is None:
         return no_loop(len(plant.mounts))
     check_mounts(controller.converter, plant.mounts)
-    rows = sensors.rows(controller.inputs, plant, seed)
+    rows = sensors.rows(controller.reads, plant, seed)
     ranges = np.array([actuator.voltage_limit for actuator in plant.actuators])
-    return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, ranges)
+    return _made(controller.parts, controller.reads, controller.converter, rows, sensors, timestep, ranges)
 
 
 def structure(loop: DigitalLoop) -> Hashable:
@@ -77,7 +78,7 @@ def structure(loop: DigitalLoop) -> Hashable:
     laws, sensing = loop.laws, loop.sensing
     tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, sensing.terms)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
-    return (*shapes, laws.converter, laws.base, sensing.layout, sensing.order, loop.states)
+    return (*shapes, laws.converter, laws.valves.size, laws.base, sensing.layout, sensing.order, loop.states)
 
 
 def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
@@ -102,8 +103,8 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges")),
-        law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
+        laws=lanes(laws, ("matrices", "ranges", "valves")),
+        law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields[:-1]),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
     )
@@ -118,14 +119,17 @@ def _made(
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
-    statics = [converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
+    rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
-    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, int(np.gcd.reduce(table["every"])))
+    pressures = np.array([channels.index(name) for name in converter.measures], np.int64)
+    stage = numbers_of(converter.valves), pressures
+    base = int(np.gcd.reduce(table["every"]))
+    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, *stage, base)
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
     terms, weights = _terms(rows)
-    resting = np.array(statics, float)
+    resting = np.array(rests, float) * converter.from_rest
     order = filters.shape[1]
     sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
     return DigitalLoop(

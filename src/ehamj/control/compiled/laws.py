@@ -22,6 +22,7 @@ from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.stage import REMEMBERS, begin_stage, linearised, note_sample, taken_by_valves
 
 LAW: Final = np.dtype(
     [
@@ -86,6 +87,10 @@ class Laws(NamedTuple):
     """Of each valve's command [V]."""
     switching: Any
     """Laws whose commands switch within a step, in the order in which they do."""
+    valves: Any
+    """What the stage before the converter (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
+    pressures: Any
+    """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -100,11 +105,17 @@ class LawMemory(NamedTuple):
     """(2·valve): wanted, and what fade and range take."""
     switching: Any
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
+    stage: Any
+    """(valve·`REMEMBERS`) of the stage before the converter."""
+    step: Any
+    """(2,) number of the step that the stage has begun, and share of the fade at the last sample; of all lanes."""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
         """Memory of a size."""
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *(np.zeros(n * mounts) for n in (2, 3)))
+        totals, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
+        values, measured, scratch = (np.zeros(n) for n in (size, inputs, size))
+        return cls(values, measured, scratch, totals, switching, stage, np.array([-1.0, 0.0]))
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -143,8 +154,9 @@ def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-de
 
 
 @kernel
-def total_after(number, fraction, i, table, converter, values, size, lanes):  # type: ignore[no-untyped-def]
-    """Sum of what all laws command after a fraction of a step, of one valve and lane."""
+def command_after(number, fraction, i, laws, memory, size, lanes):  # type: ignore[no-untyped-def]
+    """What the converter makes after a fraction of a step of the sum of all laws, for one valve and lane."""
+    table, converter, values = laws.table, laws.converter, memory.values
     total = 0.0
     for k in range(table.size):
         law = table[k]
@@ -152,6 +164,8 @@ def total_after(number, fraction, i, table, converter, values, size, lanes):  # 
         if 0.0 < law.fraction <= fraction and due(number, law):
             place = waiting(number, law, size, lanes)
         total += values[place + i]
+    if laws.valves.size > 0:
+        total = linearised(total, i, laws.valves, memory, lanes)
     return converted(total, converter.limit, converter.resolution)
 
 
@@ -161,18 +175,20 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
 
     Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
     """
-    size, values, added = control.size, memory.values, memory.switching
-    table, converter, ranges, switching = laws.table, laws.converter, laws.ranges, laws.switching
+    size, added = control.size, memory.switching
+    table, ranges, switching = laws.table, laws.ranges, laws.switching
+    if laws.valves.size > 0:
+        begin_stage(number, memory, lanes)
     for i in range(size):
-        control[i] = total_after(number, 0.0, i, table, converter, values, size, lanes)
+        control[i] = command_after(number, 0.0, i, laws, memory, size, lanes)
         added[i] = added[size + i] = added[2 * size + i] = 0.0
     for j in range(switching.size):
         law = table[switching[j]]
         if due(number, law):
             before = table[switching[j - 1]].fraction if j > 0 else 0.0
             for i in range(size):
-                now = total_after(number, before, i, table, converter, values, size, lanes)
-                then = total_after(number, law.fraction, i, table, converter, values, size, lanes)
+                now = command_after(number, before, i, laws, memory, size, lanes)
+                then = command_after(number, law.fraction, i, laws, memory, size, lanes)
                 rise = converted(then, ranges[i], 0.0) - converted(now, ranges[i], 0.0)
                 added[i] += law.at_start * rise
                 added[size + i] += law.at_middle * rise
@@ -278,7 +294,11 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
         for k in range(laws.table.size):
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
-    taken(total, share, laws.converter, lost)
+    if laws.valves.size > 0:
+        note_sample(share, readings, laws.pressures, laws.valves, memory, lanes)
+        taken_by_valves(total, share, laws.valves, memory, lost, lanes)
+    else:
+        taken(total, share, laws.converter, lost)
     for k in range(laws.table.size):
         if number % laws.table[k].every == 0:
             finish_sample(number, share, laws.table[k], laws, memory, lanes)
