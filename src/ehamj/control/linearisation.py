@@ -5,14 +5,16 @@ is held for (`designed_for`; without, the scenario's own), less or more where a 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Final, Literal, NamedTuple, Self
 
 import numpy as np
+import scipy.linalg
 from pydantic import Field
 
 from ehamj.arrays import Array
 from ehamj.control.channels import SUPPLY
-from ehamj.control.compiled.opening import SIZE, Known
+from ehamj.control.compiled.opening import Known
+from ehamj.control.compiled.stage import Moves
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.flow_curve import POINTS, FlowCurve
@@ -21,7 +23,10 @@ from ehamj.plant.axes import CHAMBERS
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
 
-LARGEST_FACTOR = 1.5
+POSITIVE: Final = ("valve_gain", "valve_frequency", "rolloff", "stroke", "rated", "band", "reversal")
+"""What must be positive of a known valve."""
+
+LARGEST_FACTOR: Final = 1.5
 """Of a pressure drop, √(Δp/Δp₀): with all of P_s over one edge it is √2."""
 
 
@@ -52,10 +57,9 @@ class KnownValve(NamedTuple):
         except (TypeError, ValueError) as error:
             raise InputError(f"controller.valves: {error}; every entry must be a number") from error
         whole = np.isfinite([*numbers, *curve]).all() and len(curve) == POINTS
-        if not whole or min(numbers.valve_gain, numbers.stroke, numbers.rated, numbers.band, numbers.reversal) <= 0.0:
+        if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(
-                f"controller.valves: numbers must be finite, valve_gain, stroke, rated, band and reversal positive, "
-                f"and curve {POINTS} shares"
+                f"controller.valves: numbers must be finite, {', '.join(POSITIVE)} positive, and curve {POINTS} shares"
             )
         return cls(numbers, curve)
 
@@ -77,10 +81,13 @@ class Linearisation(Settings):
     threshold: NotNegative = Field(1.0, description="share of the threshold that is made good")
     null_offset: NotNegative = Field(1.0, description="share of the null offset that is made good")
     band: Positive = Field(
-        0.02, description="wanted opening to each side of null over which the jump across the overlap is spread [mA]"
+        0.1, description="wanted opening to each side of null over which the jump across the overlap is spread [mA]"
     )
     reversal: Positive = Field(
         0.1, description="half of the travel of the edges over which the spool is taken through its play [mA]"
+    )
+    rolloff: Positive = Field(
+        3.5e-4, description="time constant, twice, to which the lead of what is added over the valve is rolled off [s]"
     )
     least_drop: float = Field(
         0.1, gt=0, le=1, description="pressure drop, over the rated one, below which the gain rises no further [-]"
@@ -96,6 +103,9 @@ class Linearisation(Settings):
         curve = FlowCurve.values_of(actuator)
         numbers = Known(
             valve_gain=actuator.valve_gain,
+            valve_frequency=actuator.valve_frequency,
+            valve_damping=actuator.valve_damping,
+            rolloff=self.rolloff,
             stroke=actuator.spool_stroke,
             reach=min(actuator.spool_stroke, actuator.valve_gain * actuator.voltage_limit),
             supply=supply.pressure,
@@ -127,8 +137,40 @@ def measured(valves: Sequence[KnownValve], mounts: Sequence[str]) -> tuple[str, 
     return (*chambers, SUPPLY) if any(valve.numbers.supply_measured for valve in valves) else chambers
 
 
-def numbers_of(valves: Sequence[KnownValve]) -> Array:
-    """What is known, as the compiled stage takes it, (valve·`SIZE`)."""
-    found = np.array([(*valve.numbers, *valve.curve) for valve in valves], float)
-    assert found.size == len(valves) * SIZE
-    return found.ravel()
+class Stage(NamedTuple):
+    """The stage as one more law: it samples with the fastest, and what it adds waits as long."""
+
+    period: float
+    """[s]"""
+    latency: float
+    """[s]"""
+    states: int = 0
+    inputs: tuple[str, ...] = ()
+
+    @classmethod
+    def beside(cls, parts: Sequence[Any]) -> Self:
+        """Beside laws that have a period and a latency [s]."""
+        fastest = min(parts, key=lambda part: (part.period, part.latency))
+        return cls(fastest.period, fastest.latency)
+
+
+def numbers_of(valves: Sequence[KnownValve], period: float) -> Array:
+    """What is known, as the compiled stage takes it every ``period`` [s], (valve·`ehamj.control.compiled.stage.KNOWN`)."""
+    return np.array([(*one.numbers, *one.curve, *_moves(one.numbers, period)) for one in valves], float).ravel()
+
+
+def _moves(own: Known, period: float) -> Moves:
+    """The stage's states from sample to sample, exact for what is held between."""
+    natural, time = own.valve_frequency, own.rolloff
+    spool = _held(-(natural**2), -2.0 * own.valve_damping * natural, natural**2, period)
+    lag = _held(-1.0 / time**2, -2.0 / time, 1.0 / time**2, period)
+    share = 1.0 / (natural * time) ** 2
+    return Moves(
+        *spool, *lag, 2.0 * time, share, 1.0 - share, 2.0 * own.valve_damping / natural - 2.0 * time * share
+    )  # fmt: skip
+
+
+def _held(stiffness: float, damping: float, gain: float, period: float) -> tuple[float, ...]:
+    """ẍ = stiffness·x + damping·ẋ + gain·u with u held: x⁺ and ẋ⁺ of x, ẋ and u each."""
+    step = scipy.linalg.expm(np.array([[0.0, 1.0, 0.0], [stiffness, damping, gain], [0.0, 0.0, 0.0]]) * period)
+    return tuple(map(float, step[:2].ravel()))

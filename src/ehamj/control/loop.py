@@ -17,7 +17,7 @@ from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
-from ehamj.control.linearisation import numbers_of
+from ehamj.control.linearisation import Stage, numbers_of
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.plant.plant import Plant
@@ -76,7 +76,7 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, sensing.terms)
+    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, sensing.terms)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (*shapes, laws.converter, laws.valves.size, laws.base, sensing.layout, sensing.order, loop.states)
 
@@ -104,7 +104,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     return replace(
         first,
         laws=lanes(laws, ("matrices", "ranges", "valves")),
-        law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields[:-1]),
+        law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
     )
@@ -117,16 +117,17 @@ def _made(
     failures: list[Exception] = []
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
-    table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
+    stage = (Stage.beside(parts),) if converter.valves else ()
+    table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
+    known = numbers_of(converter.valves, stage[0].period if stage else timestep)
     pressures = np.array([channels.index(name) for name in converter.measures], np.int64)
-    stage = numbers_of(converter.valves), pressures
     base = int(np.gcd.reduce(table["every"]))
-    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, *stage, base)
+    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, base)
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
     terms, weights = _terms(rows)
     resting = np.array(rests, float) * converter.from_rest
@@ -165,7 +166,7 @@ def _instruments(
 
 
 def _laws(
-    parts: Sequence[Controller | PythonController],
+    parts: "Sequence[Controller | PythonController | Stage]",
     channels: tuple[str, ...],
     timestep: float,
     functions: dict[int, Any],

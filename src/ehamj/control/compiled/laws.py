@@ -22,7 +22,7 @@ from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
-from ehamj.control.compiled.stage import REMEMBERS, begin_stage, linearised, note_sample, taken_by_valves
+from ehamj.control.compiled.stage import REMEMBERS, added, ranged
 
 LAW: Final = np.dtype(
     [
@@ -72,7 +72,7 @@ class Laws(NamedTuple):
     """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
-    """A `LAW` per law."""
+    """A `LAW` per law; after them one more for the stage beside them, where there is one."""
     matrices: Any
     """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
     rows: Any
@@ -88,7 +88,7 @@ class Laws(NamedTuple):
     switching: Any
     """Laws whose commands switch within a step, in the order in which they do."""
     valves: Any
-    """What the stage before the converter (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
+    """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
     pressures: Any
     """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
     base: int
@@ -106,16 +106,13 @@ class LawMemory(NamedTuple):
     switching: Any
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
     stage: Any
-    """(valve·`REMEMBERS`) of the stage before the converter."""
-    step: Any
-    """(2,) number of the step that the stage has begun, and share of the fade at the last sample; of all lanes."""
+    """(valve·`REMEMBERS`)"""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
         """Memory of a size."""
-        totals, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        values, measured, scratch = (np.zeros(n) for n in (size, inputs, size))
-        return cls(values, measured, scratch, totals, switching, stage, np.array([-1.0, 0.0]))
+        by_mount = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *by_mount)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -133,6 +130,14 @@ def due(number, law):  # type: ignore[no-untyped-def]
 def waiting(number, law, size, lanes):  # type: ignore[no-untyped-def]
     """Where the outputs of a law that are due lie."""
     return law.ring * len(lanes) + size * (((number - law.delay) // law.every) % law.places)
+
+
+@kernel
+def queued(number, law, size, lanes):  # type: ignore[no-untyped-def]
+    """Where the outputs of a sample of a law are put: to wait, or without delay to be held."""
+    if law.delay == 0 and law.fraction == 0.0:
+        return law.held * len(lanes)
+    return law.ring * len(lanes) + size * ((number // law.every) % law.places)
 
 
 @kernel
@@ -154,9 +159,8 @@ def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-de
 
 
 @kernel
-def command_after(number, fraction, i, laws, memory, size, lanes):  # type: ignore[no-untyped-def]
-    """What the converter makes after a fraction of a step of the sum of all laws, for one valve and lane."""
-    table, converter, values = laws.table, laws.converter, memory.values
+def total_after(number, fraction, i, table, converter, values, size, lanes):  # type: ignore[no-untyped-def]
+    """Sum of what all laws command after a fraction of a step, of one valve and lane."""
     total = 0.0
     for k in range(table.size):
         law = table[k]
@@ -164,8 +168,6 @@ def command_after(number, fraction, i, laws, memory, size, lanes):  # type: igno
         if 0.0 < law.fraction <= fraction and due(number, law):
             place = waiting(number, law, size, lanes)
         total += values[place + i]
-    if laws.valves.size > 0:
-        total = linearised(total, i, laws.valves, memory, lanes)
     return converted(total, converter.limit, converter.resolution)
 
 
@@ -175,20 +177,18 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
 
     Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
     """
-    size, added = control.size, memory.switching
-    table, ranges, switching = laws.table, laws.ranges, laws.switching
-    if laws.valves.size > 0:
-        begin_stage(number, memory, lanes)
+    size, values, added = control.size, memory.values, memory.switching
+    table, converter, ranges, switching = laws.table, laws.converter, laws.ranges, laws.switching
     for i in range(size):
-        control[i] = command_after(number, 0.0, i, laws, memory, size, lanes)
+        control[i] = total_after(number, 0.0, i, table, converter, values, size, lanes)
         added[i] = added[size + i] = added[2 * size + i] = 0.0
     for j in range(switching.size):
         law = table[switching[j]]
         if due(number, law):
             before = table[switching[j - 1]].fraction if j > 0 else 0.0
             for i in range(size):
-                now = command_after(number, before, i, laws, memory, size, lanes)
-                then = command_after(number, law.fraction, i, laws, memory, size, lanes)
+                now = total_after(number, before, i, table, converter, values, size, lanes)
+                then = total_after(number, law.fraction, i, table, converter, values, size, lanes)
                 rise = converted(then, ranges[i], 0.0) - converted(now, ranges[i], 0.0)
                 added[i] += law.at_start * rise
                 added[size + i] += law.at_middle * rise
@@ -278,8 +278,9 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
 @kernel
 def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let every law that is due compute; returns what that means for the commands."""
-    answer = NOT_DUE
-    for k in range(laws.table.size):
+    answer, staged = NOT_DUE, laws.valves.size > 0
+    count = laws.table.size - staged
+    for k in range(count):
         law = laws.table[k]
         if number % law.every == 0:
             answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
@@ -291,15 +292,17 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
     total, lost = memory.totals[:valves], memory.totals[valves:]
     for i in range(valves):
         total[i] = 0.0
-        for k in range(laws.table.size):
+        for k in range(count):
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
-    if laws.valves.size > 0:
-        note_sample(share, readings, laws.pressures, laws.valves, memory, lanes)
-        taken_by_valves(total, share, laws.valves, memory, lost, lanes)
+    if staged:
+        ranged(total, share, readings, laws, lost, lanes)
+        stage = laws.table[count]
+        if number % stage.every == 0:
+            added(share, readings, laws, memory, queued(number, stage, valves, lanes), lanes)
     else:
         taken(total, share, laws.converter, lost)
-    for k in range(laws.table.size):
+    for k in range(count):
         if number % laws.table[k].every == 0:
             finish_sample(number, share, laws.table[k], laws, memory, lanes)
     return answer
@@ -328,9 +331,7 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
             advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
             if law.windup >= 0:
                 add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
-    place = law.ring * width + valves * ((number // law.every) % law.places)
-    if law.delay == 0 and law.fraction == 0.0:
-        place = law.held * width
+    place = queued(number, law, valves, lanes)
     for i in range(valves):
         values[law.taken * width + i] = lost[i]
         values[place + i] = share * values[law.latest * width + i]

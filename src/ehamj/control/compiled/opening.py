@@ -8,7 +8,7 @@ whose edges open as z = c(x + x_n) (flow curve, null offset), gives
 
 a the part of chamber 1 in what drives the piston, φ = √(Δp/Δp₀) of each edge's measured drop, and x_s1 … its overlap.
 Solved for x, where no edge is open with a jump that is spread over a band, it is what the edges are to do; the spool
-leads them by its play (`leaning`).
+stands to one side of them by its play (`leaning`).
 """
 
 import math
@@ -25,6 +25,12 @@ class Known(NamedTuple):
 
     valve_gain: float
     """K_v [mA/V]."""
+    valve_frequency: float
+    """ω [rad/s]."""
+    valve_damping: float
+    """ζ."""
+    rolloff: float
+    """τ [s] of what is added."""
     stroke: float
     """x_max [mA]."""
     reach: float
@@ -186,8 +192,8 @@ known = written("numbers, at, lanes", f"return Known({_ENTRIES})", Known=Known, 
 
 @kernel
 def opening_for(wanted, at, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
-    """The opening for a wanted voltage [V], in mA of a spool without offset and play."""
-    z = opened(own.valve_gain * wanted, edges_of(at, own), own)
+    """The opening x + x_n for a wanted one [mA]."""
+    z = opened(wanted, edges_of(at, own), own)
     if own.curved != 0.0:
         z = math.copysign(own.stroke * place_on_curve(abs(z) / own.stroke, numbers, curve, lanes), z)
     return z
