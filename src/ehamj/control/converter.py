@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
-from ehamj.control.linearisation import KnownValve, measured
+from ehamj.control.valves import KnownValve, measured
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
 

@@ -19,7 +19,7 @@ from ehamj.arrays import Array
 from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
-from ehamj.control.linearisation import KnownValve
+from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plain.text import json_of

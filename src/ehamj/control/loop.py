@@ -17,9 +17,9 @@ from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
-from ehamj.control.linearisation import Stage, numbers_of
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.stage import Stage, numbers_of
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)

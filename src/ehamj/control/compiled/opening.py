@@ -16,57 +16,9 @@ from typing import Final, NamedTuple
 
 from ehamj.compiled import kernel, written
 from ehamj.compiled.lanes import peek
+from ehamj.control.valves import Known
 from ehamj.isolator.edges import turbulence
 from ehamj.isolator.flow_curve import POINTS
-
-
-class Known(NamedTuple):
-    """What is known of one valve; its curve follows in memory."""
-
-    valve_gain: float
-    """K_v [mA/V]."""
-    valve_frequency: float
-    """ω [rad/s]."""
-    valve_damping: float
-    """ζ."""
-    rolloff: float
-    """τ [s] of what is added."""
-    stroke: float
-    """x_max [mA]."""
-    reach: float
-    """How far commands take the spool [mA]."""
-    supply: float
-    """P_s [Pa], where it is not measured."""
-    supply_measured: float
-    """1 where it is, 0 where it is not."""
-    tank: float
-    """P_t [Pa]."""
-    rated: float
-    """Δp₀ [Pa]."""
-    laminar: float
-    """ε [-]."""
-    least: float
-    """Smallest φ that is made good [-]; 1: none is, and the law reads no pressure."""
-    most: float
-    """Largest φ [-]."""
-    share: float
-    """a [-]."""
-    supply_1: float
-    """Overlaps of the edges [mA]."""
-    tank_1: float
-    supply_2: float
-    tank_2: float
-    band: float
-    """Wanted opening to each side of null over which its jump is spread [mA]."""
-    play: float
-    """How far the spool leads the edges [mA]."""
-    reversal: float
-    """Half of the travel over which the lead changes sides [mA]."""
-    offset: float
-    """Opening with the spool centred, x_n [mA]."""
-    curved: float
-    """1 where a curve is known, 0 where it is straight."""
-
 
 FIELDS: Final = len(Known._fields)
 SUPPLY: Final = Known._fields.index("supply")
