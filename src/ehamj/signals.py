@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
+
+if TYPE_CHECKING:
+    import scipy
 
 DEGREE = 5
 """Degree of the spline through samples."""
@@ -126,6 +128,8 @@ class Sampled:
 
     @cached_property
     def _spline(self) -> "scipy.interpolate.PPoly":
+        import scipy
+
         times = self.start + np.arange(self.values.size) / self.rate
         return scipy.interpolate.PPoly.from_spline(scipy.interpolate.make_interp_spline(times, self.values, k=DEGREE))
 
@@ -163,6 +167,8 @@ class Lines:
     @cached_property
     def _grid(self) -> Array:
         """Value, slope and curvature in units of a grid step, shape (3, size + 1); the last column is the first."""
+        import scipy
+
         size = scipy.fft.next_fast_len(LINE_SAMPLES * max(self.lines.size - 1, 1), real=True)
         turn = 2j * np.pi * np.arange(self.lines.size) / size
         half = self.lines * (0.5 * size)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
@@ -66,6 +65,8 @@ def run(
 def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
+
+    from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
     from ehamj.compiled.told import telling
     from ehamj.ground.shared import Floors
