@@ -271,11 +271,13 @@ def test_the_same_arrays_give_the_same_bytes(written: dict[str, str]) -> None:
 
 
 def test_matplotlib_is_imported_late_and_pyplot_never() -> None:
-    for path in Path(plots.__file__).parent.glob("*.py"):
+    needing = Path(plots.__file__).parent / "axis.py"  # its classes are Matplotlib's, so who uses them imports it late
+    for path in {*Path(plots.__file__).parent.glob("*.py")} - {needing}:
         tree = ast.parse(path.read_text(encoding="utf-8"))
         imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
         assert not any("pyplot" in ast.unparse(node) for node in imports), path
-        assert not any("matplotlib" in ast.unparse(node) for node in tree.body if node in imports), path
+        early = [ast.unparse(node) for node in tree.body if node in imports]
+        assert not any("matplotlib" in words or "ehamj.plots.axis " in words for words in early), path
 
 
 def test_drawing_leaves_the_settings_of_others_alone() -> None:

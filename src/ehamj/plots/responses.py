@@ -109,8 +109,7 @@ def response_matrix(
         unit: of the magnitudes, for the axes' label.
     """
     everything = [curve for part in curves.values() for curve in part]
-    figure, _ = style.new_figure(title, 0)
-    grid = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
+    figure, grid = style.new_grid(title, len(rows), len(columns), sharex=True, sharey=True)
     entries: dict[str, Artist] = {}
     for (i, row), (j, column) in product(enumerate(rows), enumerate(columns)):
         axes = grid[i, j]

@@ -102,7 +102,8 @@ def spectrogram(
             )
     style.arrange(figure, [(one, ROW * len(bands)) for one in axes], entries, right=66.0, gap=20.0, head=10.0)
     top, bottom = axes[0].get_position(), axes[-1].get_position()
-    beside = figure.add_axes((top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0), label="<colorbar>")
+    place = top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0
+    beside = figure.add_axes(place, axes_class=type(axes[0]), label="<colorbar>")
     bar = figure.colorbar(image, cax=beside, label=quantity)
     log_axis(bar.ax.yaxis)
     return figure

@@ -58,6 +58,7 @@ STYLE: Final[Any] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
+    "axes.titley": 1.0,  # or every axes is measured to find out where its title has room
     "axes.formatter.useoffset": False,
     "grid.color": "#E4E7EB",
     "grid.linewidth": 0.7,
@@ -95,11 +96,19 @@ def styled() -> Iterator[None]:
 
 def new_figure(title: str, panels: int = 1, **look: Any) -> tuple[Figure, list[Axes]]:
     """A figure with so many axes below each other, which `arrange` will place."""
+    figure, grid = new_grid(title, panels, 1, **look)
+    return figure, list(grid[:, 0])
+
+
+def new_grid(title: str, rows: int, columns: int, **look: Any) -> tuple[Figure, Any]:
+    """A figure, and its axes as an array (rows, columns); ``look`` as `Figure.subplots` takes it."""
     from matplotlib.figure import Figure
+
+    from ehamj.plots.axis import SwiftAxes
 
     figure = Figure(figsize=(WIDTH / INCH, WIDTH / INCH))
     figure.suptitle(title)
-    return figure, list(figure.subplots(panels, 1, squeeze=False, **look)[:, 0]) if panels else []
+    return figure, figure.subplots(rows, columns, squeeze=False, **{"subplot_kw": {"axes_class": SwiftAxes}} | look)
 
 
 def wrapped(title: str) -> str:
