@@ -16,7 +16,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 RANKS = (
     ("errors", "arrays", "labels", "plain", "stopped"),
     ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
-    ("isolator", "estimate", "slides"),
+    ("isolator", "estimate", "slides", "series"),
     ("plant",),
     ("records",),
     ("criteria",),

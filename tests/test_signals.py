@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ehamj.signals import Chirp, Faded, Lines, Multisine, Product, Sampled, Signal, Step, Total, Zero
+from ehamj.series import Lines, Sampled
+from ehamj.signals import Chirp, Faded, Multisine, Product, Signal, Step, Total, Zero
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 

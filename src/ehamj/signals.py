@@ -1,22 +1,12 @@
 """Scalar signals of time with their first two derivatives; ground motion and commands are made of these."""
 
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
-
-if TYPE_CHECKING:
-    import scipy
-
-DEGREE = 5
-"""Degree of the spline through samples."""
-
-LINE_SAMPLES = 8
-"""Samples per period of the highest of `Lines`; a quintic between them is then within 5e-6 of that line."""
 
 SLACK = 5e-10
 """Half a nanosecond: the times of steps are multiples of the step with rounding, and a jump belongs to one of them."""
@@ -112,95 +102,6 @@ class Chirp:
         sine, cosine = np.where(inside, np.sin(angle), 0.0), np.where(inside, np.cos(angle), 0.0)
         curvature = self.amplitude * (growth * omega * cosine - omega**2 * sine)
         return Sample(self.amplitude * sine, self.amplitude * omega * cosine, curvature)
-
-
-@dataclass(frozen=True)
-class Sampled:
-    """A quintic spline through uniform samples, so that its two derivatives belong to it exactly.
-
-    ``values`` (n,) at ``start`` + k/``rate``; the samples should be at least four times as dense as the highest
-    frequency needs. Outside the samples the first and last value hold.
-    """
-
-    rate: float
-    values: Array = field(repr=False)
-    start: float = 0.0
-
-    @cached_property
-    def _spline(self) -> "scipy.interpolate.PPoly":
-        import scipy
-
-        times = self.start + np.arange(self.values.size) / self.rate
-        return scipy.interpolate.PPoly.from_spline(scipy.interpolate.make_interp_spline(times, self.values, k=DEGREE))
-
-    def sample(self, time: Array, left: bool = False) -> Sample:
-        end = self.start + (self.values.size - 1) / self.rate
-        inside = (time >= self.start) & (time <= end)
-        clipped = np.clip(time, self.start, end)
-        # All three at once from the pieces' coefficients: several times faster than a spline evaluated thrice.
-        breaks, coefficients = self._spline.x, self._spline.c
-        # Knots are the samples but for the second, third and their like at the end, with five empty pieces at each end.
-        sample = ((clipped - self.start) * self.rate).astype(np.int64)
-        piece = np.clip(sample + DEGREE - 2, DEGREE, breaks.size - DEGREE - 2)
-        s = clipped - breaks[piece]
-        a, b, c, d, e, f = coefficients[:, piece]
-        value = ((((a * s + b) * s + c) * s + d) * s + e) * s + f
-        slope = (((5.0 * a * s + 4.0 * b) * s + 3.0 * c) * s + 2.0 * d) * s + e
-        curvature = ((20.0 * a * s + 12.0 * b) * s + 6.0 * c) * s + 2.0 * d
-        return Sample(value, np.where(inside, slope, 0.0), np.where(inside, curvature, 0.0))
-
-
-@dataclass(frozen=True)
-class Lines:
-    """A periodic signal, the real part of Σ ``lines``[k]·exp(2πi k t/``period``), k = 0, 1, …
-
-    The sum and its two derivatives are computed by FFT on a grid of `LINE_SAMPLES` per period of the highest line; the
-    quintic that takes all six values at the two ends of a step lies between, so that the derivatives belong to the
-    value exactly.
-    """
-
-    period: float
-    """[s]"""
-    lines: NDArray[np.complex128] = field(repr=False)
-    """Complex amplitudes, shape (n,)."""
-
-    @cached_property
-    def _grid(self) -> Array:
-        """Value, slope and curvature in units of a grid step, shape (3, size + 1); the last column is the first."""
-        import scipy
-
-        size = scipy.fft.next_fast_len(LINE_SAMPLES * max(self.lines.size - 1, 1), real=True)
-        turn = 2j * np.pi * np.arange(self.lines.size) / size
-        half = self.lines * (0.5 * size)
-        half[0] = 2.0 * half[0].real
-        grid = np.empty((3, size + 1))
-        for k, lines in enumerate((half, turn * half, turn * turn * half)):  # one by one: a long floor's grid is large
-            grid[k, :-1] = scipy.fft.irfft(lines, size)
-        grid[:, -1] = grid[:, 0]
-        return grid
-
-    def sample(self, time: Array, left: bool = False) -> Sample:
-        grid = self._grid
-        size = grid.shape[1] - 1
-        rate = size / self.period
-        steps = time * rate
-        whole = np.floor(steps)
-        s = steps - whole
-        at = whole.astype(np.int64) % size
-        (a, b, c), (value, slope, curvature) = grid[:, at], grid[:, at + 1]
-        c = 0.5 * c
-        # What is left at the other end after the parabola a + b s + c s², for the terms of third to fifth order.
-        value = value - (a + b + c)
-        slope = slope - (b + 2.0 * c)
-        curvature = 0.5 * curvature - c
-        d = 10.0 * value - 4.0 * slope + curvature
-        e = -15.0 * value + 7.0 * slope - 2.0 * curvature
-        f = 6.0 * value - 3.0 * slope + curvature
-        return Sample(
-            ((((f * s + e) * s + d) * s + c) * s + b) * s + a,
-            ((((5.0 * f * s + 4.0 * e) * s + 3.0 * d) * s + 2.0 * c) * s + b) * rate,
-            (((20.0 * f * s + 12.0 * e) * s + 6.0 * d) * s + 2.0 * c) * rate**2,
-        )
 
 
 @dataclass(frozen=True)

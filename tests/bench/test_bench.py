@@ -1,5 +1,6 @@
 """The parts of the bench run, what is timed is the same motion, and what cannot be timed is refused."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -7,12 +8,13 @@ import numpy as np
 import pytest
 from harness import Cli
 
-from ehamj.bench.bench import PARTS, bench, bench_chart, chosen
+from ehamj.bench.bench import PARTS, bench, bench_chart, bench_tables, chosen, measured, together
 from ehamj.bench.ceiling import Ceiling, System
 from ehamj.bench.engines import benchmark_case
 from ehamj.bench.exudyn_case import ExudynCase
 from ehamj.bench.lane_ceiling import LaneCeiling
 from ehamj.bench.lanes import machines
+from ehamj.bench.parts import Part
 from ehamj.errors import InputError
 from ehamj.isolator.edges import Edges, chamber_flows
 from ehamj.isolator.fluid import Fluid, pressure_rate
@@ -52,12 +54,24 @@ def test_all_parts_but_the_peer_are_measured_without_being_asked() -> None:
 @pytest.mark.parametrize("name", [one.name for one in chosen()])
 def test_each_part_finds_times_and_draws_them(name: str) -> None:
     parts = [PARTS[name]]
-    figures = bench(1, parts, share=0.005)
+    by_part = measured(1, parts, share=0.005)
+    figures = together(by_part)
     assert set(figures) == KEYS.get(name, set(figures))
     found = np.array(list(numbers(figures)))
     assert np.all(np.isfinite(found))
     assert np.all(found > 0.0)
     assert len(bench_chart(figures, parts).axes) >= 1
+    for table in bench_tables(by_part):
+        assert re.match(r"A row is .*(higher|lower) is better", table.words), table.title
+        assert all(re.search(r"\[(-|s|µs)\]$", head) for head in table.heads[1:]), table.heads
+        assert all(len(row) == len(table.heads) and any(row[1:]) for row in table.rows), table.rows
+
+
+def test_a_part_without_tables_of_its_own_is_listed_by_its_keys() -> None:
+    part = Part("one", "what is asked", lambda _: {}, lambda _: ())
+    (table,) = part.tables({"times_s": {"first": 1.0, "second": 2.5}, "ratio": 0.5})
+    assert table.title == "What is asked"
+    assert list(table.rows) == [("times_s.first", "1"), ("times_s.second", "2.5"), ("ratio", "0.5")]
 
 
 def test_the_benchmark_case_is_the_same_motion_with_and_without_the_engine() -> None:

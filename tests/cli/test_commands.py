@@ -46,7 +46,7 @@ SAID: dict[str, tuple[tuple[str, ...], set[str]]] = {
     "study": (("lateral", *QUICK[:4], "--points", "3", "--json"), {"study", "settings", "answers"}),
     "replay": (("stored", "--json"), {"replay", "opened"}),
     "report": (("stored", "--json"), {"report", "results"}),
-    "bench": (("--json",), {"ratio"}),
+    "bench": (("--json",), {"ratio", "how_to_read"}),
     "statics": (("benchmark", "--shims", "level", "--json"), {"mounts", "shims"}),
     "verify": (("--json",), {"cases"}),
 }
@@ -75,7 +75,8 @@ def test_json_is_all_that_a_command_says(cli: Cli, command: str, monkeypatch: py
     monkeypatch.setattr("ehamj.paper.reproduction.reproduce", lambda: SimpleNamespace(to_dict=dict, table=()))
     for name in ("page.write_paper", "amplitude.amplitude_response", "amplitude.write_amplitude"):
         monkeypatch.setattr(f"ehamj.paper.{name}", lambda *_: None)
-    monkeypatch.setattr(ehamj.bench.bench, "bench", lambda repetitions, *_: {"ratio": float(repetitions)})
+    monkeypatch.setattr(ehamj.bench.bench, "measured", lambda repetitions, *_: {"engines": {"ratio": 1.0}})
+    monkeypatch.setattr(ehamj.bench.bench, "bench_tables", lambda _: [])
     monkeypatch.setattr("ehamj.verify.verify", lambda **_: ())
     if command in ("replay", "report"):
         assert cli(*RUN).code == 0

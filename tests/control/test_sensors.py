@@ -1,5 +1,6 @@
 """Sensors: their spectra, filters, grids and axes, and that the compiled ones do what SciPy's do."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.interpolate import BarycentricInterpolator
 from scipy.linalg import expm
 
 from ehamj.control import Controller, PythonController
-from ehamj.control.instruments import Accelerometer, Geophone, PressureSensor, discretise
+from ehamj.control.instruments import NOISE, Accelerometer, Geophone, PressureSensor, discretise, randomness
 from ehamj.control.noise import ReadingNoise
 from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
@@ -77,6 +78,29 @@ def test_noise_does_not_depend_on_the_lengths_in_which_it_is_taken() -> None:
     whole = ReadingNoise(channels, sensors, 3, 1e-4).take(1000)
     made = ReadingNoise(channels, sensors, 3, 1e-4)
     np.testing.assert_array_equal(np.vstack([made.take(n) for n in (1, 0, 399, 600)]), whole)
+
+
+def test_the_noise_is_what_scipys_filters_make_of_the_channels_random_numbers() -> None:
+    """To the bit: a seed promises its numbers. White and rising noise through the low-pass, walk and drift beside;
+    one channel is silent."""
+    period, name = 1e-4, "ground_velocity rear-left z"
+    noisy = Geophone(
+        kind="geophone", noise=2e-9, noise_corner=3.0, low=0.4, high=800.0, order=3, drift=1e-7, random_walk=1e-8
+    )
+    silent = Geophone(kind="geophone", noise=0.0)
+    made = ReadingNoise(("cg_velocity z", name), Sensors(inertial=silent, ground=noisy), 5, period)
+    found = np.vstack([made.take(n) for n in (700, 300)])
+    random = randomness(5, name, NOISE)
+    sign, decay = float(random.choice((-1.0, 1.0))), math.exp(-2.0 * np.pi * 0.4 * period)
+    kick = 2e-9 * 3.0 * 2.0 * np.pi * math.sqrt(0.5 * period)
+    slow = kick / math.sqrt(1.0 - decay**2) * random.standard_normal()
+    white, rising, steps = random.standard_normal((1000, 3)).T
+    rising, _ = signal.lfilter([1.0], [1.0, -decay], kick * rising, zi=[decay * slow])
+    sections = signal.butter(3, 2.0 * 800.0 * period, output="sos")
+    electronic = signal.sosfilt(sections, 2e-9 * math.sqrt(0.5 / period) * white + rising)
+    walk = np.cumsum(1e-8 * math.sqrt(period) * steps)
+    np.testing.assert_array_equal(found[:, 1], electronic + walk + sign * 1e-7 * (np.arange(1000) * period))
+    assert not found[:, 0].any()
 
 
 def test_channels_are_independent_and_seeds_differ_and_repeat() -> None:

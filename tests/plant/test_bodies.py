@@ -13,7 +13,7 @@ from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.mujoco.model import build_model
 from ehamj.plant.axes import DOF_OF_JOINT
-from ehamj.plant.machine import box_inertia
+from ehamj.plant.bodies import box_inertia
 from ehamj.scenario.load import parse_scenario
 
 TENSOR = [[2000.0, 300.0, -200.0], [300.0, 3000.0, 150.0], [-200.0, 150.0, 4000.0]]

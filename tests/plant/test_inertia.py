@@ -1,10 +1,13 @@
-"""An inertia that is left out is that of a homogeneous box, and somebody says so."""
+"""An inertia that is left out is the default machine's, scaled, and somebody says so."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import tplquad
 
-from ehamj.plant.machine import Machine, box_inertia
+from ehamj.plant.bodies import box_inertia
+from ehamj.plant.machine import Machine
 from ehamj.scenario.load import changed, load_scenario, parse_scenario
 
 
@@ -22,13 +25,31 @@ def test_the_box_is_the_integral_over_its_volume() -> None:
 
 def test_it_follows_mass_and_size_unless_it_is_given() -> None:
     found = parse_scenario({"machine": {"mass": 6000.0}})
-    assert found.machine.inertia == box_inertia(6000.0, (2.2, 1.6, 1.9))
+    assert found.machine.inertia == (3000.0, 4500.0, 6000.0)
     assert found.machine.sources["inertia"] == "assumed"
     heavier = changed(found, {"machine.mass": 7000.0})
     assert np.allclose(heavier.machine.inertia, np.multiply(found.machine.inertia, 7.0 / 6.0))
-    given = parse_scenario({"machine": {"mass": 6000.0, "inertia": [2000.0, 3000.0, 4000.0]}})
-    assert changed(given, {"machine.mass": 7000.0}).machine.inertia == (2000.0, 3000.0, 4000.0)
-    assert given.machine.assumptions == Machine().assumptions == ()
+    stated = parse_scenario({"machine": {"mass": 6000.0, "inertia": [2000.0, 3000.0, 4000.0]}})
+    assert changed(stated, {"machine.mass": 7000.0}).machine.inertia == (2000.0, 3000.0, 4000.0)
+    assert stated.machine.assumptions == Machine().assumptions == ()
+
+
+def test_a_shape_stretched_is_the_points_stretched() -> None:
+    """Six masses at the default's mean distances stand for it: their moments after stretching are summed by hand."""
+    size = (1.1, 3.2, 0.95)
+    half = np.sqrt(3.0 * np.array([0.625, 0.375, 0.125])) * np.array([0.5, 2.0, 0.5])
+    points = np.concatenate([np.diag(half), -np.diag(half)])
+    expected = [1000.0 * np.sum(np.delete(points, axis, 1) ** 2) for axis in range(3)]
+    found = Machine(mass=6000.0, size=size, cg=(0.0, 0.0, 0.4))
+    np.testing.assert_allclose(found.inertia, expected, rtol=1e-12)
+
+
+@given(st.floats(1.0, 1e6), st.tuples(*[st.floats(0.05, 50.0)] * 3), st.floats(-1e-6, 1e-6))
+def test_every_mass_and_outline_has_an_inertia_near_its_neighbours(
+    mass: float, size: tuple[float, float, float], off: float
+) -> None:
+    found, beside = (Machine(mass=one, size=size, cg=(0.0, 0.0, 0.0)) for one in (mass, mass * (1 + off)))
+    np.testing.assert_allclose(beside.inertia, np.array(found.inertia) * (1 + off), rtol=1e-12)
 
 
 def test_the_default_machine_stays_as_it_was() -> None:
@@ -39,5 +60,5 @@ def test_the_default_machine_stays_as_it_was() -> None:
 
 def test_it_is_said() -> None:
     (said,) = parse_scenario({"machine": {"mass": 6000.0}}).machine.assumptions
-    assert "machine.inertia was not given: [3085, 4225, 3700] kg m²" in said
-    assert "6000 kg, 2.2 × 1.6 × 1.9 m" in said
+    assert "machine.inertia was not given: [3000, 4500, 6000] kg m²" in said
+    assert "the default machine's, scaled to 6000 kg and 2.2 × 1.6 × 1.9 m" in said

@@ -1,6 +1,8 @@
 """What an instrument senses, in any unit; its stages against its sensitivity; inventories and poles and zeros."""
 
 import os
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 from typing import Any
@@ -385,3 +387,12 @@ def test_what_evalresp_prints_of_a_failure_is_in_the_refusal(
         response_at(counts, metadata(tmp_path / "a.xml", made))
     assert "\n" not in str(caught.value)
     assert capfd.readouterr().err == ""
+
+
+def test_evalresp_comes_without_what_draws_spectra_and_that_is_still_to_be_had() -> None:
+    code = (
+        "import sys; from ehamj.ground.records import RecordGround; from ehamj.records.seismic import EXAMPLE; "
+        "RecordGround(kind='record', file=EXAMPLE).read(); assert 'matplotlib' not in sys.modules; "
+        "from obspy.signal import PPSD; import obspy.signal.spectral_estimation as whole; assert PPSD is whole.PPSD"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

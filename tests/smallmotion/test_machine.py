@@ -12,7 +12,7 @@ from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
 from ehamj.linear.elements import Elements
 from ehamj.linear.values import Values
-from ehamj.memory import MACHINE_BODY, SLIDE, activations, exchange, inputs, isolators, size
+from ehamj.memory import MACHINE_BODY, SLIDE, activations, exchange, isolators, size
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
 from ehamj.mujoco.model import build_model
@@ -161,17 +161,21 @@ def engine(standing: Standing, moved: Moved, first: int) -> tuple[Array, Array, 
 def equation(standing: Standing, moved: Moved, first: int) -> tuple[Array, Array, Array, Array]:
     """P z + pushed, strokes and their rates; and the largest term of each acceleration."""
     small, model = standing.small, standing.model
-    given = inputs(1, len(standing.plant.mounts))
-    given[0, :, :3, 0], given[0, :, :3, 1] = small.ground_at_rest + moved.ground, STEP * moved.ground_rate
+    displaced, effects = small.ground_at_rest + moved.ground, small.effects
     load = np.stack([moved.load, np.zeros(6)], axis=1)[None]
-    coefficients = small.in_time(first, 1, STEP, (given, given), (load, load))
+    coefficients = small.in_time(first, 1, STEP, (load, load))
+    ridden = effects.always + effects.by_value @ displaced.ravel() + effects.by_rate @ moved.ground_rate.ravel()
+    if coefficients.inverse is not None:
+        ridden = coefficients.inverse[0, 0] @ ridden
+    assert coefficients.pushed is not None
+    pushed = ridden + coefficients.pushed[0, 0]
     own = isolators(model).view(np.recarray)
     force = oil_force.py_func(*moved.pressures, own)
     z, matrix = np.concatenate([moved.q, moved.v, force]), coefficients.matrix[0, 0]
-    ground, pushed = coefficients.ground[0, 0], coefficients.pushed[0, 0]
     largest = np.maximum(np.abs(matrix * z).max(axis=1), np.abs(pushed))
-    strokes = small.stroke_at_rest + small.levers @ moved.q - ground[:, 0]
-    return matrix @ z + pushed, strokes, small.levers @ moved.v - ground[:, 1], largest
+    strokes = effects.stroke + small.levers @ moved.q - np.sum(effects.along * displaced, axis=1)
+    rates = small.levers @ moved.v - np.sum(effects.along * moved.ground_rate, axis=1)
+    return matrix @ z + pushed, strokes, rates, largest
 
 
 STEPS = {False: (0,), True: (0, 5000)}

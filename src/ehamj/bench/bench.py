@@ -1,6 +1,6 @@
 """All timings together: the parts, in the order in which they are listed here."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ehamj.bench import (  # noqa: F401  # isort: skip
@@ -11,12 +11,13 @@ from ehamj.bench import (  # noqa: F401  # isort: skip
     stages,
     peer,
 )
-from ehamj.bench.parts import PARTS, Effort, Part
+from ehamj.bench.parts import PARTS, Effort, Figures, Part
+from ehamj.bench.reading import Table
 from ehamj.plots.style import Figure
 from ehamj.plots.timings import timings_chart
 from ehamj.run.progress import Progress, silent
 
-__all__ = ["PARTS", "bench", "bench_chart"]
+__all__ = ["PARTS", "bench", "bench_chart", "bench_tables", "chosen", "measured", "together"]
 
 
 def chosen(names: Iterable[str] = (), more: Iterable[str] = ()) -> list[Part]:
@@ -41,14 +42,31 @@ def bench(
         progress: called with the part that is timed.
         share: of the usual steps.
     """
-    figures: dict[str, Any] = {}
+    return together(measured(repetitions, parts, progress, share))
+
+
+def measured(
+    repetitions: int = 5, parts: Iterable[Part] = (), progress: Progress = silent, share: float = 1.0
+) -> dict[str, Figures]:
+    """As `bench`, by part."""
     wanted = list(parts) or chosen()
     for one in wanted:
         one.check()
+    found: dict[str, Figures] = {}
     for one in wanted:
         progress(one.name)
-        figures |= one(Effort(repetitions, share))
-    return figures
+        found[one.name] = one(Effort(repetitions, share))
+    return found
+
+
+def together(found: Mapping[str, Figures]) -> dict[str, Any]:
+    """The figures of all parts; their keys differ."""
+    return {key: value for figures in found.values() for key, value in figures.items()}
+
+
+def bench_tables(found: Mapping[str, Figures]) -> list[Table]:
+    """What was `measured` as tables, each with the words that say how it is read."""
+    return [table for name, figures in found.items() for table in PARTS[name].tables(figures)]
 
 
 def bench_chart(figures: dict[str, Any], parts: Iterable[Part]) -> Figure:

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.bench.parts import Effort, Figures, part
+from ehamj.bench.reading import HIGHER, LOWER, RATE, Table
 from ehamj.bench.runs import Run, SideBySide, Stepping, interleaved, medians
 from ehamj.control import Controller
 from ehamj.control.loop import make_loop
@@ -25,10 +26,41 @@ STATES, INPUTS = 80, 24
 
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     rates = figures["controlled"]["simulated_s_per_wall_s"]
-    return [Bars(f"{SCENARIO}, stepping under control, per machine", "simulated seconds per second", rates, {})]
+    return [Bars(f"{SCENARIO}, stepping under control, per machine", f"{RATE} ({HIGHER})", rates, {})]
 
 
-@part("controller", f"{SCENARIO} under control; what a large law, sensors and a force add to a step", _panels)
+def _tables(figures: Mapping[str, Any]) -> list[Table]:
+    found, added = figures["controlled"], figures["step_over_step_without"]
+    rates = found["simulated_s_per_wall_s"]
+    return [
+        Table.of(
+            f"{SCENARIO}, stepping under control",
+            f"A row is an engine as it steps; in lanes the rate is that per machine; {HIGHER}.",
+            "engine",
+            {"simulated\ns per s [-]": rates, "rate over MuJoCo,\nsliding plates [-]": found["rate_over_sliding"]},
+            {name: name for name in rates},
+        ),
+        Table.of(
+            "What is added to a step of the MuJoCo engine",
+            "A row is what a step has in addition, a sample in each; its time over that of a step without (1: none); "
+            f"{LOWER}.",
+            "with",
+            {f"{plates} plates [-]": own for plates, own in added.items()},
+            {
+                "controller": f"a law of {STATES} states and {INPUTS} inputs",
+                "controller_and_sensors": "the law and its sensors",
+                "force": "a force",
+            },
+        ),
+    ]
+
+
+@part(
+    "controller",
+    f"{SCENARIO} under control; what a large law, sensors and a force add to a step",
+    _panels,
+    read=_tables,
+)
 def controller(effort: Effort) -> Figures:
     """Stepping under control, with sliding and with tied plates, and what is added to a step."""
     return {

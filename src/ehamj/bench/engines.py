@@ -9,6 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.bench.ceiling import Ceiling
 from ehamj.bench.parts import Effort, Figures, part
+from ehamj.bench.reading import BARE, BARE_IS, HIGHER, LOWER, RATE, Table, crossed
 from ehamj.bench.runs import Run, SideBySide, medians
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium
@@ -21,7 +22,7 @@ from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 
-BARE, MUJOCO, SMALL = "bare scalar loop", "MuJoCo engine", "small-motion engine"
+MUJOCO, SMALL = "MuJoCo engine", "small-motion engine"
 """How the figure calls them."""
 FINER: Final = 24
 """Steps of the reference within one step that is timed: its error is then 3e-6 of the other's."""
@@ -45,10 +46,64 @@ def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     }
     errors = {BARE: case["ceiling_error"], SMALL: small["error"], MUJOCO: case["error"]}
     notes = {name: f"(error {error:.1e})" for name, error in errors.items()}
-    return [Bars("Benchmark case, one machine", "simulated seconds per second", rates, notes)]
+    return [Bars("Benchmark case, one machine", f"{RATE} ({HIGHER})", rates, notes)]
 
 
-@part("engines", "one machine alone: the benchmark case, and what a step is made of", _panels)
+def _tables(figures: Mapping[str, Any]) -> list[Table]:
+    steps, case = figures["step_us"], figures["benchmark_case"]
+    names = {
+        "bare": "the bare engine: MuJoCo without hydraulics",
+        "bare_without_timer": "the bare engine, its profiling off",
+        "hydraulics": "with the hydraulics",
+    }
+    of_step = Table.of(
+        "What a step of the MuJoCo engine takes",
+        f"A row is what takes a step, of a machine whose plates are tied to it or slide on it; {LOWER}.",
+        "a step of",
+        {f"{plates} [µs]": own for plates, own in steps.items()},
+        names,
+    )
+    ratios = {
+        "over": figures["hydraulics_over_bare_engine"],
+        "without": figures["hydraulics_over_bare_engine_without_timer"],
+        "recorded": {"tied": figures["recorded_over_bare_engine"]},
+    }
+    over = Table.of(
+        "What the hydraulics add to a step",
+        f"A row is a time of a step over that of the bare engine, MuJoCo without hydraulics (1: nothing); {LOWER}.",
+        "time of a step over the bare engine's",
+        {f"{plates} [-]": crossed(ratios, plates) for plates in steps},
+        {
+            "over": "with the hydraulics",
+            "without": "with the hydraulics, the bare engine's profiling off",
+            "recorded": "the benchmark case, rows recorded",
+        },
+    )
+    who = {
+        MUJOCO: case,
+        SMALL: case["small_motion"],
+        BARE: {"engine_us_per_step": case["bare_loop_us_per_step"], "error": case["ceiling_error"]},
+        "ceiling": {"engine_us_per_step": case["ceiling_us_per_step"], "error": case["ceiling_error"]},
+    }
+    one = Table.of(
+        f"The benchmark case, one machine, at steps of {1e3 * case['step_s']:.4g} ms",
+        f"A row is who steps it; the bare scalar loop is {BARE_IS}. Rates: {HIGHER}; times per step and errors "
+        f"(largest, over a channel's peak): {LOWER}.",
+        "who steps",
+        {
+            "simulated\ns per s [-]": crossed(who, "simulated_s_per_wall_s"),
+            "per step\n[µs]": crossed(who, "engine_us_per_step"),
+            "rate over\nbare loop [-]": crossed(who, "rate_over_bare_loop"),
+            "over\nceiling [-]": crossed(who, "rate_over_ceiling"),
+            "over\nMuJoCo [-]": crossed(who, "rate_over_mujoco"),
+            "error\n[-]": crossed(who, "error"),
+        },
+        {name: name for name in who},
+    )
+    return [of_step, over, one]
+
+
+@part("engines", "one machine alone: the benchmark case, and what a step is made of", _panels, read=_tables)
 def engines(effort: Effort) -> Figures:
     """What the hydraulics and the recording cost over the bare engine, and the engine over bare equations."""
     scenario, step = benchmark(effort)

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from ehamj.bench.controller import large_law
 from ehamj.bench.parts import Effort, Figures, part
+from ehamj.bench.reading import LOWER, Table
 from ehamj.bench.runs import Run, SideBySide, Stepping, medians
 from ehamj.control import AnyController
 from ehamj.plots.charts import Line
@@ -27,14 +28,59 @@ STEP: Final = 1e-4
 """Step of what is not timed at its own [s]."""
 
 
+TIME: Final = f"time, over the smallest's ({LOWER})"
+
+
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     mounts = figures["step_over_four_upright_mounts"]["tied"]["upright"]
     return [
-        Lines(f"How cost grows, {engine} engine", "size, over the smallest", "time, over the smallest's", _lines(found))
+        Lines(
+            f"How cost grows, {engine} engine",
+            "size, over the smallest",
+            TIME,
+            _lines(found),
+        )
         for engine, found in (
             ("MuJoCo", figures["growth"]["mujoco"] | {"mounts": mounts}),
             ("small-motion", figures["growth"]["small-motion"]),
         )
+    ]
+
+
+def _tables(figures: Mapping[str, Any]) -> list[Table]:
+    said = {
+        "duration": "{} × the shortest",
+        "rows": "{} rows per second",
+        "law_states": "{} states of the law",
+    }
+    engines = {"mujoco": "MuJoCo engine [-]", "small-motion": "small-motion engine [-]"}
+    grown = {
+        head: {f"{what} {size}": value for what in said for size, value in figures["growth"][engine][what].items()}
+        for engine, head in engines.items()
+    }
+    sizes = figures["growth"]["mujoco"]
+    mounts = {
+        f"MuJoCo, {plates}\n{layout} [-]": own
+        for plates, layouts in figures["step_over_four_upright_mounts"].items()
+        for layout, own in layouts.items()
+    }
+    mounts["small-motion\nupright [-]"] = figures["growth"]["small-motion"]["mounts"]
+    return [
+        Table.of(
+            "How the time of a run grows",
+            f"A row is a size; its time over that of the smallest one, which is 1; {LOWER}.",
+            "size",
+            grown,
+            {f"{what} {size}": words.format(size) for what, words in said.items() for size in sizes[what]},
+        ),
+        Table.of(
+            "How the time of a step grows with mounts",
+            f"A row is a number of mounts; time over that of four upright ones on the MuJoCo engine, plates tied or "
+            f"sliding, or over that of three on the small-motion one; {LOWER}.",
+            "mounts",
+            mounts,
+            {str(number): f"{number} mounts" for number in MOUNTS},
+        ),
     ]
 
 
@@ -48,7 +94,7 @@ def _lines(found: Mapping[str, Mapping[str, float]]) -> list[Line]:
     return lines
 
 
-@part("growth", "how cost grows with duration, rows, mounts and states of the law", _panels)
+@part("growth", "how cost grows with duration, rows, mounts and states of the law", _panels, read=_tables)
 def growth(effort: Effort) -> Figures:
     """Times over the least, by what grows."""
 

@@ -8,9 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.bench.ceiling import Ceiling
-from ehamj.bench.engines import SMALL, benchmark
+from ehamj.bench.engines import MUJOCO, SMALL, benchmark
 from ehamj.bench.lane_ceiling import LaneCeiling
 from ehamj.bench.parts import Effort, Figures, part
+from ehamj.bench.reading import BARE, BARE_IS, HIGHER, LOWER, Table
 from ehamj.bench.runs import Run, SideBySide, interleaved, medians
 from ehamj.plots.charts import Line
 from ehamj.plots.timings import Lines, Panel
@@ -29,10 +30,39 @@ def _panels(figures: Mapping[str, Any]) -> list[Panel]:
         Line(f"{who} in lanes", COUNTS, list(rates[key].values()), color, marker=marker)
         for key, who, color, marker in (("bare", "bare loop", 4, "v"), ("small-motion", SMALL, 5, "P"))
     ]
-    return [Lines("Benchmark case, many machines on one core", "machines", "rate over bare scalar loop", lines, COUNTS)]
+    return [
+        Lines("Benchmark case, many machines on one core", "machines", f"rate over {BARE} ({HIGHER})", lines, COUNTS)
+    ]
 
 
-@part("lanes", "many machines of one structure, side by side in lanes and on two threads", _panels)
+def _tables(figures: Mapping[str, Any]) -> list[Table]:
+    found, names = figures["lanes"], {"bare": "bare loop in lanes", "small-motion": f"{SMALL} in lanes"}
+    many = "A row is who steps, a column how many different machines are stepped together on one core"
+
+    def table(key: str, title: str, words: str, unit: str) -> Table:
+        counts = {f"{count} [{unit}]": str(count) for count in COUNTS}
+        columns = {head: {who: own[count] for who, own in found[key].items()} for head, count in counts.items()}
+        return Table.of(title, f"{many}; {words}.", "machines", columns, names)
+
+    threads = {
+        MUJOCO: figures["two_threads_over_one"],
+        f"{SMALL}, {LANES} lanes": figures["small_motion_two_threads_over_one"],
+    }
+    return [
+        table("us_per_machine_and_step", "Time per machine and step", LOWER, "µs"),
+        table("rate_over_bare_loop", f"Rate per machine over the {BARE}", f"the loop is {BARE_IS}; {HIGHER}", "-"),
+        table("rate_over_ceiling", "Rate per machine over the ceiling", HIGHER, "-"),
+        Table.of(
+            "Two threads",
+            f"A row is an engine; its rate on two threads over that on one (at most 2); {HIGHER}.",
+            "engine",
+            {"rate over one thread [-]": threads},
+            {name: name for name in threads},
+        ),
+    ]
+
+
+@part("lanes", "many machines of one structure, side by side in lanes and on two threads", _panels, read=_tables)
 def lanes(effort: Effort) -> Figures:
     """Times per machine and step, rates over the bare scalar loop, and what a second thread brings."""
     scenario, step = benchmark(effort)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from ehamj.bench.reading import Table, listed
 from ehamj.plots.timings import Panel
 from ehamj.registry import Registry
 
@@ -28,6 +29,7 @@ class Effort(NamedTuple):
 
 
 Show = Callable[[Mapping[str, Any]], Sequence[Panel]]
+Read = Callable[[Mapping[str, Any]], Sequence[Table]]
 
 
 def nothing() -> None:
@@ -41,12 +43,16 @@ def unseen(_: Mapping[str, Any]) -> Sequence[Panel]:
 
 @dataclass(frozen=True)
 class Part:
-    """One part: what it is ``about``, how it ``measure``s, and which panels of the figure ``show`` what it found."""
+    """One part: what it is ``about``, how it ``measure``s, and which panels of the figure ``show`` what it found.
+
+    ``read`` gives its tables with words that say how they are read; without, keys and numbers are listed.
+    """
 
     name: str
     about: str
     measure: Callable[[Effort], Figures]
     show: Show
+    read: Read | None = None
     asked: bool = False
     """Measured only where it is asked for by name."""
     check: Callable[[], object] = nothing
@@ -55,6 +61,10 @@ class Part:
     def __call__(self, effort: Effort) -> Figures:
         """What it measures."""
         return self.measure(effort)
+
+    def tables(self, figures: Figures) -> Sequence[Table]:
+        """What it found as tables."""
+        return [listed(self.about, figures)] if self.read is None else self.read(figures)
 
 
 PARTS: Final[Registry[Part]] = Registry("part")

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.bench.parts import Effort, Figures, part
+from ehamj.bench.reading import LOWER, Table
 from ehamj.mujoco import hydraulics
 from ehamj.plots.timings import Bars, Panel
 from ehamj.result import Result
@@ -29,14 +30,22 @@ ROUNDS: Final = 2
 
 def _panels(figures: Mapping[str, Any]) -> list[Panel]:
     found = figures["stages"]
-    axis = f"seconds, for {found['simulated_s']:g} s of {SCENARIO}"
+    axis = f"seconds, for {found['simulated_s']:g} s of {SCENARIO} ({LOWER})"
     return [
         Bars(f"From command to picture, {engine} engine", axis, found[key], {})
         for engine, key in (("MuJoCo", "mujoco_s"), ("small-motion", "small_motion_s"))
     ]
 
 
-@part("stages", f"from command to picture: what each stage of a short run of {SCENARIO} takes", _panels)
+def _tables(figures: Mapping[str, Any]) -> list[Table]:
+    found = figures["stages"]
+    columns = {"MuJoCo engine [s]": found["mujoco_s"], "small-motion engine [s]": found["small_motion_s"]}
+    words = f"A row is a stage of a run of {found['simulated_s']:g} simulated seconds and of what it writes; {LOWER}."
+    names = {name: name for name in found["mujoco_s"]}
+    return [Table.of(f"From command to picture, {SCENARIO}", words, "stage", columns, names)]
+
+
+@part("stages", f"from command to picture: what each stage of a short run of {SCENARIO} takes", _panels, read=_tables)
 def stages(effort: Effort) -> Figures:
     """Seconds of each stage [s]."""
     duration = effort.duration(2.0)

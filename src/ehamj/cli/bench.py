@@ -1,8 +1,7 @@
 """The command that times the simulator."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -31,8 +30,7 @@ def bench(
     `--list` names its parts, such as *engines* (one machine alone) and *lanes* (many side by side). All but *peer* take
     about a minute.
     """
-    from ehamj.bench.bench import PARTS, bench_chart, chosen
-    from ehamj.bench.bench import bench as measure
+    from ehamj.bench.bench import PARTS, bench_chart, bench_tables, chosen, measured, together
 
     if listed:
         print_names("parts", {name: part.about for name, part in PARTS.items()}, "about", as_json)
@@ -41,19 +39,22 @@ def bench(
         _check(figure)
     wanted = chosen(parts or (), ("peer",) if peer else ())
     with doing("timing") as step:
-        figures = measure(repetitions, wanted, step)
+        found = measured(repetitions, wanted, step)
     if figure is not None:
         from ehamj.plots.files import svg
 
         try:
-            figure.write_text(svg(bench_chart(figures, wanted), "bench"), encoding="utf-8")
+            figure.write_text(svg(bench_chart(together(found), wanted), "bench"), encoding="utf-8")
         except OSError as error:
             raise InputError(f"--figure {str(figure)!r}: cannot be written ({error.strerror})") from error
+    tables = bench_tables(found)
     if as_json:
-        print_json(figures)
+        print_json(together(found) | {"how_to_read": {table.title: table.words for table in tables}})
         return
-    rows = ((name, f"{value:.4g}") for name, value in _flat(figures))
-    print_table("ehamj bench (medians; ratios are what to compare)", ("figure", "value"), rows)
+    say("Medians of interleaved repetitions on this machine, now; ratios are what compares.", words=True)
+    for table in tables:
+        say(f"\n{table.title}: {table.words}", words=True)
+        print_table("", table.heads, table.rows)
     if figure is not None:
         say(f"figure: {figure}")
 
@@ -64,11 +65,3 @@ def _check(figure: Path) -> None:
         raise InputError(f"--figure {str(figure)!r}: must end with {SUFFIX}, which is what is drawn")
     if not figure.absolute().parent.is_dir():
         raise InputError(f"--figure {str(figure)!r}: cannot be written, since {str(figure.parent)!r} is no folder")
-
-
-def _flat(content: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, float]]:
-    for name, value in content.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

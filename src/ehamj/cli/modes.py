@@ -109,9 +109,11 @@ def _print(
     places: list[str],
     slopes: Mapping[str, xr.Dataset],
 ) -> None:
-    """A table per variant, and where slides stand."""
+    """A table per variant, what was assumed, and where slides stand."""
     for key, some in found.items():
         print_modes(f"{scenario.name}: {VARIANTS[key]}", some, everything, places, slopes.get(key))
+    for said in scenario.machine.assumptions:
+        say(said, words=True)
     for said in scenario.where_slides_stand:
         say(f"{said}; --set slide.NAME.start=… chooses another place", words=True)
 

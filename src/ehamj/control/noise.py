@@ -1,64 +1,74 @@
 """Noise and drift of the readings of instruments."""
 
 import math
+from functools import cache
+from typing import Final
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from ehamj.arrays import Array
+from ehamj.control.compiled.noise import FACTORS, compiled_noise
 from ehamj.control.instruments import NOISE, Instrument, randomness
 from ehamj.control.sensors import Sensors
+
+NUMBERS: Final = 3
+"""Random numbers for each reading: for its white noise, its rising noise, its walk."""
 
 
 class ReadingNoise:
     """Noise and drift of the readings, sample after sample; the same whatever the lengths asked for."""
 
     def __init__(self, channels: tuple[str, ...], sensors: Sensors, seed: int, period: float) -> None:
-        found = [(sensors.of(name), randomness(seed, name, NOISE)) for name in channels]
-        self._channels = [None if sensor is None else _Channel(sensor, random, period) for sensor, random in found]
+        known = ((k, sensors.of(name), name) for k, name in enumerate(channels))
+        # What is silent draws nothing: each channel has random numbers of its own.
+        noisy = {
+            k: (sensor, randomness(seed, name, NOISE))
+            for k, sensor, name in known
+            if sensor is not None and (sensor.noise, sensor.drift, sensor.random_walk) != (0.0, 0.0, 0.0)
+        }
+        low_passes = {k: _low_pass(sensor.order, 2.0 * sensor.high * period) for k, (sensor, _) in noisy.items()}
+        most = max(map(len, low_passes.values()), default=0)
+        self._random, self._period, self._done = {k: random for k, (_, random) in noisy.items()}, period, 0
+        self._factors, self._levels = np.zeros((len(channels), len(FACTORS))), np.zeros((len(channels), 2))
+        self._sections, self._filtered = np.zeros((len(channels), most, 6)), np.zeros((len(channels), most, 2))
+        self._counts = np.full(len(channels), -1, np.int64)
+        for k, (sensor, random) in noisy.items():
+            self._counts[k] = len(low_passes[k])
+            self._sections[k, : self._counts[k]] = low_passes[k]
+            self._factors[k], self._levels[k, 0] = _start(sensor, random, period)
 
     @property
     def silent(self) -> bool:
         """Whether there is none at all."""
-        sensors = [one.sensor for one in self._channels if one is not None]
-        return all(sensor.noise == sensor.drift == sensor.random_walk == 0.0 for sensor in sensors)
+        return not self._random
 
-    def take(self, samples: int) -> Array:
-        """The next samples, (samples, channels) in the channels' units."""
-        found = np.zeros((samples, len(self._channels)))
-        for k, one in enumerate(self._channels):
-            if one is not None and samples:
-                found[:, k] = one.take(samples)
+    def take(self, samples: int, found: Array | None = None) -> Array:
+        """The next samples, (samples, channels) in the channels' units; put into ``found`` where it is given, which
+        must be zero."""
+        found = np.zeros((samples, self._counts.size)) if found is None else found
+        drawn = np.empty((self._counts.size, samples, NUMBERS))
+        for k, random in self._random.items():
+            random.standard_normal(out=drawn[k])
+        tables = (self._factors, self._sections, self._counts, self._levels, self._filtered)
+        compiled_noise()(drawn, self._done, self._period, *tables, found)
+        self._done += samples
         return found
 
 
-class _Channel:
-    """Noise and drift of one reading."""
+def _start(sensor: Instrument, random: np.random.Generator, period: float) -> tuple[tuple[float, ...], float]:
+    """`FACTORS` of a channel, and its rising noise before the first sample, drawn from its long-run spread; the walk
+    begins at zero."""
+    sign, decay = float(random.choice((-1.0, 1.0))), math.exp(-2.0 * np.pi * sensor.low * period)
+    # Spread of what a sample adds to the rising noise: its density is then noise·noise_corner/f.
+    kick = sensor.noise * sensor.noise_corner * 2.0 * np.pi * math.sqrt(0.5 * period)
+    white, walk = sensor.noise * math.sqrt(0.5 / period), sensor.random_walk * math.sqrt(period)
+    spread = kick / math.sqrt(1.0 - decay**2) if decay < 1.0 else 0.0
+    return (white, kick, decay, walk, sign * sensor.drift), spread * random.standard_normal()
 
-    def __init__(self, sensor: Instrument, random: np.random.Generator, period: float) -> None:
-        self.sensor, self._random, self._period, self._done = sensor, random, period, 0
-        self._sign = float(random.choice((-1.0, 1.0)))
-        self._decay = math.exp(-2.0 * np.pi * sensor.low * period)
-        # Spread of what a sample adds to the rising noise: its density is then noise·noise_corner/f.
-        self._kick = sensor.noise * sensor.noise_corner * 2.0 * np.pi * math.sqrt(0.5 * period)
-        # Before the first sample the rising noise is drawn from its long-run spread, and the walk is zero.
-        spread = self._kick / math.sqrt(1.0 - self._decay**2) if self._decay < 1.0 else 0.0
-        self._slow, self._walked = spread * random.standard_normal(), 0.0
-        # The instrument's low-pass at the sampling rate, where that carries it.
-        corner = 2.0 * sensor.high * period
-        self._low_pass = signal.butter(sensor.order, corner, output="sos") if corner < 1.0 else None
-        self._filtered = None if self._low_pass is None else np.zeros((self._low_pass.shape[0], 2))
 
-    def take(self, samples: int) -> Array:
-        """The next samples, at least one, (samples,)."""
-        sensor, drawn = self.sensor, self._random.standard_normal((samples, 3))
-        times = (self._done + np.arange(samples)) * self._period
-        self._done += samples
-        walk = sensor.random_walk * math.sqrt(self._period) * drawn[:, 2]
-        slow, _ = signal.lfilter([1.0], [1.0, -self._decay], self._kick * drawn[:, 1], zi=[self._decay * self._slow])
-        walked, _ = signal.lfilter([1.0], [1.0, -1.0], walk, zi=[self._walked])
-        self._slow, self._walked = slow[-1], walked[-1]
-        electronic = sensor.noise * math.sqrt(0.5 / self._period) * drawn[:, 0] + slow
-        if self._low_pass is not None:
-            electronic, self._filtered = signal.sosfilt(self._low_pass, electronic, zi=self._filtered)
-        return np.asarray(electronic + walked + self._sign * sensor.drift * times)
+@cache
+def _low_pass(order: int, corner: float) -> Array:
+    """A low-pass with its corner at so many times half the sampling rate, as sections of second order (section, 6):
+    none where the rate does not carry it."""
+    return np.asarray(scipy.signal.butter(order, corner, output="sos")) if corner < 1.0 else np.zeros((0, 6))

@@ -7,8 +7,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.forces.force import PER_PERIOD, ContinuousForce, ForceSettings
+from ehamj.series import Lines, parts, room
 from ehamj.settings import Positive, SineSum
-from ehamj.signals import Array, Lines, Multisine, Sample, Signal, rise
+from ehamj.signals import Array, Multisine, Sample, Signal, rise
 
 
 class SineForce(ContinuousForce):
@@ -69,10 +70,13 @@ def random_force(rms: float, first: float, last: float, duration: float, random:
     It repeats after ``duration`` [s] or ten periods of the lowest frequency, whichever is longer.
     """
     period = max(duration, 10.0 / first)
-    frequency = np.arange(int(last * period + 1e-6) + 1) / period
-    inside = frequency >= first - 1e-9
-    phases = random.uniform(0.0, 2.0 * np.pi, frequency.size)
-    return Lines(period, np.where(inside, np.exp(1j * phases), 0.0) * rms * np.sqrt(2.0 / inside.sum()))
+    lines = room(int(last * period + 1e-6) + 1)
+    count = sum(int((np.arange(part.start, part.stop) / period >= first - 1e-9).sum()) for part in parts(0, lines.size))
+    for part in parts(0, lines.size):
+        inside = np.arange(part.start, part.stop) / period >= first - 1e-9
+        phases = random.uniform(0.0, 2.0 * np.pi, inside.size)
+        lines[part] = np.where(inside, np.exp(1j * phases), 0.0) * rms * np.sqrt(2.0 / count)
+    return Lines(period, lines)
 
 
 class Unbalance(ForceSettings):

@@ -50,7 +50,7 @@ def doubts(channel: Channel, velocity: Array, scale: float = 1.0) -> list[str]:
     clipped = clipped_samples(channel.samples)
     if clipped:
         found.append(f"{channel.name} looks clipped: {clipped} samples stand at its extreme value")
-    unscaled = float(np.sqrt(np.mean(velocity**2)))
+    unscaled = float(np.sqrt(velocity @ velocity / velocity.size))
     speed = abs(scale) * unscaled
     mean = abs(scale * float(np.mean(channel.samples)))
     if channel.quantity == "acceleration" and channel.response is None:

@@ -19,8 +19,9 @@ from ehamj.records.components import toml_key
 from ehamj.records.readers import READERS, check_used, reader_of
 from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
+from ehamj.series import Sampled, stored
 from ehamj.settings import FileName
-from ehamj.signals import Faded, Sampled, Signal, Zero
+from ehamj.signals import Faded, Signal, Zero
 
 
 class RecordGround(Choices, GroundSettings, Treatment):
@@ -82,8 +83,12 @@ class RecordGround(Choices, GroundSettings, Treatment):
                 continue
             moved = displacement(channel, self, self.start, start.duration)
             scale = scales[channel.axis]
-            notes += doubts(channel, np.gradient(moved.values) * moved.rate, scale)
-            scaled = Sampled(moved.rate, scale * moved.values, moved.start)
+            values = moved.values[:]
+            velocity = np.gradient(values)
+            velocity *= moved.rate
+            notes += doubts(channel, velocity, scale)
+            del velocity  # as large as the motion, which may be long
+            scaled = Sampled(moved.rate, stored(scale * values), moved.start)
             moving[channel.axis] = Faded(scaled, self.fade_in or self.taper)
         usable = min(self.usable(channel) for channel in record.channels)
         notes += self._notes(record)

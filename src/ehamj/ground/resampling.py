@@ -51,4 +51,6 @@ def resampled(spectrum: NDArray[np.complex128], size: int, rate: float, least: f
     finer = max(DENSITY, ceil(least / rate))
     # On a finer grid the Nyquist bin splits into a positive and a negative frequency.
     split = np.append(spectrum[:-1], 0.5 * spectrum[-1]) if size % 2 == 0 else spectrum
-    return scipy.fft.irfft(split, finer * size) * finer, finer * rate
+    samples = scipy.fft.irfft(split, finer * size)
+    samples *= finer
+    return samples, finer * rate

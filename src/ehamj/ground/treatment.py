@@ -24,8 +24,9 @@ from pydantic import Field, model_validator
 from ehamj.ground.resampling import band_gain, decimated, resampled
 from ehamj.records.channel import USABLE, Channel
 from ehamj.records.units import ORDERS
+from ehamj.series import Sampled
 from ehamj.settings import Positive, Settings, Unlimited
-from ehamj.signals import Array, Sampled, rise
+from ehamj.signals import Array, rise
 
 PASSES = 9.0 ** (1.0 / 8.0)
 """Frequency over the corner of the high-pass at which it leaves 0.9 of the motion, 1/(1 + PASSES⁻⁸)."""

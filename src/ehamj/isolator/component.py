@@ -29,11 +29,16 @@ class Component(Parameters):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
-        known = {name for base in cls.__bases__ for name in getattr(base, "model_fields", ())}
-        own = [name for name in cls.model_fields if name not in known]
+        own = cls.own_settings()
         if own:
             cls.Values = namedtuple("Values", cls.takes or own, module=cls.__module__)  # type: ignore[misc]
             cls.Values.__qualname__ = f"{cls.__name__}.Values"  # the cache of compiled code finds it by name
+
+    @classmethod
+    def own_settings(cls) -> list[str]:
+        """Names of the settings that are the component's own."""
+        known = {name for base in cls.__bases__ for name in getattr(base, "model_fields", ())}
+        return [name for name in cls.model_fields if name not in known]
 
     @classmethod
     def values_of(cls, isolator: Any) -> Any:
@@ -72,6 +77,9 @@ class Option(Component):
     ``path`` holds its kernels by stage (`STAGES`): (value, at: `At`, own: Values) → value. An option with states has
     one kernel, (value, at, own, state: State) → (value, rates), with rates a plain tuple; its states exist in a model,
     and the kernel is called, only for the isolators that have it ``on``.
+
+    It may jump (dry friction does with ``at.rate``): runs take it as it is, the linear model refuses it by name where
+    it has no derivative (`ehamj.linear.smooth`).
     """
 
     path: ClassVar[dict[str, Any]] = {}

@@ -18,6 +18,7 @@ from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
 from ehamj.linear.scales import sizes, state_units
+from ehamj.linear.smooth import check_smooth
 from ehamj.memory import states_of
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium, jacobian, rates, scales
@@ -118,7 +119,7 @@ def linear_model(
             them); without, rigid plates are tied to the machine, which are the same equations.
 
     Raises:
-        InputError: if there is no such operating point.
+        InputError: if there is no such operating point, or a valve's option has no derivative there (`NotSmooth`).
     """
     plant = replace(plant.locked() if feet else reduced(plant.locked()), bookkeeping=False)
     model = build_model(plant, 1e-4)
@@ -135,6 +136,7 @@ def linear_model(
             limit = f"the membranes and the oil (up to {plant.supply.pressure:g} Pa) must carry the load"
             raise InputError(f"operating point: {error}; {held_at}; {limit}") from error
         A = jacobian(model, data, state, held)
+        check_smooth(model, data, state, held, plant, A)
         B = _input_matrix(model, data, state, held)
     states, inputs = _state_names(model, plant.mounts), inputs_of(plant.mounts)
     return LinearModel(plant, states, A, B, _signal_matrices(plant, states, A, B, state), state, inputs)

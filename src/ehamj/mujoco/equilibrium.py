@@ -4,6 +4,7 @@ The state is (qpos, qvel, activations); the inputs are ground displacement and v
 commands of the valves. Call everything here with the hydraulics installed (`ehamj.mujoco.hydraulics`).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -91,14 +92,21 @@ def scales(model: mujoco.MjModel) -> Array:
     return small
 
 
-def jacobian(model: mujoco.MjModel, data: mujoco.MjData, state: Array, inputs: Inputs) -> Array:
-    """∂rates/∂state by central differences, shape (n, n)."""
-    columns = []
-    for k, small in enumerate(scales(model)):
+def jacobian(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    state: Array,
+    inputs: Inputs,
+    over: Iterable[int] | None = None,
+    finer: float = 1.0,
+) -> Array:
+    """∂rates/∂state by central differences, shape (n, n): ``over`` all states or some, by steps so many times finer."""
+    columns, steps = [], scales(model) / finer
+    for k in range(state.size) if over is None else over:
         shift = np.zeros_like(state)
-        shift[k] = small
+        shift[k] = steps[k]
         ahead, behind = (rates(model, data, state + s * shift, inputs) for s in (1.0, -1.0))
-        columns.append((ahead - behind) / (2.0 * small))
+        columns.append((ahead - behind) / (2.0 * steps[k]))
     return np.array(columns).T
 
 

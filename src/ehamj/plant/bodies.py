@@ -32,6 +32,12 @@ def written_inertia(tensor: ArrayLike) -> Inertia:
     return tuple(map(float, np.diag(rows)))  # type: ignore[return-value]
 
 
+def box_inertia(mass: float, size: Vector3) -> Vector3:
+    """Principal inertia of a homogeneous box about its centre [kg m²]: m/12 times the other two sides' squares."""
+    a, b, c = (side**2 for side in size)
+    return (mass / 12 * (b + c), mass / 12 * (a + c), mass / 12 * (a + b))
+
+
 def check_inertia(name: str, inertia: Inertia, point: bool = False) -> None:
     """Refuse what is the inertia of no rigid body; a ``point`` may have none.
 

@@ -10,11 +10,20 @@ from ehamj.arrays import Array
 from ehamj.plant.bodies import Body, Inertia, check_inertia, joined, tensor_of, written_inertia
 from ehamj.settings import Parameters, Vector3, quantity
 
+MASS, SIZE = 4000.0, (2.2, 1.6, 1.9)
+"""Of the default machine [kg], [m]."""
+SPREAD = (0.625, 0.375, 0.125)
+"""Its squared distances from the CG along x, y, z, on the average over its mass [m²]."""
 
-def box_inertia(mass: float, size: Vector3) -> Vector3:
-    """Principal inertia of a homogeneous box about its centre [kg m²]: m/12 times the other two sides' squares."""
-    a, b, c = (side**2 for side in size)
-    return (mass / 12 * (b + c), mass / 12 * (a + c), mass / 12 * (a + b))
+
+def scaled_inertia(mass: float, size: Vector3) -> Vector3:
+    """Principal inertia of the default machine, its mass scaled and its shape stretched along each side [kg m²].
+
+    As for any body, J_x = m (⟨y²⟩ + ⟨z²⟩) and so on; the averages go with the squares of the sides, so that what comes
+    out is the inertia of a body for every mass and size, and continuous in both.
+    """
+    x, y, z = (spread * (side / usual) ** 2 for spread, side, usual in zip(SPREAD, size, SIZE, strict=True))
+    return (mass * (y + z), mass * (x + z), mass * (x + y))
 
 
 class Machine(Parameters):
@@ -23,17 +32,17 @@ class Machine(Parameters):
     As a scenario's table it is the machine's frame, to which parts and slides add.
     """
 
-    mass: float = quantity(4000.0, "kg", "m", "mass without the plates, parts and slides", "assumed", gt=0)
+    mass: float = quantity(MASS, "kg", "m", "mass without the plates, parts and slides", "assumed", gt=0)
     inertia: Inertia = quantity(
         (2000.0, 3000.0, 4000.0),
         "kg m²",
         "J",
-        "inertia about the CG: moments about x, y, z, or the tensor, row by row, products as −∫xy dm; left out of "
-        "another mass or size: that of a homogeneous box",
+        "inertia about the CG: moments about x, y, z, or the tensor, row by row, products as −∫xy dm; left out: "
+        "the default machine's, scaled with the mass and with the squares of the sides in size",
         "assumed",
     )
     cg: Vector3 = quantity((0.0, 0.0, 0.75), "m", "r_CG", "centre of gravity from the mount plane's centre", "assumed")
-    size: Vector3 = quantity((2.2, 1.6, 1.9), "m", "l", "outline: length in x, width in y, height", "assumed")
+    size: Vector3 = quantity(SIZE, "m", "l", "outline: length in x, width in y, height", "assumed")
 
     @model_validator(mode="before")
     @classmethod
@@ -44,21 +53,20 @@ class Machine(Parameters):
         return {**table, "sources": {"inertia": "given", **sources}} if isinstance(sources, Mapping) else table
 
     @model_validator(mode="after")
-    def _as_a_box(self) -> Self:
-        whole = all(getattr(self, name) == type(self).model_fields[name].default for name in ("mass", "size"))
-        if "inertia" not in self.model_fields_set and not whole and min(self.size) > 0:
-            object.__setattr__(self, "inertia", box_inertia(self.mass, self.size))
+    def _scaled(self) -> Self:
+        if "inertia" not in self.model_fields_set and min(self.size) > 0:
+            object.__setattr__(self, "inertia", scaled_inertia(self.mass, self.size))
         return self
 
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What a reader must know that was assumed since nobody gave it."""
-        box = box_inertia(self.mass, self.size)
-        if self.sources["inertia"] != "assumed" or not np.allclose(self.tensor, np.diag(box), rtol=1e-9):
+        usual = (self.mass, self.size) == (MASS, SIZE)
+        if usual or self.sources["inertia"] != "assumed" or self.inertia != scaled_inertia(self.mass, self.size):
             return ()
         values = ", ".join(f"{entry:.4g}" for entry in np.diag(self.tensor))
         size = " × ".join(f"{side:g}" for side in self.size)
-        of = f"that of a homogeneous box of {self.mass:g} kg, {size} m"
+        of = f"the default machine's, scaled to {self.mass:g} kg and {size} m"
         return (f"machine.inertia was not given: [{values}] kg m² is assumed, {of}",)
 
     @model_validator(mode="after")

@@ -6,8 +6,8 @@ from typing import Self
 from pydantic import Field, field_validator, model_validator
 
 from ehamj.errors import InputError
-from ehamj.plant.bodies import Body, Inertia, check_inertia
-from ehamj.plant.machine import Machine, box_inertia
+from ehamj.plant.bodies import Body, Inertia, box_inertia, check_inertia
+from ehamj.plant.machine import Machine
 from ehamj.plant.points import NAME, check_place, check_unique
 from ehamj.settings import Direction, Positive, Settings, Vector3, unit
 from ehamj.signals import Signal

@@ -8,8 +8,10 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -169,6 +171,7 @@ def _evaluated(
     values, failure = np.zeros(frequency.shape, complex), None
     with _LOCK, warnings.catch_warnings(record=True) as caught, _overheard() as printed:
         warnings.simplefilter("always")
+        _import_plainly()
         try:
             if inside.any():
                 output = OUTPUTS[quantity][1]
@@ -183,6 +186,30 @@ def _evaluated(
     if inside.all() and not values.any() and (frequency > 0).any():
         raise ValueError(f"ground.inventory: the response of {name} is zero at all frequencies")
     return values, list(dict.fromkeys([*warned(caught), *printed]))
+
+
+def _import_plainly() -> None:
+    """Import ObsPy's package with evalresp without what draws spectra, which takes longer than all else of a record.
+
+    Who asks the package for that later gets it.
+    """
+    if "obspy.signal" in sys.modules:
+        return
+    drawing = "obspy.signal.spectral_estimation"
+    sys.modules[drawing] = ModuleType(drawing)
+    sys.modules[drawing].__dict__["PPSD"] = None
+    try:
+        package = import_module("obspy.signal")
+    finally:
+        del sys.modules[drawing]
+
+    def asked(name: str) -> Any:
+        if name != "PPSD":
+            raise AttributeError(f"module {package.__name__!r} has no attribute {name!r}")
+        return import_module(drawing).PPSD
+
+    package.__dict__.pop("PPSD", None)
+    package.__dict__["__getattr__"] = asked
 
 
 @contextmanager

@@ -131,13 +131,16 @@ def sample_inputs(
     for mount, signal in enumerate(commands):
         if isinstance(signal, Zero):
             continue
-        now = signal.sample(times[:-1])
-        then = signal.sample(times[1:], left=True)
-        starts[:, mount, COMMAND, 0], starts[:, mount, COMMAND, 1] = now.value, now.slope
-        ends[:, mount, COMMAND, 0], ends[:, mount, COMMAND, 1] = then.value, then.slope
+        starts[:, mount, COMMAND, :2], ends[:, mount, COMMAND, :2] = sample_command(signal, times)
     starts[..., 1] *= timestep
     ends[..., 1] *= timestep
     return starts, ends
+
+
+def sample_command(signal: Signal, times: Array) -> tuple[Array, Array]:
+    """Value and slope of a command where steps start and where they end, as it comes there, (step, 2) each."""
+    now, then = signal.sample(times[:-1]), signal.sample(times[1:], left=True)
+    return np.column_stack(now[:2]), np.column_stack(then[:2])
 
 
 def sample_load(load: Load, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:

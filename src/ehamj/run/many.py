@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar, overload
 
 from ehamj.control import as_controller
 from ehamj.errors import InputError
+from ehamj.ground.shared import Floors
 from ehamj.mujoco import hydraulics
 from ehamj.result import Result
 from ehamj.run.drive import Driven
@@ -183,10 +184,12 @@ def _driven(batch: Sequence[_Item]) -> Iterator[tuple[_Item, Prepared, Driven, f
     """Runs as their engines leave them, those of one structure on the small-motion engine side by side; and how long
     each took, of what it took together its share [s]."""
     blocks: dict[Hashable, list[tuple[_Item, Prepared, Simulation, float]]] = {}
+    floors = Floors(1)  # those of one floor build it once, and a block samples it once
     for item in batch:
         began = clock.perf_counter()
         with item.named():
-            prepared = prepare(item.scenario, None if item.law is None else as_controller(item.law))
+            law = None if item.law is None else as_controller(item.law)
+            prepared = prepare(item.scenario, law, None if item.scenario.engine == "mujoco" else floors)
             # A Python function may remember: it is reset before each run, and then runs.
             if item.scenario.engine == "mujoco" or prepared.loop.functions:
                 driven = driven_alone(prepared)

@@ -8,9 +8,12 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
-from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_inputs, sample_load
+from ehamj.ground import GroundSample
+from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_command, sample_load
 from ehamj.run.prepare import Prepared
+from ehamj.signals import Zero
 from ehamj.smallmotion.block import Block, Simulation, simulation
+from ehamj.smallmotion.cubics import staged
 from ehamj.smallmotion.lanes import WIDTHS
 from ehamj.smallmotion.machine import InTime
 from ehamj.smallmotion.stage import Given
@@ -19,7 +22,7 @@ from ehamj.stopped import DONE
 LANES: Final = WIDTHS[-1]
 """Runs that step together at most."""
 
-STRETCH: Final = 512
+STRETCH: Final = 2048
 """Steps for which inputs are sampled at once. It is the same for one lane and for many, and whatever strikes between:
 products of whole arrays round by their shapes, and a run is to be the same to the bit in any company."""
 
@@ -67,9 +70,7 @@ def drive_block(
         running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
         steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
         last = done + steps == first.steps
-        noise = None
-        if any(run.noise is not None for run in runs):
-            noise = [_heard(run, done, steps + last) for run in runs]
+        noise = _heard(runs, block.width, done, steps + last)
         part = given.part(done - sampled.start, steps + last)
         if done == 0:  # so that no simulation's timing contains what compiling takes
             with uncollected():
@@ -89,17 +90,26 @@ def drive_block(
 
 def _given(block: Block, runs: Sequence[Prepared], alike: Sequence[int], first: int, steps: int) -> Given:
     """What drives some steps of all runs; those of one floor and equal commands sample them once."""
-    inputs: list[tuple[Array, Array]] = []
+    ground: list[GroundSample | None] = []
+    commands: list[Array | None] = []
     moved: list[InTime] = []
+    times = np.arange(first, first + steps + 1, dtype=np.float64) * runs[0].timestep
     for run, own, same in zip(runs, block.simulations, alike, strict=True):
-        if same < len(inputs):
-            sampled = inputs[same]
-        else:
-            sampled = sample_inputs(run.motion, run.commands, first, steps, run.timestep)
+        known = same < len(ground)
+        ground.append(ground[same] if known else None if run.motion.at_rest else run.motion.sample(times))
+        commands.append(commands[same] if known else _commands(run, times))
         load = None if run.load.absent else sample_load(run.load, first, steps, run.timestep)
-        inputs.append(sampled)
-        moved.append(own.machine.in_time(first, steps, run.timestep, sampled, load))
-    return block.given(moved, inputs)
+        moved.append(own.machine.in_time(first, steps, run.timestep, load))
+    return block.given(moved, ground, commands, steps)
+
+
+def _commands(run: Prepared, times: Array) -> Array | None:
+    """Open-loop commands at start, middle and end of steps between times [s], (step, 3, mount) [V]; None: none."""
+    if all(isinstance(command, Zero) for command in run.commands):
+        return None
+    both = zip(*(sample_command(command, times) for command in run.commands), strict=True)
+    start, end = (np.stack(part, axis=1) * [1.0, run.timestep] for part in both)
+    return staged(start, end)[0]
 
 
 def _alike(runs: Sequence[Prepared]) -> list[int]:
@@ -112,7 +122,14 @@ def _alike(runs: Sequence[Prepared]) -> list[int]:
     return [keys.index(key) for key in keys]
 
 
-def _heard(run: Prepared, first: int, steps: int) -> Array:
-    """Noise of a run's readings at the samples among some steps."""
-    samples = run.loop.samples(first, steps)[1]
-    return np.zeros((samples, run.loop.sensing.channels)) if run.noise is None else run.noise.take(samples)
+def _heard(runs: Sequence[Prepared], width: int, first: int, steps: int) -> Array | None:
+    """Noise of the runs' readings at the samples among some steps, (sample, channel, width); None where all are
+    silent."""
+    if all(run.noise is None for run in runs):
+        return None
+    loop = runs[0].loop
+    found = np.zeros((loop.samples(first, steps)[1], loop.sensing.channels, width))
+    for lane, run in enumerate(runs):
+        if run.noise is not None:
+            run.noise.take(len(found), found[:, :, lane])
+    return found

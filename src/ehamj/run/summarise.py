@@ -7,6 +7,7 @@ from typing import Any
 import xarray as xr
 
 from ehamj.control import LinearController, PythonController
+from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
 from ehamj.judge.levels import duration_of
@@ -16,6 +17,7 @@ from ehamj.judge.summary import LoopMargins, Summary, Timing
 from ehamj.linear.loop import Loop, feeds_back
 from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
+from ehamj.linear.smooth import NotSmooth, used_options
 from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
@@ -48,10 +50,8 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     shares = saturation(driven.tally, states, plant.mounts)
     isolated, undecided = isolation(dataset, plant, rate, usable_to, prepared.norms, usable_from)
     clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
-    margins = loop_margins(scenario, prepared.law)
-    runaway = margins.unstable if margins is not None else None
+    margins, doubts = loop_margins(scenario, prepared.law)
     louder = worsened(prepared, dataset, isolated, shares, margins is not None and not margins.stable)
-    unstable = [f"{UNSTABLE}: {runaway.words}"] if runaway else []
     limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
@@ -59,6 +59,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     struck = aftermath(prepared, driven.struck, dataset)
     if struck:
         asked["fault"] = struck
+    said = [*told(struck), *prepared.notes, *doubts, *undecided, *(one.in_words() for one in louder), *limits]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -68,7 +69,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         complete=failure is None,
         **isolated,
         **asked,
-        warnings=[*told(struck), *prepared.notes, *unstable, *undecided, *(one.in_words() for one in louder), *limits],
+        warnings=said,
         worse=louder,
         peak=peak,
         rms=rms,
@@ -91,11 +92,27 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     )
 
 
-def loop_margins(scenario: Scenario, law: LinearController | None) -> LoopMargins | None:
-    """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without."""
+def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:
+    """Margins of the law's loop (`ehamj.linear.margins`), worst of all places and of each motion; None without.
+
+    Beside them what must be said: why there is no linear machine though the scenario has a place to rest, or that the
+    loop is unstable.
+    """
+    if not feeds_back(law) and not any(used_options(one) for one in scenario.plant.actuators):
+        return None, []
+    try:
+        model = linear_model(scenario.plant)
+    except NotSmooth as error:
+        return None, [str(error)]
+    except InputError:
+        if feeds_back(law):
+            raise
+        return None, []
     if law is None or not feeds_back(law):
-        return None
-    found = report(linear_model(scenario.plant), Loop.of(scenario, law))
-    margins = LoopMargins.model_validate(found.to_dict(places=("motions",)))
+        return None, []
+    margins = LoopMargins.model_validate(report(model, Loop.of(scenario, law)).to_dict(places=("motions",)))
+    if margins.stable:
+        return margins, []
     # An unstable loop has nothing in hand, however far its gain passes from −1.
-    return margins if margins.stable else margins.changed(gain_db=0.0, phase_deg=0.0, disk=0.0, disk_all_valves=0.0)
+    nothing = {"gain_db": 0.0, "phase_deg": 0.0, "disk": 0.0, "disk_all_valves": 0.0}
+    return margins.changed(**nothing), [f"{UNSTABLE}: {margins.unstable.words}"] if margins.unstable else []

@@ -14,7 +14,9 @@ from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.compiled.signals import gather
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.spool import limits_reached
+from ehamj.memory import INPUTS, ORDERS
 from ehamj.mujoco.rows import LIMITS
+from ehamj.smallmotion.floor import known, ride
 from ehamj.smallmotion.isolators import (
     AT_LIMIT,
     BLOCK,
@@ -246,10 +248,11 @@ def compiled_advance() -> Any:
         signals, act = np.zeros(sensing.layout.size * w), scratch.state[acts * w :]
         motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
         length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
-        ground = given.inputs.size // max(steps + last, 1)
+        inputs = np.zeros(mounts * len(INPUTS) * ORDERS * w)
         for k in range(steps + last):
             number = first + k
             time = number * h
+            ride(given.floor, given.inverse, given.times, k, scratch.riding, own.sizes.coordinates, lanes)
             release(number, laws, memory, control, lanes)
             evaluate(own, given, k, 0, time, commanded, scratch, lanes)
             if not within(own, scratch, lanes) and not end_failed(own, scratch, counted, ended, number, lanes):
@@ -257,7 +260,7 @@ def compiled_advance() -> Any:
             sampled = laws.base > 0 and number % laws.base == 0
             if sampled or sensing.order > 0:
                 look(own, plates, scratch, motion, length, velocity, lanes)
-                inputs = given.inputs[k * ground : (k + 1) * ground]
+                known(given.floor, scratch.riding, inputs, lanes)
                 gather(signals, sensing.layout, motion, act, length, velocity, inputs, 1.0 / h, lanes)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings, lanes)

@@ -10,11 +10,12 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop, structure
 from ehamj.control.loop import stacked as stacked_loops
-from ehamj.memory import COMMAND, isolators, supply
+from ehamj.ground.motion import GroundSample
+from ehamj.memory import isolators, supply
 from ehamj.mujoco.rows import DRAWN, LIMITS, Rows, Tally
 from ehamj.plant.axes import DOFS
 from ehamj.smallmotion.advance import Counted, Plates, Recorded, compiled_advance
-from ehamj.smallmotion.cubics import staged
+from ehamj.smallmotion.floor import Floor, Riding
 from ehamj.smallmotion.isolators import AT_LIMIT, BLOCK, EXCHANGE_AT, METERING, REST, forms_of
 from ehamj.smallmotion.lanes import WIDTHS, lane, lanes_of, stacked
 from ehamj.smallmotion.machine import InTime, SmallMachine, small_machine
@@ -90,11 +91,10 @@ class Block:
                 np.zeros(mounts, np.int64),
                 blocks.ravel(),
                 stacked(machine.levers for machine in machines),
-                stacked(_at_rest(machine) for machine in machines),
                 np.zeros(0) if shared is None else np.zeros(len(shared) * width),
                 sizes,
             ),
-            Scratch(stacked(start), *(np.zeros(size) for _ in range(3))),
+            Scratch(stacked(start), np.zeros(size), np.zeros(size), np.zeros(size), Riding.of(n, mounts, width)),
             Counted(np.zeros(5 * width), np.zeros((4 * mounts + 3) * width)),
             Plates(
                 stacked(machine.rest[:first] for machine in machines),
@@ -154,39 +154,60 @@ class Block:
 
         return replace(self.loop, sensing=own(sensing, ("gains", "offsets")), readings=own(readings, ("readings",)))
 
-    def given(self, moved: Sequence[InTime], inputs: Sequence[tuple[Array, Array]]) -> Given:
-        """What drives a stretch: of each lane its coefficients, and its inputs at start and end of each step."""
+    def given(
+        self,
+        moved: Sequence[InTime],
+        ground: Sequence[GroundSample | None],
+        commands: Sequence[Array | None],
+        steps: int,
+    ) -> Given:
+        """What drives a stretch of so many steps, of each lane; lanes may share their ground and their commands.
+
+        Args:
+            moved: the machine's coefficients.
+            ground: at the start of each step and the end of the last; None: at rest.
+            commands: open-loop commands at start, middle and end of each step, (step, 3, mount) [V]; None: none.
+            steps: how many.
+        """
         full = _filled(moved, self.width)
-        given = _filled(inputs, self.width)
         matrices = np.broadcast_arrays(*(np.swapaxes(one.matrix, -1, -2) for one in full))  # some slides may stand
-        of_each = {id(each): _commands(*each) for each in inputs}  # lanes may share theirs
-        commands = [of_each[id(each)] for each in given]
-        reads = self.loop.sensing.channels > 0
+        times = matrices[0].shape[1]
         return Given(
             stacked(matrices),
-            _unless_zero([one.pushed for one in full]),
-            self._strokes([one.ground for one in full]),
-            _unless_zero(commands),
-            stacked(start for start, _ in given) if reads else np.zeros(0),
-            matrices[0].shape[1],
-            len(full[0].pushed),
+            self._inverses(full, times),
+            _unless_none([one.pushed for one in full]),
+            _unless_none(_filled(commands, self.width)),
+            Floor.of(
+                _filled(ground, self.width),
+                [self._simulation(number).machine.effects for number in range(self.width)],
+                steps,
+                self.own.sizes.step,
+            ),
+            times,
+            steps,
         )
 
-    def _strokes(self, ground: Sequence[Array]) -> Array:
-        """Strokes that the ground makes of machines in their equilibrium, or nothing where it rests."""
-        if not any(part.any() for part in ground):
+    def _inverses(self, moved: Sequence[InTime], times: int) -> Array:
+        """M⁻¹ of lanes with slides, and one of lanes whose effects are accelerations; nothing where no slide moves."""
+        if all(one.inverse is None for one in moved):
             return np.zeros(0)
-        machines = [self._simulation(number).machine for number in range(self.width)]
-        return stacked(_at_rest(machine) - part for machine, part in zip(machines, ground, strict=True))
+        one = np.eye(self.own.sizes.coordinates)[None, None]
+        shape = (*next(each.matrix for each in moved if each.matrix.shape[1] == times).shape[:2], *one.shape[2:])
+        return stacked(
+            np.broadcast_to(np.swapaxes(one if each.inverse is None else each.inverse, -1, -2), shape) for each in moved
+        )
 
     def advance(
-        self, first: int, steps: int, last: bool, given: Given, recorded: Recorded, noise: Sequence[Array] | None
+        self, first: int, steps: int, last: bool, given: Given, recorded: Recorded, noise: Array | None
     ) -> tuple[int, int]:
-        """Take steps; how many were taken, and rows recorded, by the lane that went furthest."""
+        """Take steps; how many were taken, and rows recorded, by the lane that went furthest.
+
+        ``noise`` of the readings is (sample, channel, width).
+        """
         loop = self.loop
         heard = np.zeros((0, loop.sensing.channels * self.width))
         if noise is not None:
-            heard = stacked(_filled(noise, self.width)).reshape(-1, heard.shape[1])
+            heard = noise.reshape(-1, heard.shape[1])
         law = (loop.laws, loop.law_memory, loop.sensing, loop.readings, heard, loop.samples(first, steps)[0])
         done, rows = compiled_advance()(
             self.own, given, (first, steps, int(last)), recorded, self.counted, self.plates, (*law, self.control),
@@ -252,19 +273,7 @@ def _filled(parts: Sequence[T], width: int) -> list[T]:
     return [*parts, *[parts[-1]] * (width - len(parts))]
 
 
-def _at_rest(machine: SmallMachine) -> Array:
-    """Strokes in the equilibrium, and their rates (mount, 2)."""
-    return np.column_stack([machine.stroke_at_rest, np.zeros_like(machine.stroke_at_rest)])
-
-
-def _commands(start: Array, end: Array) -> Array:
-    """Open-loop commands at start, middle and end of each step, (step, 3, mount) [V]."""
-    both = start[:, :, COMMAND], end[:, :, COMMAND]
-    if not any(part.any() for part in both):
-        return np.zeros((len(start), 3, start.shape[1]))
-    return staged(*both)[0]
-
-
-def _unless_zero(parts: Sequence[Array]) -> Array:
-    """The lanes' arrays side by side, or nothing where nothing happens."""
-    return stacked(parts) if any(part.any() for part in parts) else np.zeros(0)
+def _unless_none(parts: Sequence[Array | None]) -> Array:
+    """The lanes' arrays side by side, zeros for those that have none, or nothing where none has."""
+    some = next((part for part in parts if part is not None), None)
+    return np.zeros(0) if some is None else stacked(np.zeros_like(some) if part is None else part for part in parts)

@@ -13,40 +13,30 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.isolator.cylinder import oil_force
-from ehamj.memory import COMMAND, INPUTS, ORDERS, activations, isolators
+from ehamj.memory import activations, isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.slides import FIRST
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.plant.plant import Plant
 from ehamj.smallmotion.cubics import acting, weights
+from ehamj.smallmotion.floor import Effects
 from ehamj.smallmotion.probe import SMALL, Probe, slope
 from ehamj.smallmotion.slides import SlideTables, along_courses, driven_by
 
 
 class InTime(NamedTuple):
-    """The equation's coefficients in some steps, at start, middle and end of each: q̈ = P z + pushed.
+    """The equation's coefficients in some steps, at start, middle and end of each, beside those of the ground:
+    q̈ = P z + pushed, with the forces of the ground `Effects` times ``inverse`` where a slide moves.
 
     z (2n + mount) is δq, q̇, then f − f₀ of the mounts.
     """
 
     matrix: Array
     """P (step, 3, n, 2n + mount); (1, 1, n, 2n + mount) where no slide moves in these steps."""
-    pushed: Array
-    """By ground, load and slides (step, 3, n) [m/s², rad/s²]."""
-    ground: Array
-    """The ground along each mount less that at the equilibrium, and its rate, (step, 3, mount, 2) [m, m/s]."""
-
-
-class Effects(NamedTuple):
-    """`ehamj.smallmotion.cubics.weights` of what acts on a machine."""
-
-    by_value: Array
-    """Of the mounts' inputs."""
-    by_rate: Array
-    """Of their rates [1/s]."""
-    by_load: Array
-    always: Array
-    """What is there without (effect,)."""
+    inverse: Array | None
+    """M⁻¹ (step, 3, n, n) or (1, 1, n, n), of machines with slides that move."""
+    pushed: Array | None
+    """By load and slides (step, 3, n) [m/s², rad/s²]; None where there is nothing of these."""
 
 
 @dataclass(frozen=True)
@@ -93,50 +83,44 @@ class SmallMachine:
         """P = M⁻¹[−K, −C, Lᵀ] (n, 2n + mount), slides where they start."""
         return np.asarray(np.linalg.solve(self.mass, np.hstack([-self.stiffness, -self.damping, self.levers.T])))
 
-    def in_time(
-        self, first: int, steps: int, timestep: float, given: tuple[Array, Array], load: tuple[Array, ...] | None = None
-    ) -> InTime:
+    def in_time(self, first: int, steps: int, timestep: float, load: tuple[Array, ...] | None = None) -> InTime:
         """The coefficients in some steps.
 
         Args:
             first: number of the first step, whose time is first·timestep.
             steps: how many.
             timestep: [s].
-            given: value, slope·timestep and second derivative of the mounts' inputs at start and end of each step,
-                (step, mount, input, 3) each; see `ehamj.memory.inputs`.
             load: force on the machine, value and slope·timestep at start and end of each step, (step, 6, 2) each.
         """
-        size, mounts, effects = self.mass.shape[0], len(self.along), self._effects
-        found = acting(*given, effects.by_value + effects.by_rate / timestep)
-        found += effects.always
-        force, ground = np.ascontiguousarray(found[..., :size]), np.ascontiguousarray(found[..., size:])
-        ground = ground.reshape(steps, 3, mounts, 2)
+        pushed = None
         if load is not None and load[0].shape[0]:
-            force += acting(load[0], load[1], effects.by_load)
+            pushed = acting(load[0], load[1], self._by_load)
         if self.slides is None:
-            return InTime(self.matrix[None, None], force, ground)
+            return InTime(self.matrix[None, None], None, pushed)
         inverse, matrix, driven = self._sliding(self.slides, first, steps, timestep)
-        return InTime(matrix, (inverse @ (force + driven)[..., None])[..., 0], ground)
+        force = driven if pushed is None else pushed + driven
+        return InTime(matrix, inverse, (inverse @ force[..., None])[..., 0])
 
     @cached_property
-    def _effects(self) -> "Effects":
-        """On accelerations, or on forces where a slide moves; then along·g and along·ġ of each mount in turn."""
-        size, mounts = self.mass.shape[0], len(self.along)
-        inverse = np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
-        value, rate = np.zeros((2, mounts, len(INPUTS), size + 2 * mounts))
-        for effect, matrix in ((value, self.ground_stiffness), (rate, self.ground_damping)):
-            effect[:, :COMMAND, :size] = np.einsum("ij,jma->mai", inverse, matrix)
-        here = np.arange(mounts)
-        value[here, :COMMAND, size + 2 * here] = rate[here, :COMMAND, size + 2 * here + 1] = self.along
-        always = -np.tensordot(self.ground_at_rest, value[:, :COMMAND], 2)
-        always[:size] += inverse @ self.unbalanced
-        nothing, load = np.zeros_like(value), (inverse @ self.load).T
-        return Effects(
-            weights(value, nothing, ORDERS),
-            weights(nothing, rate, ORDERS),
-            weights(load, np.zeros_like(load), 2),
-            always,
-        )
+    def _share(self) -> Array:
+        """What makes effects of forces: M⁻¹, or one where a slide moves and M⁻¹ with it."""
+        size = self.mass.shape[0]
+        return np.asarray(np.linalg.inv(self.mass) if self.slides is None else np.eye(size), float)
+
+    @cached_property
+    def _by_load(self) -> Array:
+        """`ehamj.smallmotion.cubics.weights` of a load."""
+        load = (self._share @ self.load).T
+        return weights(load, np.zeros_like(load), 2)
+
+    @cached_property
+    def effects(self) -> Effects:
+        """What the ground does."""
+        share, size = self._share, self.mass.shape[0]
+        by_value, by_rate = (share @ part.reshape(size, -1) for part in (self.ground_stiffness, self.ground_damping))
+        always = share @ self.unbalanced - by_value @ self.ground_at_rest.ravel()
+        stroke = self.stroke_at_rest + np.einsum("ma,ma->m", self.along, self.ground_at_rest)
+        return Effects(by_value, by_rate, always, self.along, stroke)
 
     def _sliding(self, tables: SlideTables, first: int, steps: int, timestep: float) -> tuple[Array, Array, Array]:
         """M⁻¹ and P with the slides where they are, and the force of their weight and drives, (step, 3, …) each."""

@@ -8,6 +8,7 @@ from ehamj.isolator.edges import Flows
 from ehamj.isolator.equations import Plate, balance
 from ehamj.isolator.supply import Feed, Supply, SupplyState, supply_rates
 from ehamj.memory import OIL, size
+from ehamj.smallmotion.floor import Floor, Riding
 from ehamj.smallmotion.isolators import (
     AT,
     BLOCK,
@@ -41,8 +42,6 @@ class Lanes(NamedTuple):
     """(m, `BLOCK`)"""
     levers: Any
     """(m, n) strokes, and plates, per coordinate [m/m, m/rad]."""
-    at_rest: Any
-    """(m, 2) strokes in the equilibrium [m], and their rates, which are zero."""
     supply: Any
     """`Supply.Values`, or empty: the pressure is constant."""
     sizes: "Sizes"
@@ -67,16 +66,15 @@ class Given(NamedTuple):
 
     matrix: Any
     """(1 or steps, 1 or 3, 2 n + m, n): accelerations per coordinate, velocity and force."""
+    inverse: Any
+    """(1 or steps, 1 or 3, n, n): M⁻¹, where a slide moves."""
     pushed: Any
-    """(steps, 3, n) accelerations by ground and load [m/s²]."""
-    ground: Any
-    """(steps, 3, m, 2) strokes that the ground makes of a machine in its equilibrium, and their rates [m, m/s]."""
+    """(steps, 3, n) accelerations by load and slides [m/s²]."""
     commands: Any
     """(steps, 3, m) beside the law's [V]."""
-    inputs: Any
-    """(steps, m, 4, 3) as `ehamj.memory.inputs`, where a law reads the ground."""
+    floor: Floor
     times: int
-    """Of the matrix: 1, or 3 for each step."""
+    """Of the matrices: 1, or 3 for each step."""
     steps: int
 
     def part(self, first: int, steps: int) -> "Given":
@@ -86,9 +84,11 @@ class Given(NamedTuple):
             size = table.size // self.steps
             return table[first * size : (first + steps) * size]
 
-        matrix = cut(self.matrix) if self.times > 1 else self.matrix
-        tables = (cut(table) for table in (self.pushed, self.ground, self.commands, self.inputs))
-        return Given._make((matrix, *tables, self.times, steps))
+        matrices = self.matrix, self.inverse
+        if self.times > 1:
+            matrices = cut(self.matrix), cut(self.inverse)
+        floor = self.floor.part(first, steps, self.steps)
+        return Given(*matrices, cut(self.pushed), cut(self.commands), floor, self.times, steps)
 
 
 class Commanded(NamedTuple):
@@ -110,6 +110,7 @@ class Scratch(NamedTuple):
     """State at the start of the step."""
     total: Any
     """Weighted sum of the rates."""
+    riding: Riding
 
 
 _fields = ", ".join(f"peek(values, {k} * len(lanes) + lane)" for k in range(len(Supply.Values._fields)))
@@ -118,20 +119,16 @@ supply_in = written("values, lane, lanes", f"return Values({_fields})", peek=pee
 
 
 @kernel
-def hand_over(own, given, here, state, law, stage, lanes):  # type: ignore[no-untyped-def]
+def hand_over(own, given, here, scratch, law, stage, lanes):  # type: ignore[no-untyped-def]
     """Put stroke, speed, command and supply of all mounts into their blocks; ``here`` is 3·step + stage."""
     w, n, mounts, blocks = len(lanes), own.sizes.coordinates, own.forms.size, own.blocks
     # Named once: each look into a tuple of arrays counts references.
-    levers, at_rest, ground, beside = own.levers, own.at_rest, given.ground, given.commands
-    held, switching, rides, driven = law.commands, law.switching, given.ground.size > 0, given.commands.size > 0
+    levers, state, strokes, beside = own.levers, scratch.state, scratch.riding.strokes, given.commands
+    held, switching, driven = law.commands, law.switching, given.commands.size > 0
     for mount in range(mounts):
         at = mount * BLOCK
-        if rides:
-            set_lanes(blocks, at + STROKE, ground, (here * mounts + mount) * 2, lanes)
-            set_lanes(blocks, at + SPEED, ground, (here * mounts + mount) * 2 + 1, lanes)
-        else:
-            set_lanes(blocks, at + STROKE, at_rest, mount * 2, lanes)
-            set_lanes(blocks, at + SPEED, at_rest, mount * 2 + 1, lanes)
+        set_lanes(blocks, at + STROKE, strokes, (stage * mounts + mount) * 2, lanes)
+        set_lanes(blocks, at + SPEED, strokes, (stage * mounts + mount) * 2 + 1, lanes)
         add_products(blocks, at + STROKE, levers, mount * n, state, 0, (1, 1), n, lanes)
         add_products(blocks, at + SPEED, levers, mount * n, state, n, (1, 1), n, lanes)
         set_lanes(blocks, at + COMMAND, held, mount, lanes)
@@ -193,18 +190,17 @@ def ledger_stage(own, rate, lanes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def accelerate(own, given, here, scratch, lanes):  # type: ignore[no-untyped-def]
+def accelerate(own, given, here, scratch, stage, lanes):  # type: ignore[no-untyped-def]
     """Velocities and accelerations as rates of coordinates and velocities."""
-    w, n, mounts = len(lanes), own.sizes.coordinates, own.forms.size
+    n, mounts = own.sizes.coordinates, own.forms.size
     state, rate, blocks, matrix, pushed = scratch.state, scratch.rate, own.blocks, given.matrix, given.pushed
+    ridden = scratch.riding.pushed
     first, driven = here * (2 * n + mounts) * n if given.times > 1 else 0, given.pushed.size > 0
     for i in range(n):
         set_lanes(rate, i, state, n + i, lanes)
+        set_lanes(rate, n + i, ridden, stage * n + i, lanes)
         if driven:
-            set_lanes(rate, n + i, pushed, here * n + i, lanes)
-        else:
-            for lane in range(w):
-                poke(rate, (n + i) * w + lane, 0.0)
+            add_lanes(rate, n + i, pushed, here * n + i, lanes)
         add_products(rate, n + i, matrix, first + i, state, 0, (n, 1), 2 * n, lanes)
         add_products(rate, n + i, matrix, first + 2 * n * n + i, blocks, FORCE, (n, BLOCK), mounts, lanes)
 
@@ -213,13 +209,13 @@ def accelerate(own, given, here, scratch, lanes):  # type: ignore[no-untyped-def
 def evaluate(own, given, step, stage, time, law, scratch, lanes):  # type: ignore[no-untyped-def]
     """The time derivative of all lanes at a stage (0 start, 1 middle, 2 end) of a step."""
     here, acts = 3 * step + stage, 2 * own.sizes.coordinates
-    hand_over(own, given, here, scratch.state, law, stage, lanes)
+    hand_over(own, given, here, scratch, law, stage, lanes)
     isolators(own.forms, own.blocks, scratch.state, scratch.rate, acts, time, lanes)
     if own.sizes.supply_at > 0:
         supply_stage(own, scratch.state, scratch.rate, lanes)
     if own.sizes.ledger_at > 0:
         ledger_stage(own, scratch.rate, lanes)
-    accelerate(own, given, here, scratch, lanes)
+    accelerate(own, given, here, scratch, stage, lanes)
 
 
 @kernel
