@@ -111,7 +111,10 @@ def _import_writers(output: "Output") -> None:
     before the first step does not."""
     from importlib import import_module
 
-    wanted = ["ehamj.run.observe", "ehamj.run.summarise", "ehamj.store", "h5netcdf"]
+    from ehamj.run.simulate import import_judging
+
+    import_judging()
+    wanted = ["ehamj.store", "h5netcdf"]
     wanted += ["matplotlib.figure", "matplotlib.backends.backend_svg"] if output.report else []
     wanted += ["ehamj.replay"] if output.replay else []
     for name in wanted:

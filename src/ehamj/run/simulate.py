@@ -1,6 +1,8 @@
 """Run one scenario: prepare → drive → observe → summarise."""
 
+import threading
 import time as clock
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ehamj.control import as_controller
@@ -18,6 +20,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ehamj.result import Result
+
+_importing = threading.Lock()
+
+
+def import_judging() -> None:
+    """Import what reads a run, for which no step waits; one thread at a time, since two would find each other's modules
+    half made."""
+    with _importing:
+        for name in ("failures", "observe", "summarise"):
+            import_module(f"ehamj.run.{name}")
 
 
 def simulate(
@@ -81,7 +93,8 @@ def driven_alone(prepared: Prepared, progress: Progress | None = None) -> Driven
 
 
 def seen(prepared: Prepared, driven: Driven) -> Observed:
-    """A run from what the stepping loop left of it; what reads it is imported here, since no step waits for it."""
+    """A run from what the stepping loop left of it; what reads it is imported here."""
+    import_judging()
     from ehamj.run.failures import failure
     from ehamj.run.observe import observe
 
@@ -93,6 +106,7 @@ def seen(prepared: Prepared, driven: Driven) -> Observed:
 
 def judged(run: Observed, began: float, controller: Any) -> "Result":
     """The result of a run that began at a time of the clock [s]; raises `Incomplete` of one that failed."""
+    import_judging()
     from ehamj.result import CONTROLLER_FILE, Result
     from ehamj.run.failures import Incomplete
     from ehamj.run.summarise import summarise
