@@ -28,7 +28,9 @@ KEYS = {
         "step_us", "hydraulics_over_bare_engine", "hydraulics_over_bare_engine_without_timer", "benchmark_case",
         "recorded_over_bare_engine",
     },
-    "lanes": {"lanes", "two_threads_over_one", "small_motion_two_threads_over_one"},
+    "lanes": {
+        "lanes", "two_threads_over_one", "small_motion_two_threads_over_one", "small_motion_runs_two_threads_over_one",
+    },
     "controller": {"controlled", "step_over_step_without"},
     "growth": {"growth", "step_over_four_upright_mounts"},
     "stages": {"stages"},

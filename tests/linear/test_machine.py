@@ -235,6 +235,8 @@ def expected_channel(name: str, value: dict[str, float], of: linear.LinearMachin
     if variable in ("stroke", "stroke_velocity"):
         motion = "velocity" if variable == "stroke_velocity" else "displacement"
         return float(foot(motion, labels[0])[2]) - value[f"ground_{motion} {labels[0]} z"]
+    if variable == "supply_pressure":
+        return 0.0  # constant
     if variable == "load_pressure":
         return value[f"pressure_1 {labels[0]}"] - value[f"pressure_2 {labels[0]}"]
     return value[f"pressure_{labels[1]} {labels[0]}" if variable == "chamber_pressure" else name]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control.clock import common_divisor, exact
-from ehamj.control.converter import Converter, difference
+from ehamj.control.converter import Converter, difference, reads
 from ehamj.control.law import UNSTABLE, Controller, read_table, stack
 from ehamj.errors import InputError
 
@@ -62,6 +62,11 @@ class ControllerBank:
     def inputs(self) -> tuple[str, ...]:
         """Every measured channel, each once."""
         return tuple(dict.fromkeys(name for part in self.parts for name in part.inputs))
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Every channel that is measured, those of the stage before the converter last."""
+        return reads(self.inputs, self.converter)
 
     @property
     def period(self) -> float:

@@ -26,6 +26,8 @@ ALONG: Final = "along"
 """Label of the component along a mount's own direction."""
 CROSS: Final = ("across-1", "across-2")
 """Labels of the two at right angles to it (`cross_axes`); instruments that are out of line see them too."""
+SUPPLY: Final = "supply_pressure"
+"""The channel of the supply, which all valves share."""
 STATIC = ("displacement", "pressure")
 """Quantities that have a value at rest."""
 
@@ -45,6 +47,7 @@ def channel_names(mounts: tuple[str, ...] = MOUNTS) -> tuple[str, ...]:
         names += [f"machine_{motion} {dof}" for dof in DOFS]
     names += [f"{name} {mount}" for name in ("stroke", "stroke_velocity", "spool", "load_pressure") for mount in mounts]
     names += [f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS]
+    names.append(SUPPLY)
     return tuple(names)
 
 
@@ -74,6 +77,9 @@ def channel_row(name: str, plant: Plant) -> Array:
     """
     check_channel(name, plant.mounts)
     at, row = Layout.of(len(plant.mounts)), np.zeros(Layout.of(len(plant.mounts)).size)
+    if name == SUPPLY:
+        row[at.supply] = 1.0
+        return row
     variable, *labels = name.split(" ")
     what, _, motion = variable.rpartition("_")
     mount = plant.mounts.index(labels[0]) if labels[0] in plant.mounts else 0

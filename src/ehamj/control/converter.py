@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
+from ehamj.control.valves import KnownValve, measured
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
 
@@ -31,6 +32,8 @@ class Converter:
     strokes and displacements count from unloaded membranes, and pressures are absolute."""
     mounts: tuple[str, ...] = MOUNTS
     """Names of the mounts whose valves are commanded, in order."""
+    valves: tuple[KnownValve, ...] = ()
+    """What is known of each valve and made good before the converter; none: nothing is."""
 
     def __post_init__(self) -> None:
         _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
@@ -38,6 +41,8 @@ class Converter:
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):
             _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
+        each = not self.valves or len(self.valves) == len(self.mounts)
+        _must(each, "valves", f"{len(self.valves)} of them", f"one per mount, {len(self.mounts)}, or none")
 
     @property
     def converter(self) -> "Converter":
@@ -48,6 +53,11 @@ class Converter:
     def resolution(self) -> float:
         """Step of the commands [V]; 0: exact."""
         return 0.0 if self.bits is None else 2.0 * self.voltage_limit / 2**self.bits
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Channels that are read, as they are and not from rest, to make good what is known of the valves."""
+        return measured(self.valves, self.mounts)
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -72,6 +82,17 @@ class Sampled(Converter):
         _must(0.0 < self.period < np.inf, "period", self.period, "a positive number")
         _must(self.delay is None or 0.0 <= self.delay < np.inf, "delay", self.delay, "zero or positive [s]")
         super().__post_init__()
+        twice = [name for name in self.measures if self.from_rest and name in self.inputs]
+        if twice:
+            raise InputError(
+                f"controller.inputs: {twice[0]!r} counts from rest, and what is known of the valves takes it as it is; "
+                "read load_pressure instead, or set from_rest = false"
+            )
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """Every channel that is measured, those of the stage before the converter last."""
+        return reads(self.inputs, self)
 
     @property
     def latency(self) -> float:
@@ -82,6 +103,11 @@ class Sampled(Converter):
     def parts(self) -> tuple[Self, ...]:
         """The laws that run side by side: this one alone."""
         return (self,)
+
+
+def reads(inputs: tuple[str, ...], converter: Converter) -> tuple[str, ...]:
+    """Channels that laws with these ``inputs`` and their converter measure, each once, its own last."""
+    return tuple(dict.fromkeys((*inputs, *converter.measures)))
 
 
 def check_mounts(law: Converter, mounts: Sequence[str]) -> None:

@@ -19,6 +19,7 @@ from ehamj.arrays import Array
 from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
+from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
 from ehamj.plain.text import json_of
@@ -30,7 +31,7 @@ UNSTABLE = 1.0 + 1e-9
 KEYS: Final = {
     "inputs": "inputs", "period": "period_s", "delay": "delay_s", "voltage_limit": "voltage_limit_v", "bits": "bits",
     "switch_on": "switch_on_s", "fade": "fade_s", "from_rest": "from_rest", "A": "A", "B": "B", "C": "C", "D": "D",
-    "anti_windup": "anti_windup",
+    "anti_windup": "anti_windup", "valves": "valves",
 }  # fmt: skip
 """Keys of a law's file by what they hold; `NEEDED` must be there."""
 NEEDED: Final = ("inputs", "period", *"ABCD")
@@ -162,7 +163,8 @@ class Controller(Sampled):
         """The law as plain data, see `from_dict`."""
         values = {key: getattr(self, name) for name, key in KEYS.items()}
         plain = {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
-        return plain | {"inputs": list(self.inputs), "outputs": list(self.outputs)}
+        known = [valve.to_dict() for valve in self.valves]
+        return plain | {"inputs": list(self.inputs), "outputs": list(self.outputs), "valves": known}
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Self:
@@ -178,6 +180,7 @@ class Controller(Sampled):
         given["mounts"] = _mounts_of(table.get("outputs", list(valve_commands(MOUNTS))))
         try:
             given |= {name: list(given[name]) for name in "ABCD"}
+            given["valves"] = tuple(map(KnownValve.from_dict, given.get("valves", ())))
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:
                     given[name] = float(given[name])

@@ -19,6 +19,7 @@ from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.stage import Stage, numbers_of
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -67,17 +68,17 @@ def make_loop(
     if controller is None:
         return no_loop(len(plant.mounts))
     check_mounts(controller.converter, plant.mounts)
-    rows = sensors.rows(controller.inputs, plant, seed)
+    rows = sensors.rows(controller.reads, plant, seed)
     ranges = np.array([actuator.voltage_limit for actuator in plant.actuators])
-    return _made(controller.parts, controller.inputs, controller.converter, rows, sensors, timestep, ranges)
+    return _made(controller.parts, controller.reads, controller.converter, rows, sensors, timestep, ranges)
 
 
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, sensing.terms)
+    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, sensing.terms)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
-    return (*shapes, laws.converter, laws.base, sensing.layout, sensing.order, loop.states)
+    return (*shapes, laws.converter, laws.valves.size, laws.base, sensing.layout, sensing.order, loop.states)
 
 
 def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
@@ -102,7 +103,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges")),
+        laws=lanes(laws, ("matrices", "ranges", "valves")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -116,16 +117,20 @@ def _made(
     failures: list[Exception] = []
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
-    table, matrices, inputs_of, size = _laws(parts, channels, timestep, functions, mounts)
+    stage = (Stage.beside(parts),) if converter.valves else ()
+    table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
-    statics = [converter.from_rest and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
+    rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
-    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, int(np.gcd.reduce(table["every"])))
+    known = numbers_of(converter.valves, stage[0].period if stage else timestep)
+    pressures = np.array([channels.index(name) for name in converter.measures], np.int64)
+    base = int(np.gcd.reduce(table["every"]))
+    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, base)
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
     terms, weights = _terms(rows)
-    resting = np.array(statics, float)
+    resting = np.array(rests, float) * converter.from_rest
     order = filters.shape[1]
     sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
     return DigitalLoop(
@@ -161,7 +166,7 @@ def _instruments(
 
 
 def _laws(
-    parts: Sequence[Controller | PythonController],
+    parts: "Sequence[Controller | PythonController | Stage]",
     channels: tuple[str, ...],
     timestep: float,
     functions: dict[int, Any],

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.channels import ALONG, CROSS, channel_row, quantity_of
+from ehamj.control.channels import ALONG, CROSS, SUPPLY, channel_row, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
@@ -35,7 +35,7 @@ class Sensors(Settings):
     ground: Vibration | None = Field(None, description="of every ground_… channel")
     inertial: Vibration | None = Field(None, description="of every foot_…, cg_… and machine_… channel")
     stroke: StrokeSensor | None = Field(None, description="of every stroke channel")
-    pressure: PressureSensor | None = Field(None, description="of every chamber_pressure and load_pressure channel")
+    pressure: PressureSensor | None = Field(None, description="of every …_pressure channel")
 
     def of(self, channel: str) -> Instrument | None:
         """The instrument that measures a channel, None where that is exact.
@@ -98,7 +98,7 @@ IDEAL = Sensors.stated()
 
 def class_of(variable: str) -> str | None:
     """Table of [sensors] that a variable belongs to; the spool's own transducer is taken as exact."""
-    if variable in ("chamber_pressure", "load_pressure"):
+    if variable in ("chamber_pressure", "load_pressure", SUPPLY):
         return "pressure"
     first = variable.partition("_")[0]
     return {"ground": "ground", "stroke": "stroke", "spool": None}.get(first, "inertial")

@@ -12,6 +12,7 @@ from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
+from ehamj.control.linearisation import Linearisation
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.layout import MOTION_NAMES
@@ -74,6 +75,10 @@ class SampledSettings(ControlSettings):
         0.15, description="time over which motion that the valves could not follow is made good [s]"
     )
 
+    linearisation: Linearisation | None = Field(
+        None, description="what of the valves is made good before the converter; without: nothing"
+    )
+
     @property
     def clock(self) -> dict[str, Any]:
         """What makes it digital, by name: clock, converter and recovery."""
@@ -126,6 +131,7 @@ class SampledSettings(ControlSettings):
             fade=self.fade,
             from_rest=True,
             anti_windup=gain,
+            valves=() if self.linearisation is None else self.linearisation.known(plant),
         )
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
 from ehamj.control import blocks
-from ehamj.control.channels import channel_names, channel_row
+from ehamj.control.channels import SUPPLY, channel_names, channel_row
 from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
@@ -243,6 +243,8 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, st
     D[layout.ground : layout.ground + size, n : n + size] = np.eye(size)
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
+    if SUPPLY in at:
+        C[layout.supply, at[SUPPLY]] = 1.0
     own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))
     shares = own + (0.0 if plant.level_enough else turned_rows(plant, state) - plant.layout.rows)
     for order, what in enumerate(("displacement", "velocity")):

@@ -16,7 +16,7 @@ from ehamj.compiled.kept import compiled
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
-from ehamj.control.compiled.signals import gather
+from ehamj.control.compiled.signals import gather, take
 from ehamj.control.loop import DigitalLoop, no_loop
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.equations import settled
@@ -214,7 +214,7 @@ def _advance() -> Any:
         model, data = engine.model, engine.data
         machine, h, every = machine_of(model, data, at, engine.nq, engine.nv), stretch.timestep, recording.every
         signals, row = np.zeros(sensing.layout.size), 0
-        length, velocity = np.zeros(machine.mounts.size), np.zeros(machine.mounts.size)
+        length, velocity, fed = np.zeros(machine.mounts.size), np.zeros(machine.mounts.size), np.zeros(1)
         motion, alone = (machine.qpos, machine.qvel, machine.qacc), (0.0,)
         for k in range(stretch.steps + stretch.last):
             number = stretch.first + k
@@ -235,6 +235,9 @@ def _advance() -> Any:
             if sampled or sensing.order > 0:
                 plates(machine, length, velocity)
                 gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.known[k], 1.0 / h, alone)
+                if machine.mounts.size > 0:
+                    fed[0] = feed_from(machine, 0).supply_pressure
+                    take(signals, sensing.layout.supply, fed, 0, 1.0, alone)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings, alone)
             if sampled:

@@ -105,7 +105,7 @@ class Faults:
         own = self._prepared
         while self.due(done):
             _, fault = self._due.pop(0)
-            channels = own.controller.inputs if own.controller is not None else ()
+            channels = own.controller.reads if own.controller is not None else ()
             one = strike(own.model, own.data, self._loop, channels, self._plant, fault, done * own.timestep)
             self._plant, self.found = one.plant, (*self.found, one)
 

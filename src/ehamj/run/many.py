@@ -102,7 +102,7 @@ def simulate_many(
     return found
 
 
-def observe_many(scenarios: Iterable[Scenario], reduce: Callable[[Observed], T]) -> list[T]:
+def observe_many(scenarios: Iterable[Scenario], reduce: Callable[[Observed], T], threads: int | None = None) -> list[T]:
     """What is made of the channels of each scenario's run, which nobody judges; else as `simulate_many`."""
     items = (_Item(number, scenario, None) for number, scenario in enumerate(scenarios))
 
@@ -111,7 +111,7 @@ def observe_many(scenarios: Iterable[Scenario], reduce: Callable[[Observed], T])
             judged(run, began, None)  # raises
         return reduce(run)
 
-    return _together(items, checked, processors(), _count_of(scenarios))
+    return _together(items, checked, threads or processors(), _count_of(scenarios))
 
 
 class _Item(NamedTuple):

@@ -59,7 +59,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
         "point": list(scenario.points),
         "slide_name": [slide.name for slide in plant.slides],
         "relative": [relative.name for relative in scenario.relative],
-        "sensor": law.inputs if law is not None else (),
+        "sensor": law.reads if law is not None else (),
         "law_state": range(law.states) if law is not None else (),
     }
     return make_dataset(

@@ -65,7 +65,7 @@ class Prepared:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the result must know."""
-        read = tuple(self.controller.inputs) if self.controller is not None else ()
+        read = tuple(self.controller.reads) if self.controller is not None else ()
         failing = (*unread(self.scenario.fault, read), *self.of_step)
         notes = (
             *self.motion.notes,
@@ -136,7 +136,7 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         )
     noise = None
     if controller is not None:
-        made = ReadingNoise(tuple(controller.inputs), scenario.sensors, scenario.seed, loop.laws.base * timestep)
+        made = ReadingNoise(tuple(controller.reads), scenario.sensors, scenario.seed, loop.laws.base * timestep)
         noise = None if made.silent else made
     of_step = () if timestep == usual else (shorter_step(timestep, usual),)
     driven = (motion, commands, load, courses, controller, loop, noise)

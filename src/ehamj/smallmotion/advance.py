@@ -11,7 +11,7 @@ from ehamj.compiled.kept import compiled
 from ehamj.compiled.lanes import add_products, copy_lanes, peek, poke
 from ehamj.control.compiled.laws import AT_ONCE, FAILED, convert_held, release, take_sample
 from ehamj.control.compiled.sensing import read_sensors
-from ehamj.control.compiled.signals import gather
+from ehamj.control.compiled.signals import gather, take
 from ehamj.isolator.cylinder import chamber_volumes
 from ehamj.isolator.spool import limits_reached
 from ehamj.memory import INPUTS, ORDERS
@@ -262,6 +262,7 @@ def compiled_advance() -> Any:
                 look(own, plates, scratch, motion, length, velocity, lanes)
                 known(given.floor, scratch.riding, inputs, lanes)
                 gather(signals, sensing.layout, motion, act, length, velocity, inputs, 1.0 / h, lanes)
+                take(signals, sensing.layout.supply, own.blocks, SUPPLY * w, 1.0, lanes)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings, lanes)
             if sampled:

@@ -276,4 +276,6 @@ def _filled(parts: Sequence[T], width: int) -> list[T]:
 def _unless_none(parts: Sequence[Array | None]) -> Array:
     """The lanes' arrays side by side, zeros for those that have none, or nothing where none has."""
     some = next((part for part in parts if part is not None), None)
+    if some is not None and all(part is some for part in parts):
+        return np.repeat(some, len(parts))
     return np.zeros(0) if some is None else stacked(np.zeros_like(some) if part is None else part for part in parts)

@@ -58,7 +58,8 @@ class Floor(NamedTuple):
     def of(cls, samples: Sequence[GroundSample | None], effects: Sequence[Effects], steps: int, step: float) -> Self:
         """The floors of lanes in so many steps [s] (None: at rest), and their effects on each machine."""
         mounts = effects[0].along.shape[0]
-        tables = {id(one): _points(one, steps, mounts, step) for one in samples}
+        unlike = {id(one): one for one in samples}
+        tables = {key: _points(one, steps, mounts, step) for key, one in unlike.items()}
         moving = np.any([np.any(table, axis=(0, 2)) for table in tables.values()], axis=0)
         mount, axis = np.divmod(np.flatnonzero(moving), len(AXES))
         along = [-one.along[mount, axis] for one in effects]

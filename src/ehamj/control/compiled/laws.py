@@ -22,6 +22,7 @@ from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.stage import REMEMBERS, added, ranged
 
 LAW: Final = np.dtype(
     [
@@ -71,7 +72,7 @@ class Laws(NamedTuple):
     """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
-    """A `LAW` per law."""
+    """A `LAW` per law; after them one more for the stage beside them, where there is one."""
     matrices: Any
     """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
     rows: Any
@@ -86,6 +87,10 @@ class Laws(NamedTuple):
     """Of each valve's command [V]."""
     switching: Any
     """Laws whose commands switch within a step, in the order in which they do."""
+    valves: Any
+    """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
+    pressures: Any
+    """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -100,11 +105,14 @@ class LawMemory(NamedTuple):
     """(2·valve): wanted, and what fade and range take."""
     switching: Any
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
+    stage: Any
+    """(valve·`REMEMBERS`)"""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
         """Memory of a size."""
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *(np.zeros(n * mounts) for n in (2, 3)))
+        by_mount = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *by_mount)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -122,6 +130,14 @@ def due(number, law):  # type: ignore[no-untyped-def]
 def waiting(number, law, size, lanes):  # type: ignore[no-untyped-def]
     """Where the outputs of a law that are due lie."""
     return law.ring * len(lanes) + size * (((number - law.delay) // law.every) % law.places)
+
+
+@kernel
+def queued(number, law, size, lanes):  # type: ignore[no-untyped-def]
+    """Where the outputs of a sample of a law are put: to wait, or without delay to be held."""
+    if law.delay == 0 and law.fraction == 0.0:
+        return law.held * len(lanes)
+    return law.ring * len(lanes) + size * ((number // law.every) % law.places)
 
 
 @kernel
@@ -262,8 +278,9 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
 @kernel
 def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let every law that is due compute; returns what that means for the commands."""
-    answer = NOT_DUE
-    for k in range(laws.table.size):
+    answer, staged = NOT_DUE, laws.valves.size > 0
+    count = laws.table.size - staged
+    for k in range(count):
         law = laws.table[k]
         if number % law.every == 0:
             answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
@@ -275,11 +292,17 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
     total, lost = memory.totals[:valves], memory.totals[valves:]
     for i in range(valves):
         total[i] = 0.0
-        for k in range(laws.table.size):
+        for k in range(count):
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
-    taken(total, share, laws.converter, lost)
-    for k in range(laws.table.size):
+    if staged:
+        ranged(total, share, readings, laws, lost, lanes)
+        stage = laws.table[count]
+        if number % stage.every == 0:
+            added(share, readings, laws, memory, queued(number, stage, valves, lanes), lanes)
+    else:
+        taken(total, share, laws.converter, lost)
+    for k in range(count):
         if number % laws.table[k].every == 0:
             finish_sample(number, share, laws.table[k], laws, memory, lanes)
     return answer
@@ -308,9 +331,7 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
             advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
             if law.windup >= 0:
                 add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
-    place = law.ring * width + valves * ((number // law.every) % law.places)
-    if law.delay == 0 and law.fraction == 0.0:
-        place = law.held * width
+    place = queued(number, law, valves, lanes)
     for i in range(valves):
         values[law.taken * width + i] = lost[i]
         values[place + i] = share * values[law.latest * width + i]

@@ -26,12 +26,14 @@ class Layout(NamedTuple):
     plate: int
     """Height of each plate [m]."""
     plate_velocity: int
+    supply: int
+    """Absolute pressure of the supply [Pa]."""
     size: int
 
     @classmethod
     def of(cls, mounts: int) -> "Layout":
         """The layout for so many mounts."""
-        sizes = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 2
+        sizes = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 2 + (1,)
         return cls(*(sum(sizes[:k]) for k in range(len(sizes) + 1)))
 
 

@@ -1,0 +1,85 @@
+"""What a law knows of its valves, and makes good before the converter: the table [control.linearisation].
+
+The compiled stage is `ehamj.control.compiled.opening`. What it knows is read off the valves of the machine that the law
+is held for (`designed_for`; without, the scenario's own), less or more where a share is not one.
+"""
+
+import math
+from typing import Final, Literal
+
+from pydantic import Field
+
+from ehamj.control.valves import Known, KnownValve
+from ehamj.isolator.actuator import Actuator
+from ehamj.isolator.flow_curve import POINTS, FlowCurve
+from ehamj.isolator.supply import Supply
+from ehamj.plant.plant import Plant
+from ehamj.settings import NotNegative, Positive, Settings
+
+LARGEST_FACTOR: Final = 1.5
+"""Of a pressure drop, √(Δp/Δp₀): with all of P_s over one edge it is √2."""
+
+
+class Linearisation(Settings):
+    """What of the valves is made good before the converter, so that the flow is the one that the law wants."""
+
+    pressure_drop: bool = Field(
+        True,
+        description="divide by what the measured pressures let through; reads chamber_pressure of each mount, absolute",
+    )
+    supply: Literal["measured", "stated"] = Field(
+        "measured",
+        description="supply pressure for this: measured (reads supply_pressure), or stated in [supply]",
+    )
+    flow_curve: bool = Field(True, description="invert the flow curve")
+    overlap: NotNegative = Field(1.0, description="share of the overlap, or underlap, of each edge that is made good")
+    hysteresis: NotNegative = Field(1.0, description="share of the hysteresis that is made good")
+    threshold: NotNegative = Field(1.0, description="share of the threshold that is made good")
+    null_offset: NotNegative = Field(1.0, description="share of the null offset that is made good")
+    band: Positive = Field(
+        0.1, description="wanted opening to each side of null over which the jump across the overlap is spread [mA]"
+    )
+    reversal: Positive = Field(
+        0.1, description="half of the travel of the edges over which the spool is taken through its play [mA]"
+    )
+    rolloff: Positive = Field(
+        3.5e-4, description="time constant, twice, to which the lead of what is added over the valve is rolled off [s]"
+    )
+    least_drop: float = Field(
+        0.1, gt=0, le=1, description="pressure drop, over the rated one, below which the gain rises no further [-]"
+    )
+
+    def known(self, plant: Plant) -> tuple[KnownValve, ...]:
+        """What is known of the valves of a plant, one per mount."""
+        return tuple(self._of(actuator, plant.supply) for actuator in plant.actuators)
+
+    def _of(self, actuator: Actuator, supply: Supply) -> KnownValve:
+        """What is known of one valve."""
+        one, two = actuator.piston_area / actuator.volume_1, actuator.piston_area_2 / actuator.volume_2
+        curve = FlowCurve.values_of(actuator)
+        numbers = Known(
+            valve_gain=actuator.valve_gain,
+            valve_frequency=actuator.valve_frequency,
+            valve_damping=actuator.valve_damping,
+            rolloff=self.rolloff,
+            stroke=actuator.spool_stroke,
+            reach=min(actuator.spool_stroke, actuator.valve_gain * actuator.voltage_limit),
+            supply=supply.pressure,
+            supply_measured=float(self.supply == "measured"),
+            tank=supply.tank_pressure,
+            rated=supply.rating_pressure,
+            laminar=actuator.laminar_ratio,
+            least=math.sqrt(self.least_drop) if self.pressure_drop else 1.0,
+            most=LARGEST_FACTOR if self.pressure_drop else 1.0,
+            share=one / (one + two),
+            supply_1=self.overlap * actuator.overlap[0],
+            tank_1=self.overlap * actuator.overlap[1],
+            supply_2=self.overlap * actuator.overlap[2],
+            tank_2=self.overlap * actuator.overlap[3],
+            band=self.band,
+            play=self.threshold * actuator.threshold + 0.5 * self.hysteresis * actuator.hysteresis,
+            reversal=self.reversal,
+            offset=self.null_offset * actuator.null_offset,
+            curved=float(self.flow_curve and curve.curved),
+        )
+        return KnownValve(numbers, tuple(curve[:POINTS]))

@@ -1,0 +1,103 @@
+"""What a law knows of one valve: numbers that its file holds, and what they make it read."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, NamedTuple, Self
+
+from ehamj.control.channels import SUPPLY
+from ehamj.errors import InputError
+from ehamj.isolator.flow_curve import POINTS
+from ehamj.plant.axes import CHAMBERS
+
+POSITIVE: Final = ("valve_gain", "valve_frequency", "rolloff", "stroke", "rated", "band", "reversal")
+"""What must be positive of a known valve."""
+
+
+class Known(NamedTuple):
+    """What is known of one valve; its curve follows in memory."""
+
+    valve_gain: float
+    """K_v [mA/V]."""
+    valve_frequency: float
+    """ω [rad/s]."""
+    valve_damping: float
+    """ζ."""
+    rolloff: float
+    """τ [s] of what is added."""
+    stroke: float
+    """x_max [mA]."""
+    reach: float
+    """How far commands take the spool [mA]."""
+    supply: float
+    """P_s [Pa], where it is not measured."""
+    supply_measured: float
+    """1 where it is, 0 where it is not."""
+    tank: float
+    """P_t [Pa]."""
+    rated: float
+    """Δp₀ [Pa]."""
+    laminar: float
+    """ε [-]."""
+    least: float
+    """Smallest φ that is made good [-]; 1: none is, and the law reads no pressure."""
+    most: float
+    """Largest φ [-]."""
+    share: float
+    """a [-]."""
+    supply_1: float
+    """Overlaps of the edges [mA]."""
+    tank_1: float
+    supply_2: float
+    tank_2: float
+    band: float
+    """Wanted opening to each side of null over which its jump is spread [mA]."""
+    play: float
+    """How far the spool leads the edges [mA]."""
+    reversal: float
+    """Half of the travel over which the lead changes sides [mA]."""
+    offset: float
+    """Opening with the spool centred, x_n [mA]."""
+    curved: float
+    """1 where a curve is known, 0 where it is straight."""
+
+
+class KnownValve(NamedTuple):
+    """What is known of one valve."""
+
+    numbers: Known
+    curve: tuple[float, ...]
+    """Shares of the full flow at equal shares of the stroke."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {**self.numbers._asdict(), "curve": list(self.curve)}
+
+    @classmethod
+    def from_dict(cls, table: Any) -> Self:
+        """The inverse of `to_dict`.
+
+        Raises:
+            InputError: if a key is missing or unknown, or a number is not one.
+        """
+        keys = (*Known._fields, "curve")
+        if not isinstance(table, Mapping) or set(table) != set(keys):
+            raise InputError(f"controller.valves: each must be a table of {', '.join(keys)}")
+        try:
+            numbers = Known(*(float(table[name]) for name in Known._fields))
+            curve = tuple(float(share) for share in table["curve"])
+        except (TypeError, ValueError) as error:
+            raise InputError(f"controller.valves: {error}; every entry must be a number") from error
+        whole = all(map(math.isfinite, (*numbers, *curve))) and len(curve) == POINTS
+        if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
+            raise InputError(
+                f"controller.valves: numbers must be finite, {', '.join(POSITIVE)} positive, and curve {POINTS} shares"
+            )
+        return cls(numbers, curve)
+
+
+def measured(valves: Sequence[KnownValve], mounts: Sequence[str]) -> tuple[str, ...]:
+    """Channels that are read to make good what is known of valves: their absolute chamber pressures, or none."""
+    if all(valve.numbers.least >= valve.numbers.most for valve in valves):
+        return ()
+    chambers = tuple(f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS)
+    return (*chambers, SUPPLY) if any(valve.numbers.supply_measured for valve in valves) else chambers
