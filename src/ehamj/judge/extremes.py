@@ -20,13 +20,17 @@ def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if not variable.size or name == "controller_state":
             continue
-        values = np.asarray(variable.values, float)
-        about = values if name == "valve_command" else values - values[0]
+        # One channel after the other in memory: extremes and sums along them are several times as fast.
+        about = np.array(variable.values.reshape(variable.shape[0], -1).T, float, order="C")
+        if name != "valve_command":
+            about -= about[:, :1].copy()
         labels = [[str(label) for label in variable[dimension].values] for dimension in variable.dims[1:]]
-        peak[str(name)] = _nested(np.fmax.reduce(np.abs(about), axis=0), labels)  # what is not known does not count
         with np.errstate(invalid="ignore", over="ignore"):  # where nothing is
-            mean = np.nansum(about**2, axis=0) / np.count_nonzero(~np.isnan(about), axis=0)
-        rms[str(name)] = _nested(np.sqrt(mean), labels)
+            mean = np.einsum("ij,ij->i", about, about) / about.shape[1]
+            if np.isnan(mean).any():  # what is not known does not count
+                mean = np.nansum(about**2, axis=1) / np.count_nonzero(~np.isnan(about), axis=1)
+        rms[str(name)] = _nested(np.sqrt(mean).reshape(variable.shape[1:]), labels)
+        peak[str(name)] = _nested(np.fmax.reduce(np.abs(about), axis=1).reshape(variable.shape[1:]), labels)
     return peak, rms
 
 

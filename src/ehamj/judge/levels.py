@@ -93,11 +93,13 @@ def levels_of(
         enough = len(velocity) >= LEAST_ROWS
         peak = np.abs(velocity).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
         places[place]["velocity", "peak"] = peak[None]
-    slabs = rms_in_bands(np.stack(floor_and_machine(dataset, plant), axis=1), rate, known)
+    floor, machine = floor_and_machine(dataset, plant)
+    turning = rms_in_bands(machine[:, len(AXES) :], rate, known)
+    slab, own = _of_floor(floor, rate, known), np.hstack([places["machine"]["velocity", "rms"], turning])
     seconds = Counted(len(dataset["time"]), rate).length
     commanded = "valve_command" in dataset and bool(np.any(dataset["valve_command"].values))
     actuated = {name: words if commanded else PASSIVE for name, words in actuation(plant.layout).items()}
-    return Levels(known, slabs[:, 0], slabs[:, 1], places, behind, plant.mounts, seconds, actuated)
+    return Levels(known, slab, own, places, behind, plant.mounts, seconds, actuated)
 
 
 def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:
@@ -162,6 +164,9 @@ def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...]) -> Array:
     if counted.n - counted.start < LEAST_ROWS:
         return np.full((len(known), *signal.shape[1:]), np.nan)
     return band_rms(signal, rate, known)
+
+
+_of_floor = remembered(4)(rms_in_bands)
 
 
 def by_band(levels: Array, known: tuple[Band, ...], labels: Iterable[str] = AXES) -> dict[str, ByBand]:

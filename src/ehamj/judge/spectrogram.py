@@ -9,6 +9,7 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
+from ehamj.estimate.remembered import remembered
 from ehamj.estimate.sliding import levels_over_time
 from ehamj.judge.isolation import Analysis
 from ehamj.judge.levels import BANDS, LEAST_ROWS
@@ -60,6 +61,10 @@ QUIETEST = 1e-9
 """Level below which nobody looks [m/s]."""
 
 
+_over_time = remembered(8)(levels_over_time)
+"""Of one motion: page and replay show the same ones, alone and beside others."""
+
+
 def spectrogram(runs: Mapping[str, Run]) -> Spectrogram | None:
     """Levels over time of runs by label, on the grid of the first; those with another grid are left out.
 
@@ -86,12 +91,13 @@ def spectrogram(runs: Mapping[str, Run]) -> Spectrogram | None:
     motions = floors | {label: run.dataset["cg_velocity"].values for label, run in alike.items()}
     if not chosen or not all(np.isfinite(motion).all() for motion in motions.values()):
         return None
-    time, levels = levels_over_time(np.stack(list(motions.values()), axis=1), first.rate, chosen, STEP)
-    known = np.flatnonzero(np.isfinite(levels).any(axis=(1, 2, 3)))
+    over_time = [_over_time(motion, first.rate, chosen, STEP) for motion in motions.values()]
+    time, found = over_time[0][0], [levels for _, levels in over_time]
+    known = np.flatnonzero(np.any([np.isfinite(levels).any(axis=(1, 2)) for levels in found], axis=0))
     if not known.size:
         return None
     rows, every = slice(int(known[0]), int(known[-1]) + 1), -(-time.size // COLUMNS)
-    places = {place: _largest(levels[rows, :, k], every) for k, place in enumerate(motions)}
+    places = {place: _largest(levels[rows], every) for place, levels in zip(motions, found, strict=True)}
     return Spectrogram(time[::-every][::-1], chosen[rows], places)
 
 

@@ -58,7 +58,8 @@ def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
 def points_displaced(displacement: Array, points: Sequence[ArrayLike]) -> list[Array]:
     """Displacement of points fixed to the machine, shape (n, 3) each; arguments as of `points_motion`."""
     excess, _ = _turned(displacement[:, 3:])
-    return [displacement[:, :3] + excess @ np.asarray(point, float) for point in points]
+    turned = (excess.reshape(-1, 3) @ np.asarray(points, float).reshape(-1, 3).T).reshape(len(displacement), 3, -1)
+    return [displacement[:, :3] + turned[:, :, k] for k in range(turned.shape[2])]
 
 
 def points_motion(

@@ -1,6 +1,7 @@
 """Axes as people read them: plain numbers, logarithmic ones with round ticks, frequencies, decibels."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,6 +20,14 @@ def linear_axis(axis: Axis, most: int = 4) -> None:
 
     axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
     axis.set_major_formatter(FuncFormatter(plain))
+
+
+def fixed_axis(axis: Axis, places: Sequence[float], names: Sequence[str] = ()) -> None:
+    """An axis with numbers, or names, at places; as Matplotlib's ``set_ticks``, which makes an object for each."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter
+
+    axis.set_major_locator(FixedLocator(places))
+    axis.set_major_formatter(FixedFormatter(names) if names else FuncFormatter(plain))
 
 
 def log_axis(axis: Axis, few: bool = False) -> None:

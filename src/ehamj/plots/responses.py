@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.plots import style
-from ehamj.plots.axes import decibel_axis, frequency_axis
+from ehamj.plots.axes import decibel_axis, fixed_axis, frequency_axis
 from ehamj.plots.style import Artist, Axes, Figure
 
 MANY: Final = 120
@@ -66,7 +66,8 @@ def response(title: str, curves: Sequence[Response], unit: str, confidence: floa
     _decibels(above, curves)
     above.axhline(0.0, color=style.GREY, linewidth=1.0, zorder=1)
     above.set_ylabel(f"magnitude [dB re 1 {unit}]")
-    middle.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="phase [°]")
+    middle.set(ylim=(-190, 190), ylabel="phase [°]")
+    fixed_axis(middle.yaxis, (-180, -90, 0, 90, 180))
     if below:
         entries |= _coherence(below[0], curves)
         entries[f"{100 * confidence:g} % confidence"] = style.patch_key(color=style.GREY, alpha=0.35)
@@ -89,7 +90,8 @@ def _coherence(axes: Axes, curves: Sequence[Response]) -> dict[str, Artist]:
             if not np.allclose(curve.multiple, curve.ordinary, equal_nan=True):
                 several = True
                 axes.plot(curve.frequency, curve.ordinary, color=curve.color, **ordinary)
-    axes.set(ylim=(-0.03, 1.05), yticks=(0, 0.5, 1), ylabel="coherence [-]")
+    axes.set(ylim=(-0.03, 1.05), ylabel="coherence [-]")
+    fixed_axis(axes.yaxis, (0, 0.5, 1))
     looks = {"multiple coherence": multiple, "ordinary coherence": ordinary} if several else {}
     return {name: style.line_key(color=style.GREY, **look) for name, look in looks.items()}
 

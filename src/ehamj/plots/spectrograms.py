@@ -8,7 +8,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.plots import style
-from ehamj.plots.axes import linear_axis, log_axis
+from ehamj.plots.axes import fixed_axis, linear_axis, log_axis
 from ehamj.plots.histories import Moment
 from ehamj.plots.style import Artist, Figure
 
@@ -86,7 +86,7 @@ def spectrogram(
             extent=(float(time[0]) - step, float(time[-1]), -0.5, len(bands) - 0.5),
         )
         one.set_title(style.shown(name, LONGEST), loc="left", fontsize=9.5, pad=3.0)
-        one.set_yticks(places, [bands[k] for k in places])
+        fixed_axis(one.yaxis, places, [bands[k] for k in places])
         one.set(xlabel="time [s]", ylabel="band [Hz]")
         one.grid(False)
         linear_axis(one.xaxis, 6)

@@ -11,6 +11,7 @@ import rerun as rr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from ehamj.estimate.remembered import remembered
 from ehamj.mujoco.model import build_spec
 from ehamj.plant.kinematics import points_displaced
 from ehamj.plant.levers import slab_fit
@@ -63,10 +64,16 @@ def main_frequency(results: Iterable[Result]) -> float:
             moved = result.dataset[f"{name}_displacement"].values[rows]
             rate = result.dataset[f"{name}_velocity"].values[rows]
             if len(moved):
-                squares[0] += ((moved - moved.mean(axis=0)) ** 2).mean(axis=0).sum(axis=0)
-                squares[1] += (rate**2).mean(axis=0).sum(axis=0)
+                squares += _squares(moved, rate)
     displacement, velocity = squares[:, 2] if squares[0, 2] > 1e-4 * squares[0].sum() else squares.sum(axis=1)
     return math.sqrt(velocity / displacement) / (2 * math.pi) if displacement > 0.0 else 0.0
+
+
+@remembered(16)
+def _squares(moved: Array, rate: Array) -> Array:
+    """Sums over mounts of the mean squares of a displacement about its mean and of a velocity, (2, axis)."""
+    about = moved - moved.mean(axis=0)
+    return np.array([np.einsum("tma,tma->a", part, part) for part in (about, rate)]) / len(moved)
 
 
 def log_scene(recording: rr.RecordingStream, label: str, result: Result, factor: float) -> None:
@@ -162,9 +169,14 @@ def fitted_slab(ground: Array, plant: Plant) -> Array:
 def drawn_rows(result: Result) -> slice:
     """Rows that can be drawn: all up to the first that is not finite."""
     names = ("machine_displacement", "ground_displacement", "foot_displacement", "stroke")
-    finite = [np.isfinite(result.dataset[name].values) for name in names]
-    whole = np.logical_and.reduce([flags.all(axis=tuple(range(1, flags.ndim))) for flags in finite])
-    return slice(0, whole.size if whole.all() else int(np.argmin(whole)))
+    return slice(0, min(_finite_rows(result.dataset[name].values) for name in names))
+
+
+@remembered(32)
+def _finite_rows(values: Array) -> int:
+    """Rows before the first that is not finite."""
+    finite = np.isfinite(values)
+    return len(values) if finite.all() else int(np.argmin(finite.reshape(len(values), -1).all(axis=1)))
 
 
 def pose_rows(result: Result) -> np.ndarray:
@@ -182,10 +194,16 @@ def _largest_motion(result: Result) -> float:
     ground = result.dataset.ground_displacement.values[rows]
     if not len(machine):
         return 0.0
-    length, width, height = result.scenario.machine.size
+    return _reach(machine, ground, result.scenario.machine.size)
+
+
+@remembered(16)
+def _reach(machine: Array, ground: Array, size: tuple[float, float, float]) -> float:
+    """Largest way of a moved box's corners (time, DOFS), and of the ground (time, mount, axis) [m]."""
+    length, width, height = size
     corners = list(itertools.product((-length / 2, length / 2), (-width / 2, width / 2), (0.0, height)))
-    paths = [ground, *points_displaced(machine, corners)]
-    return max(float(np.linalg.norm(path - path[0], axis=-1).max()) for path in paths)
+    ways = [path - path[0] for path in (ground, *points_displaced(machine, corners))]
+    return math.sqrt(max(float(np.einsum("...a,...a->...", way, way).max()) for way in ways))
 
 
 def log_shapes(recording: rr.RecordingStream, label: str, model: mujoco.MjModel) -> None:

@@ -11,6 +11,7 @@ import xarray as xr
 from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band
+from ehamj.estimate.remembered import remembered
 from ehamj.judge.actuation import PART, TILTING, WHOLE
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, rms_in_bands
@@ -136,15 +137,14 @@ class Reasons:
         hertz = np.geomspace(*band.edges, 2 * PER_BAND + 1)[1::2]
         answer = rigid_floor(self.model, hertz, loop, machine_channels("mounts")).response
         along = np.abs(self._row(one) @ answer) ** 2  # (f, place, DOFS)
-        floor = rms_in_bands(self.floor, self.scenario.record_rate, (band,))[0]
+        floor = _floor_levels(self.floor, self.scenario.record_rate, band)
         return np.asarray(np.sqrt(along.mean(axis=0).max(axis=0)) * np.nan_to_num(floor))
 
     def _measured(self, one: Worse) -> float:
         """The machine's level [m/s, rad/s]."""
         if one.level is not None:
             return one.level
-        band = _band(one)
-        floor = rms_in_bands(self.floor[:, DOFS.index(one.axis)], self.scenario.record_rate, (band,))[0]
+        floor = _floor_levels(self.floor, self.scenario.record_rate, _band(one))[DOFS.index(one.axis)]
         return float(floor) * 10.0 ** ((one.amplification_db or 0.0) / 20.0)
 
     def _excited(self, one: Worse, motion: str) -> str:
@@ -196,6 +196,12 @@ class Reasons:
             return "the linear machine would not: it is the valves' nonlinearity, or what moves in other bands"
         rings = f"; {excited}" if excited else ""
         return f"the linear machine would not, and in this run {', '.join(found)}{rings}"
+
+
+@remembered(16)
+def _floor_levels(floor: Array, rate: float, band: Band) -> Array:
+    """Whole-run RMS in a band of the rigid floor's velocity (time, DOFS), which variants share, (DOFS,)."""
+    return rms_in_bands(floor, rate, (band,))[0]
 
 
 def _band(one: Worse) -> Band:

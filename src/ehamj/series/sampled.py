@@ -37,7 +37,7 @@ class Sampled:
 
     @property
     def _span(self) -> int:
-        return self.values.size if is_whole(self.values.size) else BLOCK
+        return self.values.size if is_whole(self.values.size) else BLOCK // 4  # coefficients are many
 
     def _block(self, number: int) -> tuple[int, Array, Array]:
         """First sample of a block's spline, its breaks and coefficients."""
