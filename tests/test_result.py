@@ -12,6 +12,7 @@ import xarray as xr
 
 import ehamj
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.judge.brief import brief
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.result import Result, load_result, written_whole
 from ehamj.run.failures import Incomplete
@@ -424,6 +425,8 @@ def test_a_failed_run_is_marked_incomplete(failed: Incomplete) -> None:
     assert failed.result.summary["complete"] is False
     assert failed.result.dataset.attrs["complete"] == 0
     assert failed.result.summary["failure"] == str(failed)
+    assert not any("decide" in warning or "than the floor" in warning for warning in failed.result.summary["warnings"])
+    assert set(brief(failed.result.summary)) == {"run", "until then", "warnings", "more"}
 
 
 def test_a_failed_run_is_saved_and_loaded(failed: Incomplete, tmp_path: Path) -> None:

@@ -335,6 +335,10 @@ def test_a_failing_run_says_what_where_and_when(cli: Cli) -> None:
     assert found[2] in MOUNTS
     assert "chamber" in found[3]
     assert "INCOMPLETE" in said.out
+    assert "nothing is judged" in said.out
+    for words in ("vibration class", "attenuation", "about equilibrium", "would"):
+        assert words not in said.out
+    assert "`ehamj report result` writes it" in said.out
 
 
 def test_a_failing_run_keeps_what_it_has_marked_incomplete(cli: Cli) -> None:

@@ -57,7 +57,7 @@ def run(
         print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
         _print_summary(summary, loaded.plant.mounts[0], folder)
-        if not loaded.output.replay:
+        if not loaded.output.replay and summary.complete:
             say(f"replay: none (output.replay = false); `ehamj replay {folder}` builds it")
     if failures:
         raise failures[0]
@@ -123,10 +123,29 @@ def _import_writers(output: "Output") -> None:
 
 def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     """The few numbers that say how it went, and where everything is."""
-    from ehamj.judge.brief import simulated, told_attenuation
+    from ehamj.judge.brief import simulated
 
     state = "complete" if summary.complete else "INCOMPLETE"
     out.print(f"[bold]{escape(summary.name)}[/]: {simulated(summary)}, {state}", highlight=False)
+    if summary.complete:
+        _print_judgement(summary, mount)
+    else:
+        say(f"{summary.failure}")
+        say("nothing is judged; histories, report and replay show what led there")
+    for warning in summary.warnings:
+        say(f"note: {warning}")
+    say(f"result: {folder}")
+    for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
+        if (folder / name).is_file():
+            say(f"{text}: {folder / name}")
+        elif not summary.complete:
+            say(f"{text}: none; `ehamj {text} {folder}` writes it")
+
+
+def _print_judgement(summary: "Summary", mount: str) -> None:
+    """Levels, classes and attenuation of a run that is complete."""
+    from ehamj.judge.brief import told_attenuation
+
     if summary.peak:
         _print_levels(summary, mount)
     for direction, said in summary.lines().items():
@@ -137,12 +156,6 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
             if words:
                 whose = "machine" if place == "rotation" else f"machine's {place}"
                 say(f"{motion} attenuation, floor to {whose}{mixed}: {words}")
-    for warning in summary.warnings:
-        say(f"note: {warning}")
-    say(f"result: {folder}")
-    for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
-        if (folder / name).is_file():
-            say(f"{text}: {folder / name}")
 
 
 def _print_levels(summary: "Summary", mount: str) -> None:

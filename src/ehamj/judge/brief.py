@@ -24,6 +24,8 @@ def brief(summary: Summary) -> dict[str, str]:
     """Ten lines by what each is about."""
     state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
     found = {"run": f"{summary.name}: {simulated(summary)}, {state}"}
+    if not summary.complete:  # the levels of what there is are those of a machine that runs away
+        return found | {"until then": f"{_motion(summary.peak)}; {_valves(summary)}"} | _rest(summary)
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
@@ -41,9 +43,15 @@ def brief(summary: Summary) -> dict[str, str]:
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
-    found["warnings"] = f"{len(summary.warnings)}: {summary.warnings[0]}" if summary.warnings else "none"
-    found["more"] = "result.summary, result.dataset (xarray), result.save(folder) with report and replay"
-    return found
+    return found | _rest(summary)
+
+
+def _rest(summary: Summary) -> dict[str, str]:
+    """What else is to be known, and where."""
+    return {
+        "warnings": f"{len(summary.warnings)}: {summary.warnings[0]}" if summary.warnings else "none",
+        "more": "result.summary, result.dataset (xarray), result.save(folder) with report and replay",
+    }
 
 
 def simulated(summary: Summary) -> str:

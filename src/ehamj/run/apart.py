@@ -10,7 +10,7 @@ import sys
 import threading
 import traceback
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from multiprocessing import connection
 from multiprocessing.process import BaseProcess
@@ -66,7 +66,7 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
         for _ in range(count):
             ours, theirs = context.Pipe(duplex=False)
             process: BaseProcess = context.Process(target=_work, args=(jobs, taken, theirs), daemon=True)
-            with warnings.catch_warnings():
+            with _uninterrupted(), warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "This process .* is multi-threaded", DeprecationWarning)
                 process.start()
             theirs.close()
@@ -93,9 +93,20 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
         gc.unfreeze()
 
 
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """SIGINT waits until a process is forked that from its first line on is not to hear it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _work(jobs: Sequence[tuple[str, Job]], taken: Any, told: Any) -> None:
     """Do jobs that no other process has taken, until none is left or the first process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process stops this one
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     gc.set_threshold(*RARELY)
     parent = os.getppid()
     while os.getppid() == parent:

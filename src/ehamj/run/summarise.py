@@ -59,7 +59,8 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     struck = aftermath(prepared, driven.struck, dataset)
     if struck:
         asked["fault"] = struck
-    said = [*told(struck), *prepared.notes, *doubts, *undecided, *(one.in_words() for one in louder), *limits]
+    judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
+    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
