@@ -53,7 +53,7 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
         key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
     elif kind == "union_tag_not_found":
         kinds = by_kind(_walk(location, settings)[1])
-        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, kinds))}"
+        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, sorted(kinds)))}"
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
         message = "must be a table"
     elif kind == "tuple_type":
