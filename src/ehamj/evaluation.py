@@ -14,6 +14,7 @@ import xarray as xr
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
+from ehamj.control.linearisation import made_good
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, feeds_back
@@ -115,9 +116,20 @@ class Evaluation:
         return self.result.controller
 
     @Once
+    def model(self) -> LinearModel | None:
+        """The linear machine as the law has it, behind the linearisation of its valves."""
+        valves = self.law.converter.valves if self.law is not None else ()
+        plant = made_good(self.result.scenario.plant, valves)
+        if plant == self.result.scenario.plant:
+            return self.machine.model
+        with suppress(InputError):
+            return linear_model(plant)
+        return None
+
+    @Once
     def modes(self) -> Sequence[Mode] | None:
         """Modes of the closed loop; None where the law measures nothing of the machine."""
-        model = self.machine.model
+        model = self.model
         if model is None or not feeds_back(self.law):
             return None
         return modes(model, Loop.of(self.result.scenario, self.law))
@@ -125,7 +137,7 @@ class Evaluation:
     @Once
     def loop_gains(self) -> tuple[Array, Mapping[str, ComplexArray]] | None:
         """Frequencies [Hz] and the loop gain of each motion with the others closed; None as `modes`."""
-        model = self.machine.model
+        model = self.model
         if model is None or self.law is None or not feeds_back(self.law):
             return None
         hertz = grid(self.law, model, dense=3)
@@ -134,7 +146,7 @@ class Evaluation:
     @Once
     def transfer(self) -> Transfer | None:
         """Rigid floor to machine at `FREQUENCIES` as controlled; None where machine or law are not known."""
-        model, loop = self.machine.model, Loop.of(self.result.scenario, self.law)
+        model, loop = self.model, Loop.of(self.result.scenario, self.law)
         if model is None or runs_unknown_law(self.result):
             return None
         return self.machine.transfer if loop is None else rigid_floor(model, FREQUENCIES, loop)

@@ -5,11 +5,13 @@ is held for (`designed_for`; without, the scenario's own), less or more where a 
 """
 
 import math
-from typing import Final, Literal
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final, Literal
 
 from pydantic import Field
 
-from ehamj.control.valves import Known, KnownValve
+from ehamj.control.valves import EDGES, Known, KnownValve
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.flow_curve import POINTS, FlowCurve
 from ehamj.isolator.supply import Supply
@@ -83,6 +85,28 @@ class Linearisation(Settings):
             curved=float(self.flow_curve and curve.curved),
         )
         return KnownValve(numbers, tuple(curve[:POINTS]))
+
+
+def made_good(plant: Plant, valves: Sequence[KnownValve]) -> Plant:
+    """The plant as laws have it behind a stage that knows its valves, outside their overlap: each without what is made
+    good of it. What is believed wrongly, and what happens across the overlap, is in `ehamj.control.describing`."""
+    if not valves:
+        return plant
+    own = (_without(one, valve.numbers) for one, valve in zip(plant.actuators, valves, strict=True))
+    return replace(plant, actuators=tuple(own))
+
+
+def _without(actuator: Actuator, known: Known) -> Actuator:
+    """A valve without what is made good of it."""
+    gone: dict[str, Any] = {"null_offset": actuator.null_offset - known.offset}
+    if any(getattr(known, name) for name in EDGES):
+        gone["overlap"] = (0.0,) * len(EDGES)
+    if known.play:
+        gone |= {"hysteresis": 0.0, "threshold": 0.0}
+    if known.curved:
+        gone["flow_curve"] = ()
+    changed = {name: value for name, value in gone.items() if value != getattr(actuator, name)}
+    return actuator.with_values(changed) if changed else actuator
 
 
 NOTHING: Final = Linearisation(

@@ -11,6 +11,8 @@ from ehamj.plant.axes import CHAMBERS
 
 POSITIVE: Final = ("valve_gain", "valve_frequency", "rolloff", "stroke", "rated", "band", "reversal")
 """What must be positive of a known valve."""
+EDGES: Final = ("supply_1", "tank_1", "supply_2", "tank_2")
+"""Its overlaps."""
 
 
 class Known(NamedTuple):

@@ -13,7 +13,7 @@ from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
 from ehamj.design.outcome import outcome
 from ehamj.design.page import design_page
-from ehamj.design.requirements import Machines, Requirements, machines_of
+from ehamj.design.requirements import Machines, Requirements, behind, machines_of
 from ehamj.design.synthesis import beginning, synthesised
 from ehamj.design.tuning import Design, judged, tune
 from ehamj.errors import InputError
@@ -88,7 +88,7 @@ def design_controller(
     believed, held = scenario.as_designed(), given.designed_for if isinstance(given, DigitalSettings) else None
     machines = dict(machines_of(believed))
     if held is not None:  # the law is derived for a machine that differs from the one it runs on
-        machines[RUNS_ON] = linear_model(scenario.plant)
+        machines[RUNS_ON] = linear_model(behind(scenario))
     if kind in SYNTHESES:
         design = synthesised(believed, machines, beginning(kind, given), wanted, progress)
         control: ControlSettings = Law(kind="law", file=CONTROLLER_FILE)

@@ -54,6 +54,28 @@ def budget_drawings(limits: Budget) -> dict[str, Drawing]:
     }
 
 
+def valve_drawings(across: xr.Dataset) -> dict[str, Drawing]:
+    """Gain and phase of a valve and of what linearises it over amplitude."""
+    caption = (
+        "What the valve and its linearisation give of a wanted opening, over its amplitude (describing function), by "
+        "what the law believes of the overlap. Its gain is a gain of every loop: where it lies above 0 dB, that much "
+        "of the gain margin is used."
+    )
+    return {"valves": Drawing(caption, lambda: _valve_chart(across))}
+
+
+def _valve_chart(across: xr.Dataset) -> Figure:
+    panels = {}
+    for name in ("gain", "phase"):
+        one = across[name]
+        lines = [
+            Line(f"overlap {belief}", across.amplitude.values, one.sel(overlap=belief).values, k, k)
+            for k, belief in enumerate(across.overlap.values)
+        ]
+        panels[f"{one.attrs['long_name']} [{one.attrs['units']}]"] = lines
+    return lines_chart("Valve over amplitude", "amplitude of the wanted opening [mA]", panels, "x")
+
+
 def _loops_chart(table: xr.Dataset) -> Figure:
     panels = {}
     for quantity in ("gain", "sensitivity"):

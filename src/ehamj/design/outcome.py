@@ -7,8 +7,9 @@ import numpy as np
 import xarray as xr
 
 from ehamj.control import LinearController
+from ehamj.control.describing import AMPLITUDES, across
 from ehamj.design.budget import Budget
-from ehamj.design.figures import budget_drawings, loop_drawings, plotted
+from ehamj.design.figures import budget_drawings, loop_drawings, plotted, valve_drawings
 from ehamj.design.requirements import Machines
 from ehamj.design.tuning import Design
 from ehamj.findings import finite
@@ -16,6 +17,7 @@ from ehamj.judge.levels import SLAB
 from ehamj.labels import table
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.margins import grid, in_patterns
+from ehamj.linear.smooth import used_options
 from ehamj.pages.words import AXIS_NAMES, decibel
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.model import Scenario
@@ -47,6 +49,9 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         spectra = loop_table(scenario, machines, design.law)
         tables = {"margins": margin_table(design), "loops": spectra}
         drawings = loop_drawings(spectra) | plotted(scenario, machines["as designed"], design)
+    valves = valve_table(scenario, design.law)
+    if valves is not None:
+        tables, drawings = tables | {"valves": valves}, drawings | valve_drawings(valves)
     tables |= {"attenuation": attenuation_table(limits), "budget": budget_table(limits)}
     drawings |= budget_drawings(limits)
     worst = [one.worst for one in design.reports.values()] or [(np.inf, np.inf, 2.0)]
@@ -191,6 +196,26 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
         "frequency": (f, "Hz", "frequency"),
     }
     return table("loop gains", over, gain=(gain, "dB", "loop gain"), sensitivity=(sensitivity, "dB", "sensitivity"))
+
+
+def valve_table(scenario: Scenario, law: LinearController) -> xr.Dataset | None:
+    """Gain and phase of a valve and of what linearises it over the amplitude of the wanted opening, by what the law
+    believes of the overlap; of the first mount whose valve is not ideal. None where there is no such valve."""
+    for actuator, valve in zip(scenario.plant.actuators, law.converter.valves, strict=False):
+        if not actuator.passive and used_options(actuator):
+            found = across(valve, actuator)
+            values = np.array(list(found.values()))
+            with np.errstate(divide="ignore"):
+                gain, phase = 20.0 * np.log10(np.abs(values)), np.degrees(np.angle(values))
+            over = {
+                "overlap": (list(found), "", "overlap that the law believes"),
+                "amplitude": (AMPLITUDES, "mA", "amplitude of the wanted opening"),
+            }
+            nothing = ~np.isfinite(gain)
+            gain[nothing], phase[nothing] = np.nan, np.nan
+            columns = {"gain": (gain, "dB", "gain over the ideal valve's"), "phase": (phase, "deg", "phase")}
+            return table("describing function", over, **columns)
+    return None
 
 
 def attenuation_table(limits: Budget) -> xr.Dataset:

@@ -5,7 +5,10 @@ from typing import Annotated
 
 from pydantic import Field
 
+from ehamj.control.linearisation import made_good
+from ehamj.control.settings import SampledSettings
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Positive, Settings, Vector3
 
@@ -76,5 +79,12 @@ Machines = Mapping[str, LinearModel]
 
 
 def machines_of(scenario: Scenario, variations: Variations | None = None) -> Machines:
-    """The machine and its variations, each linearised about its equilibrium."""
-    return {name: linear_model(one.plant) for name, one in (variations or Variations()).scenarios(scenario).items()}
+    """The machine and its variations, each linearised about its equilibrium, its valves as the law has them."""
+    return {name: linear_model(behind(one)) for name, one in (variations or Variations()).scenarios(scenario).items()}
+
+
+def behind(scenario: Scenario) -> Plant:
+    """The plant behind the linearisation of its valves that a scenario's law is to have."""
+    control = scenario.control
+    own = control.linearisation if isinstance(control, SampledSettings) else None
+    return scenario.plant if own is None else made_good(scenario.plant, own.known(scenario.plant))

@@ -7,6 +7,7 @@ from typing import Any
 import xarray as xr
 
 from ehamj.control import LinearController, PythonController
+from ehamj.control.linearisation import made_good
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
@@ -102,7 +103,7 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[Loop
     if not feeds_back(law) and not any(used_options(one) for one in scenario.plant.actuators):
         return None, []
     try:
-        model = linear_model(scenario.plant)
+        model = linear_model(made_good(scenario.plant, law.converter.valves if law is not None else ()))
     except NotSmooth as error:
         return None, [str(error)]
     except InputError:
