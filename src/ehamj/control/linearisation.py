@@ -51,7 +51,7 @@ class Linearisation(Settings):
 
     def known(self, plant: Plant) -> tuple[KnownValve, ...]:
         """What is known of the valves of a plant, one per mount."""
-        return tuple(self._of(actuator, plant.supply) for actuator in plant.actuators)
+        return tuple((NOTHING if one.passive else self)._of(one, plant.supply) for one in plant.actuators)
 
     def _of(self, actuator: Actuator, supply: Supply) -> KnownValve:
         """What is known of one valve."""
@@ -83,3 +83,9 @@ class Linearisation(Settings):
             curved=float(self.flow_curve and curve.curved),
         )
         return KnownValve(numbers, tuple(curve[:POINTS]))
+
+
+NOTHING: Final = Linearisation(
+    pressure_drop=False, flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
+)
+"""Nothing is made good: of a mount that laws leave out."""

@@ -19,7 +19,7 @@ from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, numbers_of
+from ehamj.control.stage import Stage, numbers_of, pressure_places
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -124,8 +124,8 @@ def _made(
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
-    known = numbers_of(converter.valves, stage[0].period if stage else timestep)
-    pressures = np.array([channels.index(name) for name in converter.measures], np.int64)
+    known = numbers_of(converter.valves, stage[0].period if stage else timestep, converter.voltage_limit)
+    pressures = pressure_places(converter.valves, converter.mounts, channels)
     base = int(np.gcd.reduce(table["every"]))
     laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, base)
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))

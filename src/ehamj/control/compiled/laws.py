@@ -22,7 +22,7 @@ from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
-from ehamj.control.compiled.stage import REMEMBERS, added, ranged
+from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
     [
@@ -90,7 +90,7 @@ class Laws(NamedTuple):
     valves: Any
     """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
     pressures: Any
-    """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
+    """Channels of the pressures that it reads: none, or two of each valve (−1: not read), and last the supply's."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -296,10 +296,9 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        ranged(total, share, readings, laws, lost, lanes)
         stage = laws.table[count]
-        if number % stage.every == 0:
-            added(share, readings, laws, memory, queued(number, stage, valves, lanes), lanes)
+        place = queued(number, stage, valves, lanes) if number % stage.every == 0 else -1
+        linearised(share, readings, laws, memory, place, lanes)
     else:
         taken(total, share, laws.converter, lost)
     for k in range(count):
