@@ -72,7 +72,7 @@ class ValveSettings(Settings):
         "flow_curve": False,
         "air_fraction": 0.0,
         "shared_pump": False,
-    },  # fmt: skip
+    },
 )
 def valves(scenario: Scenario, settings: ValveSettings, progress: Progress) -> Outcome:
     """A scenario without a digital law, and a band that is not looked at, are refused."""
