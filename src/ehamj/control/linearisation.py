@@ -83,3 +83,9 @@ class Linearisation(Settings):
             curved=float(self.flow_curve and curve.curved),
         )
         return KnownValve(numbers, tuple(curve[:POINTS]))
+
+
+NOTHING: Final = Linearisation(
+    pressure_drop=False, supply="stated", flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
+)
+"""Valves of which nothing is made good."""

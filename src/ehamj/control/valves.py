@@ -95,9 +95,12 @@ class KnownValve(NamedTuple):
         return cls(numbers, curve)
 
 
-def measured(valves: Sequence[KnownValve], mounts: Sequence[str]) -> tuple[str, ...]:
-    """Channels that are read to make good what is known of valves: their absolute chamber pressures, or none."""
-    if all(valve.numbers.least >= valve.numbers.most for valve in valves):
+def measured(valves: Sequence[KnownValve], mounts: Sequence[str], learning: bool = False) -> tuple[str, ...]:
+    """Channels that are read to make good what is known of valves, or to learn of them: their absolute chamber
+    pressures, or none."""
+    made_good = any(valve.numbers.least < valve.numbers.most for valve in valves)
+    if not made_good and not learning:
         return ()
     chambers = tuple(f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS)
-    return (*chambers, SUPPLY) if any(valve.numbers.supply_measured for valve in valves) else chambers
+    fed = made_good and any(valve.numbers.supply_measured for valve in valves)
+    return (*chambers, SUPPLY) if fed else chambers

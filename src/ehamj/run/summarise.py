@@ -10,6 +10,7 @@ from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
+from ehamj.judge.learnt import learnt
 from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
@@ -78,6 +79,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
+        learnt={} if prepared.controller is None else learnt(dataset, prepared.controller.converter),
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,

@@ -18,6 +18,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numba import types
 
+from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
@@ -91,6 +92,10 @@ class Laws(NamedTuple):
     """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
     pressures: Any
     """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
+    learners: Any
+    """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
+    strokes: Any
+    """Channels of the strokes that are read to learn."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -107,12 +112,18 @@ class LawMemory(NamedTuple):
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
     stage: Any
     """(valve·`REMEMBERS`)"""
+    known: Any
+    """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
+    asked: Any
+    """(valve) wanted voltage, with what was learnt."""
+    gathered: Any
+    """(valve·`GATHERS`) to learn from."""
 
     @classmethod
-    def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
-        """Memory of a size."""
-        by_mount = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *by_mount)
+    def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
+        """Memory of a size, with what a stage beside the laws begins with."""
+        total, switching, stage, asked = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS, 1))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, asked, gathered)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -296,7 +307,7 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        ranged(total, share, readings, laws, lost, lanes)
+        ranged(total, share, readings, laws, memory, lost, lanes)
         stage = laws.table[count]
         if number % stage.every == 0:
             added(share, readings, laws, memory, queued(number, stage, valves, lanes), lanes)
