@@ -98,6 +98,8 @@ WITHOUT: dict[str, tuple[str, tuple[str, ...]]] = {
     "a mistyped option": (MAIN.format(arguments=["run", "--sett", "duration=1"]), (*SLOWER, "numpy")),
     "a mistyped scenario": (MAIN.format(arguments=["run", "vc-c-flor"]), (*SLOWER, "numpy")),
     "a mistyped key": (MAIN.format(arguments=["run", "vc-c-floor", "--set", "machine.mas=4500"]), SLOWER),
+    "one for another command": (MAIN.format(arguments=["modes", "--set", "machine.mas=4500"]), SLOWER),
+    "one for a study": (MAIN.format(arguments=["study", "gains", "--json", "vc-c-floor", "--set=sead=1"]), SLOWER),
     "load a scenario": ("from ehamj import load_scenario; load_scenario('vc-c-floor').plant", SLOWER),
 }
 """What is done, and what must not be imported for it."""

@@ -21,7 +21,7 @@ class Finding(BaseModel, Mapping[str, Any]):
     never set is no key.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, allow_inf_nan=False, populate_by_name=True)
 
     def _names(self) -> dict[str, str]:
         """Attribute of each key."""

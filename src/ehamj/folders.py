@@ -3,7 +3,6 @@
 import itertools
 import os
 import re
-import secrets
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -64,6 +63,8 @@ def _numbered() -> Path:
 @contextmanager
 def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Path]]:
     """The result's folder, and a temporary one that takes its place when everything in it is written."""
+    import secrets
+
     try:
         folder = wanted or _numbered()
         final = folder.resolve()

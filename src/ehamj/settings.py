@@ -55,6 +55,12 @@ class Settings(BaseModel):
     def _lists_are_tuples(cls, table: Any) -> Any:
         return {key: _tuples(value) for key, value in table.items()} if isinstance(table, Mapping) else table
 
+    @classmethod
+    def stated(cls, **values: Any) -> Self:
+        """Settings that the program itself states, as they are: no validator is built for them, which takes longer than
+        to import what they are of. `tests/test_settings.py` validates them."""
+        return cls.model_construct(**values)  # type: ignore[return-value]
+
 
 def _tuples(value: Any) -> Any:
     if isinstance(value, dict):
@@ -93,6 +99,10 @@ class Parameters(Settings):
 
     @model_validator(mode="after")
     def _complete_sources(self) -> Self:
+        self._complete()
+        return self
+
+    def _complete(self) -> None:
         known = self.quantities()
         for name in self.sources:
             if name not in known:
@@ -102,7 +112,12 @@ class Parameters(Settings):
             is_default = getattr(self, name) == type(self).model_fields[name].default
             complete[name] = self.sources.get(name, source if is_default else "given")
         object.__setattr__(self, "sources", complete)
-        return self
+
+    @classmethod
+    def stated(cls, **values: Any) -> Self:
+        made = super().stated(**values)
+        made._complete()
+        return made
 
     @classmethod
     def quantities(cls) -> dict[str, tuple[str, str, Source]]:

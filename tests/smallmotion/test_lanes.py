@@ -101,6 +101,13 @@ def test_a_lane_that_fails_says_so_and_the_others_go_on() -> None:
         same(observed(good).dataset, found)
 
 
+def test_of_runs_that_step_together_the_first_that_fails_is_named() -> None:
+    """The second is refused before anything steps, the first fails in its steps."""
+    turns = small(**{"actuators.isolator.chamber_volume": 1e-8, "timestep": 1e-6, "duration": 0.002})
+    with pytest.raises(SimulationFailed, match=r"^scenario 0 "):
+        observe_many([turns, small(timestep=0.01)], lambda run: run)
+
+
 def test_a_lane_that_failed_waits_for_no_fault() -> None:
     """The one turns too far long before its fault, the other goes on."""
     leak = {"kind": "chamber-leak", "mount": MOUNT, "time": 0.05, "settling": 0.01}

@@ -9,6 +9,7 @@ import typer
 from rich.console import Console
 from typer.core import TyperCommand, TyperGroup
 
+from ehamj.cli.early import check_early
 from ehamj.scenario_files import scenario_path
 
 COMMANDS: Final = {
@@ -56,6 +57,7 @@ class _Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args[0] in COMMANDS:
+            check_early(args[0], args[1:])
             import_module(f"ehamj.cli.{COMMANDS[args[0]]}")
             self.commands.update({name: one for name, one in typer.main.get_group(app).commands.items() if one})
         return super().resolve_command(ctx, args)

@@ -1,17 +1,17 @@
 """The command that simulates."""
 
-from functools import reduce
+from functools import cache, reduce
 from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
 from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, log, out
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
+from ehamj.errors import SimulationFailed
 from ehamj.folders import RESULT_FILES, check_out, new_folder
 
 if TYPE_CHECKING:
@@ -67,9 +67,10 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
     from concurrent.futures import ThreadPoolExecutor
 
+    from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
     from ehamj.compiled.told import telling
     from ehamj.ground.shared import Floors
-    from ehamj.run.failures import Incomplete
     from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
@@ -81,26 +82,38 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
             tasks[what] = bar.add_task(f"compiling {what}, once", total=of)
         bar.update(tasks[what], completed=done, visible=log.is_terminal)
 
-    floors = Floors(len(wanted))
+    floors, importing = Floors(len(wanted)), cache(lambda: pool.submit(_import_writers, scenario.output))
 
     def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
         task = bar.add_task(f"simulating {escape(variant.name)}", total=1.0)
+
+        def done(fraction: float) -> None:
+            importing()
+            bar.update(task, completed=fraction)
+
         try:
-            return simulate(variant, lambda fraction: bar.update(task, completed=fraction), floors=floors), None
-        except Incomplete as failure:
+            return simulate(variant, done, floors=floors), None
+        except SimulationFailed as failure:
+            from ehamj.run.failures import Incomplete
+
+            if not isinstance(failure, Incomplete):
+                raise
             return failure.result, failure
 
     with bar, telling(compiling), ThreadPoolExecutor() as pool:
-        pool.submit(_import_writers, scenario.output)
         outcomes = list(pool.map(one, wanted))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
 def _import_writers(output: "Output") -> None:
-    """Import what writes the result while it is simulated, which leaves the interpreter free."""
+    """Import what judges and writes the result while it is simulated: stepping leaves the interpreter free, what comes
+    before the first step does not."""
     from importlib import import_module
 
+    from ehamj.run.simulate import import_judging
+
+    import_judging()
     wanted = ["ehamj.store", "h5netcdf"]
     wanted += ["matplotlib.figure", "matplotlib.backends.backend_svg"] if output.report else []
     wanted += ["ehamj.replay"] if output.replay else []

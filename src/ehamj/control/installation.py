@@ -31,15 +31,15 @@ class Installation(Settings):
         description="plates on joints of their own, or as inertia of the stroke coordinates (faster); either way they "
         "move along their isolators' directions only: across, the cylinders guide them and carry their weight",
     )
-    machine: Machine = Machine()
+    machine: Machine = Machine.stated()
     part: tuple[Part, ...] = Field((), description="rigid parts on the machine, which add to its mass and inertia")
     slide: tuple[Slide, ...] = Field((), description="heavy parts that move on the machine, and add to its mass")
     mount: tuple[Mount, ...] = Field(DEFAULT_MOUNTS, description="3 to 32 mounts of any names; without, four")
     actuators: dict[str, Isolator] = Field(
         default_factory=lambda: {"isolator": Isolator()}, description="actuators by name"
     )
-    supply: Supply = Supply()
-    sensors: Sensors = Sensors()
+    supply: Supply = Supply.stated()
+    sensors: Sensors = Sensors.stated()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -31,7 +31,7 @@ ALIGNMENT, NOISE = 1, 2
 """Streams of random numbers of a channel."""
 
 
-def randomness(seed: int, channel: str, stream: int) -> np.random.Generator:
+def randomness(seed: int, channel: str, stream: int) -> "np.random.Generator":
     """Random numbers of a channel, whatever other channels there are."""
     return np.random.default_rng([seed, zlib.crc32(channel.encode()), stream])
 

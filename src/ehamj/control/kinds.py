@@ -44,7 +44,7 @@ class CombinedSettings(DigitalSettings):
 
     kind: Literal["combined"] = "combined"
     parts: tuple[Part, ...] = Field(
-        (FeedforwardSettings(), ModalSettings()), description="laws that add up", min_length=1
+        (FeedforwardSettings.stated(), ModalSettings.stated()), description="laws that add up", min_length=1
     )
 
     @model_validator(mode="after")

@@ -5,7 +5,7 @@ from functools import cache
 from typing import Final
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from ehamj.arrays import Array
 from ehamj.control.compiled.noise import FACTORS, compiled_noise
@@ -71,4 +71,4 @@ def _start(sensor: Instrument, random: np.random.Generator, period: float) -> tu
 def _low_pass(order: int, corner: float) -> Array:
     """A low-pass with its corner at so many times half the sampling rate, as sections of second order (section, 6):
     none where the rate does not carry it."""
-    return np.asarray(signal.butter(order, corner, output="sos")) if corner < 1.0 else np.zeros((0, 6))
+    return np.asarray(scipy.signal.butter(order, corner, output="sos")) if corner < 1.0 else np.zeros((0, 6))

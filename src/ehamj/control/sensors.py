@@ -92,7 +92,7 @@ class Sensors(Settings):
         return np.array([np.ones(f.size) if s is None else s.response(f) for s in sensors], complex).T
 
 
-IDEAL = Sensors()
+IDEAL = Sensors.stated()
 """Everything is measured exactly."""
 
 

@@ -49,7 +49,7 @@ class ControlSettings(Settings):
     @classmethod
     def standard(cls) -> Self | None:
         """The control with all its defaults; none where something must be given."""
-        return None if any(field.is_required() for field in cls.model_fields.values()) else cls.model_validate({})
+        return None if any(field.is_required() for field in cls.model_fields.values()) else cls.stated()
 
     def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
         """Open-loop command of each mount [V]; beside a digital law there is none."""

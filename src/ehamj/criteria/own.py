@@ -33,8 +33,6 @@ from ehamj.records.tables import Column, read_table
 from ehamj.records.units import Quantity, motion_unit
 
 KEY: Final = "criteria.norms"
-ENDING: Final = r"\.[A-Za-z][A-Za-z0-9]{0,4}$"
-"""How an entry ends that is a file and no norm's name."""
 JUDGED: Final = bands(1.0, 315.0)
 """Bands in which a run has levels."""
 

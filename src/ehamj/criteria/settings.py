@@ -2,14 +2,13 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
-from ehamj.criteria.own import ENDING, own_norm
 from ehamj.estimate.statistics import BandStatistic
 from ehamj.records.table_choices import TableChoices
 from ehamj.settings import FileName, Settings
@@ -18,6 +17,9 @@ if TYPE_CHECKING:
     NormName = str
 else:
     NormName = Literal[tuple(NORMS)]
+
+ENDING: Final = r"\.[A-Za-z][A-Za-z0-9]{0,4}$"
+"""How an entry ends that is a file and no norm's name."""
 
 
 def _ending(name: str) -> str:
@@ -99,6 +101,8 @@ class CriteriaSettings(Settings):
     def norm(self, name: str) -> Norm:
         """One of the norms, by its entry; see `chosen`."""
         if name not in NORMS:
+            from ehamj.criteria.own import own_norm
+
             return own_norm(name, self.statistic, self.table)
         norm = NORMS[name].practices.get(self.low_frequency, NORMS[name])
         return norm if self.statistic == "rms" else norm.by(self.statistic)

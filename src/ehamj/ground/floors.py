@@ -36,17 +36,19 @@ class Floor:
 def _broadband(
     level: float, first: float, last: float, axes: tuple[Literal["x", "y", "z"], ...] = ("z",)
 ) -> BroadbandGround:
-    return BroadbandGround(kind="broadband", level=level, first=first, last=last, axes=axes)
+    return BroadbandGround.stated(kind="broadband", level=level, first=first, last=last, axes=axes)
 
 
 def _lines(dof: Dof, velocity: float, frequencies: tuple[float, ...] = LINES) -> MultisineGround:
-    return MultisineGround(kind="multisine", dof=dof, frequencies=frequencies, velocities=(velocity,), fade_in=0.5)
+    return MultisineGround.stated(
+        kind="multisine", dof=dof, frequencies=frequencies, velocities=(velocity,), fade_in=0.5
+    )
 
 
 def _peterson(model: Literal["low", "high"]) -> ShapedGround:
-    target = PetersonTarget(kind="peterson", model=model)
+    target = PetersonTarget.stated(kind="peterson", model=model)
     # Microseisms last 5 s: fading in faster would throw the floor about more than it moves.
-    return ShapedGround(kind="shaped", target=target, first=0.1, axes=("x", "y", "z"), fade_in=5.0)
+    return ShapedGround.stated(kind="shaped", target=target, first=0.1, axes=("x", "y", "z"), fade_in=5.0)
 
 
 FLOORS: Mapping[str, Floor] = {
@@ -69,8 +71,8 @@ FLOORS: Mapping[str, Floor] = {
         (
             _broadband(80e-6, 5.0, 31.5),
             _broadband(60e-6, 0.5, 10.0, ("x", "y")),
-            ShockGround(kind="shock", velocity=2e-3, pulse_time=0.02, begin=1.0, repeat=4.0),
-            ShockGround(kind="shock", velocity=0.5e-3, pulse_time=0.008, begin=0.7, repeat=0.9),
+            ShockGround.stated(kind="shock", velocity=2e-3, pulse_time=0.02, begin=1.0, repeat=4.0),
+            ShockGround.stated(kind="shock", velocity=0.5e-3, pulse_time=0.008, begin=0.7, repeat=0.9),
         ),
     ),
     "forklift": Floor(
@@ -79,8 +81,8 @@ FLOORS: Mapping[str, Floor] = {
         (
             _broadband(20e-6, 5.0, 31.5),
             _broadband(15e-6, 0.5, 10.0, ("x", "y")),
-            BurstGround(kind="burst", level=200e-6, begin=2.0, swell_time=1.5, repeat=15.0),
-            BurstGround(kind="burst", level=100e-6, begin=2.0, swell_time=1.5, repeat=15.0, axes=("x", "y")),
+            BurstGround.stated(kind="burst", level=200e-6, begin=2.0, swell_time=1.5, repeat=15.0),
+            BurstGround.stated(kind="burst", level=100e-6, begin=2.0, swell_time=1.5, repeat=15.0, axes=("x", "y")),
         ),
     ),
     "motors": Floor(

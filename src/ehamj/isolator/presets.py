@@ -7,10 +7,10 @@ from pydantic import Field, model_validator
 
 from ehamj.isolator.actuator import Actuator
 
-FIRST_GENERATION = Actuator()
+FIRST_GENERATION = Actuator.stated()
 """The paper's first prototype (Table I)."""
 
-RECOMMENDED = Actuator(
+RECOMMENDED = Actuator.stated(
     chamber_volume=FIRST_GENERATION.chamber_volume / 2,
     piston_area=FIRST_GENERATION.piston_area * 2,
     flow_pressure=FIRST_GENERATION.flow_pressure * 2,
@@ -18,7 +18,7 @@ RECOMMENDED = Actuator(
 )
 """The paper's recommendation (section 5): half the volume, twice the area and the flow-pressure coefficient."""
 
-ELASTIC_MOUNT = Actuator(
+ELASTIC_MOUNT = Actuator.stated(
     passive=True,
     piston_area=1e-6,  # its oil carries 7 N at most, of 10 kN
     membrane_stiffness=1e6,
@@ -31,7 +31,7 @@ ELASTIC_MOUNT = Actuator(
 )
 """A passive spring mount, in place of the actuator: four carry 4 t at 5 Hz vertically, damping ratio 5 %."""
 
-PNEUMATIC_MOUNT = Actuator(
+PNEUMATIC_MOUNT = Actuator.stated(
     passive=True,
     # Spring and damping chamber of 2.1 dm³ together at 6 bar, of which n·p·A²/V is membrane_stiffness; what the
     # narrow bore between them adds above its frequency, as much again, is K_h = 4βA²/V_t, with β = n·p.
@@ -108,7 +108,7 @@ class Isolator(Actuator):
         if not isinstance(oil, str) or oil not in OILS:
             return table
         preset = ACTUATOR_PRESETS[name]
-        values = {**preset.model_dump(exclude={"sources"}), **OILS[oil]}
+        values = {name: getattr(preset, name) for name in Actuator.model_fields if name != "sources"} | OILS[oil]
         assumed = dict.fromkeys(OILS[oil], "assumed")
         known = {**preset.sources, **assumed}
         sources = {k: v for k, v in known.items() if k not in table or table[k] == values[k]}

@@ -62,6 +62,6 @@ HIGHEST: Final = 0.05
 """The thickest shim [m]."""
 
 DEFAULT_MOUNTS: tuple[Mount, ...] = tuple(
-    Mount(name=name, position=position)
+    Mount.stated(name=name, position=position)
     for name, position in zip(MOUNTS, ((0.9, 0.6), (0.9, -0.6), (-0.9, 0.6), (-0.9, -0.6)), strict=True)
 )

@@ -36,7 +36,7 @@ class Slide(Settings):
     start: float | None = Field(
         None, description="coordinate at which it stands until its profile moves it [m]; without: the profile's, or 0"
     )
-    profile: AnyProfile = Field(Rest(), description="how it moves; without: it stands")
+    profile: AnyProfile = Field(Rest.stated(), description="how it moves; without: it stands")
 
     @field_validator("name")
     @classmethod

@@ -86,5 +86,5 @@ class Choices(Settings):
             raise ValueError(f"unit = {error}") from None
 
 
-SILENT = Choices()
+SILENT = Choices.stated()
 """The user says nothing."""

@@ -62,5 +62,5 @@ class TableChoices(Settings):
         return self
 
 
-UNSAID = TableChoices()
+UNSAID = TableChoices.stated()
 """The user says nothing."""

@@ -76,8 +76,7 @@ def simulate_many(
     Raises:
         InputError: if there are not as many controllers as scenarios, ``threads`` is less than one, or there is no such
             engine.
-        As `simulate` or ``reduce``, for the first scenario that fails (of those that step together, one that does),
-        which the message names; no further one begins.
+        As `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further one begins.
     """
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads}: must be at least 1")
@@ -169,35 +168,50 @@ def _together(
             yield batch
 
     def one(_: int, batch: list[_Item]) -> list[T]:
-        found = {}
-        for item, prepared, driven, spent in _driven(batch):
+        found: dict[int, T] = {}
+        failures: dict[int, Exception] = {}
+        for item, prepared, driven, spent in _driven(batch, failures):
             began = clock.perf_counter() - spent
-            with item.named():
-                found[item.number] = work(item, seen(prepared, driven), began)
+            try:
+                with item.named():
+                    found[item.number] = work(item, seen(prepared, driven), began)
+            except Exception as error:
+                failures[item.number] = error
+        if failures:
+            raise failures[min(failures)]
         return [found[item.number] for item in batch]
 
     with hydraulics():
         return [each for batch in worked_through(batches(), one, threads, meanwhile) for each in batch]
 
 
-def _driven(batch: Sequence[_Item]) -> Iterator[tuple[_Item, Prepared, Driven, float]]:
+def _driven(batch: Sequence[_Item], failures: dict[int, Exception]) -> Iterator[tuple[_Item, Prepared, Driven, float]]:
     """Runs as their engines leave them, those of one structure on the small-motion engine side by side; and how long
-    each took, of what it took together its share [s]."""
+    each took, of what it took together its share [s].
+
+    The first that cannot be prepared goes to ``failures`` by its number: those before it may fail too, and run.
+    """
     blocks: dict[Hashable, list[tuple[_Item, Prepared, Simulation, float]]] = {}
     floors = Floors(1)  # those of one floor build it once, and a block samples it once
     for item in batch:
         began = clock.perf_counter()
-        with item.named():
-            law = None if item.law is None else as_controller(item.law)
-            prepared = prepare(item.scenario, law, None if item.scenario.engine == "mujoco" else floors)
-            # A Python function may remember: it is reset before each run, and then runs.
-            if item.scenario.engine == "mujoco" or prepared.loop.functions:
-                driven = driven_alone(prepared)
-                yield item, prepared, driven, clock.perf_counter() - began
-                continue
-            own = small(prepared)
+        try:
+            with item.named():
+                law = None if item.law is None else as_controller(item.law)
+                prepared = prepare(item.scenario, law, None if item.scenario.engine == "mujoco" else floors)
+                # A Python function may remember: it is reset before each run, and then runs.
+                alone = item.scenario.engine == "mujoco" or bool(prepared.loop.functions)
+                own = None if alone else small(prepared)
+                driven = driven_alone(prepared) if alone else None
+        except Exception as error:
+            failures[item.number] = error
+            break
         spent = clock.perf_counter() - began
-        blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
+        if own is None:
+            assert driven is not None
+            yield item, prepared, driven, spent
+        else:
+            blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
     for block in blocks.values():
         taken, runs, simulations, before = zip(*block, strict=True)
         began, ended = clock.perf_counter(), drive_block(runs, simulations)

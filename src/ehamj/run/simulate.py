@@ -1,29 +1,40 @@
 """Run one scenario: prepare → drive → observe → summarise."""
 
+import threading
 import time as clock
-from typing import Any, NamedTuple
-
-import xarray as xr
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
 from ehamj.ground.shared import Floors
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.model import drawn_xml
-from ehamj.result import CONTROLLER_FILE, Result
 from ehamj.run.drive import Driven, Progress, drive
-from ehamj.run.failures import Incomplete, failure
-from ehamj.run.observe import observe
 from ehamj.run.prepare import Prepared, prepare
 from ehamj.run.side_by_side import drive_block, small
-from ehamj.run.summarise import summarise
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ehamj.result import Result
+
+_importing = threading.Lock()
+
+
+def import_judging() -> None:
+    """Import what reads a run, for which no step waits; one thread at a time, since two would find each other's modules
+    half made."""
+    with _importing:
+        for name in ("failures", "observe", "summarise"):
+            import_module(f"ehamj.run.{name}")
 
 
 def simulate(
     scenario: Given, progress: Progress | None = None, controller: Any = None, *, floors: Floors | None = None
-) -> Result:
+) -> "Result":
     """Run a scenario.
 
     Args:
@@ -49,7 +60,7 @@ class Observed(NamedTuple):
 
     prepared: Prepared
     driven: Driven
-    dataset: xr.Dataset
+    dataset: "xr.Dataset"
     failed: str | None
     """What went wrong, in words; None where nothing did."""
 
@@ -82,15 +93,24 @@ def driven_alone(prepared: Prepared, progress: Progress | None = None) -> Driven
 
 
 def seen(prepared: Prepared, driven: Driven) -> Observed:
-    """A run from what the stepping loop left of it."""
+    """A run from what the stepping loop left of it; what reads it is imported here."""
+    import_judging()
+    from ehamj.run.failures import failure
+    from ehamj.run.observe import observe
+
     dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
     return Observed(prepared, driven, dataset, failed)
 
 
-def judged(run: Observed, began: float, controller: Any) -> Result:
+def judged(run: Observed, began: float, controller: Any) -> "Result":
     """The result of a run that began at a time of the clock [s]; raises `Incomplete` of one that failed."""
+    import_judging()
+    from ehamj.result import CONTROLLER_FILE, Result
+    from ehamj.run.failures import Incomplete
+    from ehamj.run.summarise import summarise
+
     prepared, scenario, law = run.prepared, run.scenario, run.prepared.law
     summary = summarise(prepared, run.driven, run.dataset, clock.perf_counter() - began, run.failed)
     if law is not None and (controller is not None or isinstance(scenario.control, Law)):

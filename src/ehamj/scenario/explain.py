@@ -2,13 +2,13 @@
 
 import difflib
 import re
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from ehamj.errors import InputError
+from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
@@ -48,12 +48,12 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     message = found["msg"].removeprefix("Value error, ").replace(" after validation", "")
     message = re.sub(r"^(Input|String|Tuple|Dictionary) should (be|have)\b", r"must \2", message)
     if kind == "extra_forbidden":
-        message = f"unknown key; {_allowed_beside(location, settings)}"
+        message = _no_such_key(str(location[-1]), tuple(keys_of(only(_walk(location[:-1], settings)[1]))))
     elif kind == "union_tag_invalid":
         key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
     elif kind == "union_tag_not_found":
-        kinds = _walk(location, settings)[1].get("discriminator", {}).get("mapping", {})
-        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, kinds))}"
+        kinds = by_kind(_walk(location, settings)[1])
+        return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, sorted(kinds)))}"
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
         message = "must be a table"
     elif kind == "tuple_type":
@@ -68,41 +68,27 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
 
 
-def _allowed_beside(location: tuple[int | str, ...], settings: type[Settings]) -> str:
+def _no_such_key(key: str, allowed: Sequence[str]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    keys = list(_walk(location[:-1], settings)[1].get("properties", {}))
-    near = difflib.get_close_matches(str(location[-1]), keys, n=1)
+    near = difflib.get_close_matches(key, allowed, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    return f"{hint}allowed: {', '.join(keys)}"
+    return f"unknown key; {hint}allowed: {', '.join(allowed)}"
 
 
 def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:
     return ".".join(_walk(location, settings)[0])
 
 
-@cache
-def _schema(settings: type[Settings]) -> dict[str, Any]:
-    return settings.model_json_schema()
-
-
-def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], dict[str, Any]]:
-    """Where a location leads: the keys as the user wrote them (without the tags of unions), and the schema there."""
-    schema = _schema(settings)
+def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], Any]:
+    """Where a location leads: the keys as the user wrote them (without the tags of unions), and the type there."""
     keys: list[str] = []
-    node: Any = schema
+    kind: Any = settings
     for part in location:
-        if "discriminator" in node:
-            node = {"$ref": node["discriminator"]["mapping"][part]}
-        elif "anyOf" in node:
-            node = {}
+        if by_kind(kind):
+            kind = by_kind(kind)[str(part)]
+        elif len(choices(kind)) > 1 and only(kind) is None:
+            kind = None
         else:
             keys.append(str(part))
-            further = node.get("items" if isinstance(part, int) else "additionalProperties", {})
-            node = node.get("properties", {}).get(part, further) or {}
-        # What may be left out, or be a name instead, has one real choice.
-        choices = [choice for choice in node.get("anyOf", []) if choice.get("type") != "null"]
-        named = [choice for choice in choices if "$ref" in choice or len(choices) == 1]
-        node = named[0] if len(named) == 1 else node
-        while "$ref" in node:
-            node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
-    return keys, node
+            kind = inside(only(kind), part)
+    return keys, kind

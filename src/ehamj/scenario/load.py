@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import ValidationError
 
@@ -15,6 +15,7 @@ from ehamj.errors import InputError
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import override, written
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.places import keys_of
 from ehamj.scenario.variation import changed, derived_anew, unlike, warn_derived
 from ehamj.scenario_files import scenario_path, scenario_table, shipped_scenarios
 from ehamj.settings import FILE, SCENARIO, Settings
@@ -24,6 +25,7 @@ __all__ = [
     "anchored",
     "as_scenario",
     "changed",
+    "check_scenario",
     "load_scenario",
     "override",
     "parse_scenario",
@@ -55,14 +57,24 @@ def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
     """
+    found, before = _read(source, overrides)
+    _check_law(found, before)
+    return found
+
+
+def check_scenario(source: str | Path, overrides: Iterable[str] = ()) -> None:
+    """Refuse what `load_scenario` would, and derive nothing."""
+    _read(source, overrides)
+
+
+def _read(source: str | Path, overrides: Iterable[str]) -> tuple[Scenario, dict[str, Any]]:
+    """The scenario, and the table that its file holds."""
     path = scenario_path(source)
     table = anchored(scenario_table(path), Scenario, path.resolve().parent)
     before = deepcopy(table)
     for text in overrides:
         override(table, text)
-    found = parse_scenario(anchored(table, Scenario, Path.cwd()))
-    _check_law(found, before)
-    return found
+    return parse_scenario(anchored(table, Scenario, Path.cwd())), before
 
 
 Given = Scenario | str | Path | Mapping[str, Any]
@@ -126,7 +138,7 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     elif origin is dict and isinstance(value, dict):
         return {key: anchored(entry, parts[1], folder) for key, entry in value.items()}
     elif isinstance(kind, type) and issubclass(kind, Settings) and isinstance(value, dict):
-        types = get_type_hints(kind, include_extras=True)
+        types = keys_of(kind)
         if "kind" not in types or value.get("kind") in get_args(types["kind"]):
             return {key: anchored(entry, types.get(key), folder) for key, entry in value.items()}
     return value

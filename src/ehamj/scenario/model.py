@@ -72,18 +72,18 @@ class Course(Settings):
 class Scenario(Installation, Course):
     """One simulation, completely described. All values in SI."""
 
-    ground: Ground = RestGround()
-    control: Control = Passive()
+    ground: Ground = RestGround.stated()
+    control: Control = Passive.stated()
     points: dict[str, Vector3] = Field(
         {},
         description="points of the machine that are reported, by name: from the mount plane's centre [m]; where the "
         "table is left out, the drawing's spindle nose (assumed)",
     )
     relative: tuple[Relative, ...] = Field((), description="motions of one place relative to another")
-    criteria: CriteriaSettings = CriteriaSettings()
+    criteria: CriteriaSettings = CriteriaSettings.stated()
     force: tuple[Force, ...] = Field((), description="forces on the machine itself, which add up")
     fault: tuple[Fault, ...] = Field((), description="what fails in the course of the run; the law knows nothing of it")
-    output: Output = Output()
+    output: Output = Output.stated()
 
     @model_validator(mode="after")
     def _observed(self) -> Self:

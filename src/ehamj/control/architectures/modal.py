@@ -63,29 +63,29 @@ class ModalSettings(DigitalSettings):
     """
 
     kind: Literal["modal"] = "modal"
-    heave: MotionLoop = MotionLoop(
+    heave: MotionLoop = MotionLoop.stated(
         crossing=89.0, integral=14.4, lead=85.0, notch=204.0, notch_depth=0.324, notch_width=2.43, rolloff=16500.0
     )
-    roll: MotionLoop = MotionLoop(
+    roll: MotionLoop = MotionLoop.stated(
         crossing=34.5, integral=11.2, lead=103.0, notch=181.0, notch_depth=0.92, notch_width=1.0, rolloff=6880.0
     )
-    pitch: MotionLoop = MotionLoop(
+    pitch: MotionLoop = MotionLoop.stated(
         crossing=35.0, integral=16.4, lead=114.0, notch=646.0, notch_depth=0.93, notch_width=0.96, rolloff=17500.0
     )
-    surge: MotionLoop = MotionLoop(
+    surge: MotionLoop = MotionLoop.stated(
         crossing=41.0, integral=39.0, lead=92.0, notch=225.0, notch_depth=0.55, notch_width=0.476, rolloff=18700.0
     )
-    sway: MotionLoop = MotionLoop(
+    sway: MotionLoop = MotionLoop.stated(
         crossing=40.5, integral=39.0, lead=90.0, notch=227.0, notch_depth=0.545, notch_width=0.5, rolloff=19000.0
     )
-    yaw: MotionLoop = MotionLoop(
+    yaw: MotionLoop = MotionLoop.stated(
         crossing=48.0, integral=39.5, lead=130.0, notch=227.0, notch_depth=0.727, notch_width=0.259, rolloff=17300.0
     )
-    blend: Blend = Blend()
+    blend: Blend = Blend.stated()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
-    warp: WarpBalance = WarpBalance()
-    sway_x: SwayDamping = SwayDamping(gain=3.12e-4, centre=62.6, width=0.473)
-    sway_y: SwayDamping = SwayDamping(gain=4.02e-4, centre=65.9, width=0.32)
+    warp: WarpBalance = WarpBalance.stated()
+    sway_x: SwayDamping = SwayDamping.stated(gain=3.12e-4, centre=62.6, width=0.473)
+    sway_y: SwayDamping = SwayDamping.stated(gain=4.02e-4, centre=65.9, width=0.32)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         layout, sampled = plant.obeying.central, {}

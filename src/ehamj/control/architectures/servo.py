@@ -49,13 +49,13 @@ class StrokeServoSettings(DigitalSettings):
     """Stroke servo at each mount."""
 
     kind: Literal["stroke-servo"] = "stroke-servo"
-    loop: MotionLoop = MotionLoop(crossing=40.0, integral=2.0, notch_depth=1.0)
+    loop: MotionLoop = MotionLoop.stated(crossing=40.0, integral=2.0, notch_depth=1.0)
     reference: Literal["rest", "ground"] = Field(
         "rest", description="rest: the plate stays in its cylinder; ground: it moves against the measured ground"
     )
-    blend: Blend = Blend()
-    pressure: PressureFeedback = PressureFeedback()
-    balance: WarpBalance = WarpBalance()
+    blend: Blend = Blend.stated()
+    pressure: PressureFeedback = PressureFeedback.stated()
+    balance: WarpBalance = WarpBalance.stated()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         at, own = MountChannels.of(plant), plant.obeying.actuators

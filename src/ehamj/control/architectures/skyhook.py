@@ -28,12 +28,12 @@ class SkyhookSettings(DigitalSettings):
     """Inertial feedback at each mount."""
 
     kind: Literal["skyhook"] = "skyhook"
-    loop: MotionLoop = MotionLoop(
+    loop: MotionLoop = MotionLoop.stated(
         crossing=46.0, integral=14.4, lead=184.0, notch=543.0, notch_depth=0.95, notch_width=0.36, rolloff=5580.0
     )
-    blend: Blend = Blend()
+    blend: Blend = Blend.stated()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
-    balance: WarpBalance = WarpBalance()
+    balance: WarpBalance = WarpBalance.stated()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         at, mounts = MountChannels.of(plant), len(plant.obeying.mounts)

@@ -1,0 +1,44 @@
+"""What a command line says of its scenario, understood before the command is imported, which takes seconds: whoever
+mistyped a key learns it at once."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
+
+from ehamj.errors import InputError
+from ehamj.scenario_files import scenario_path
+
+TAKING: Final = ("run", "design", "modes", "statics", "transmissibility", "study")
+"""Commands that take a scenario, by default *recorded*, and ``--set``."""
+
+NO_SCENARIO: Final = ("--set", "--out")
+"""Options whose word may look like a scenario's name or folder, and is none."""
+
+
+def check_early(command: str, words: Sequence[str]) -> None:
+    """Refuse the scenario that some words after a command name, or what they set in it.
+
+    What is not certain without the command's own options is left to the command, which reads the scenario anyway.
+
+    Raises:
+        InputError: as `ehamj.scenario.load.load_scenario`.
+    """
+    if command not in TAKING or "--help" in words:
+        return
+    pairs = list(pairwise(("", *words)))
+    free = [word for before, word in pairs if not word.startswith("-") and before not in NO_SCENARIO]
+    named = [word for word in free if _is_scenario(word)]
+    if len(named) > 1 or (not named and len(free) > (command == "study")):
+        return
+    from ehamj.scenario.load import check_scenario
+
+    overrides = [word for before, word in pairs if before == "--set"]
+    overrides += [word.removeprefix("--set=") for word in words if word.startswith("--set=")]
+    check_scenario(named[0] if named else "recorded", overrides)
+
+
+def _is_scenario(word: str) -> bool:
+    try:
+        return scenario_path(word).is_file()
+    except (InputError, OSError, ValueError):
+        return False

@@ -1,0 +1,51 @@
+"""What the program states itself without a validator is what a validator would have made of it."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from ehamj.control.kinds import STANDARD
+from ehamj.control.sensors import IDEAL
+from ehamj.ground.floors import FLOORS
+from ehamj.isolator.presets import ACTUATOR_PRESETS
+from ehamj.plant.mounts import DEFAULT_MOUNTS
+from ehamj.records.choices import SILENT
+from ehamj.records.table_choices import UNSAID
+from ehamj.scenario.model import Scenario
+from ehamj.settings import Settings
+
+
+def classes(of: type[Settings] = Settings) -> Iterator[type[Settings]]:
+    for one in of.__subclasses__():
+        if one.__module__.startswith("ehamj."):
+            yield one
+        yield from classes(one)
+
+
+def settings_in(value: Any) -> Iterator[Settings]:
+    if isinstance(value, Settings):
+        yield value
+        value = tuple(getattr(value, name) for name in type(value).model_fields)
+    for entry in value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ():
+        yield from settings_in(entry)
+
+
+STATED = {
+    "controls": tuple(STANDARD.values()),
+    "floors": tuple(part for floor in FLOORS.values() for part in floor.parts),
+    "presets": tuple(ACTUATOR_PRESETS.values()),
+    "others": (*DEFAULT_MOUNTS, IDEAL, SILENT, UNSAID),
+    "defaults": tuple(field.default for one in (Scenario, *classes()) for field in one.model_fields.values()),
+}
+
+
+@pytest.mark.parametrize("which", STATED)
+def test_what_is_stated_is_valid(which: str) -> None:
+    found = list(settings_in(STATED[which]))
+    assert len(found) > 3
+    for one in found:
+        own = {name: getattr(one, name) for name in one.model_fields_set}
+        again = type(one).model_validate({type(one).model_fields[name].alias or name: own[name] for name in own})
+        assert again == one, type(one).__name__
+        assert again.model_fields_set == one.model_fields_set
