@@ -10,7 +10,6 @@ from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
-from ehamj.judge.learnt import learnt
 from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
@@ -23,6 +22,7 @@ from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
+from ehamj.run.learnt import learnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
