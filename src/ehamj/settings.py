@@ -43,6 +43,9 @@ FileName = Annotated[str, FILE]
 SCENARIO = "scenario"
 """Marks a field that may hold the name of another scenario: a shipped one's, or a file's as `FileName`."""
 
+OVERRIDES = "overrides"
+"""Marks a table that holds what of its scenario is otherwise."""
+
 
 class Settings(BaseModel):
     """Base of everything a user writes: frozen, no unknown keys, no conversion of types (a string or ``true`` is not a

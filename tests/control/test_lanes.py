@@ -1,17 +1,14 @@
 """Loops of a block of machines, in lanes, against each loop alone: bit for bit the same."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
+from oracles.stepped import STEP, run, together
 
-from ehamj.arrays import Array
 from ehamj.control import Controller, ControllerBank, PythonController
-from ehamj.control.compiled.laws import AT_ONCE, convert_held, release, take_sample
-from ehamj.control.compiled.sensing import read_sensors
 from ehamj.control.learning import Learning
 from ehamj.control.linearisation import Linearisation
 from ehamj.control.loop import DigitalLoop, make_loop, stacked, structure
@@ -19,7 +16,6 @@ from ehamj.control.sensors import Sensors
 from ehamj.scenario.load import parse_scenario
 
 PLANT = parse_scenario({}).plant
-STEP = 1e-4
 WIDTH = 8
 INPUTS = (*(f"ground_velocity {mount} z" for mount in PLANT.mounts), f"stroke {PLANT.mounts[1]}")
 SENSORS = Sensors.model_validate({"ground": {"kind": "geophone"}, "stroke": {}})
@@ -55,36 +51,6 @@ def learning(seed: int) -> ControllerBank:
 
 def loop(seed: int, make: Callable[[int], Any] = bank) -> DigitalLoop:
     return make_loop(make(seed), PLANT, STEP, SENSORS, seed)
-
-
-@numba.njit(error_model="numpy")
-def steps(laws, memory, sensing, readings, signals, noise, found, lanes):  # type: ignore[no-untyped-def]
-    """What the stepping loop does with a controller."""
-    control = np.zeros(found.shape[1] // 4)
-    for k in range(found.shape[0]):
-        release(k, laws, memory, control, lanes)
-        read_sensors(k, k // laws.base if k % laws.base == 0 else -1, sensing, noise, signals[k], readings, lanes)
-        if take_sample(k, k * STEP, laws, readings.readings, memory, lanes) == AT_ONCE:
-            convert_held(k, laws, memory, control, lanes)
-        for i in range(control.size):
-            found[k, i] = control[i]
-        for i in range(memory.switching.size):
-            found[k, control.size + i] = memory.switching[i]
-
-
-def run(loop: DigitalLoop, signals: Array, noise: Array, width: int = 1) -> Array:
-    """Commands in each step, and what switches within it add at its start, middle and end, (step, 4·valve·lane).
-
-    From signals (step, signal·lane) and noise (sample, channel·lane).
-    """
-    found = np.empty((signals.shape[0], 4 * 4 * width))
-    steps(loop.laws, loop.law_memory, loop.sensing, loop.readings, signals, noise, found, (0.0,) * width)
-    return found
-
-
-def together(parts: Sequence[Array]) -> Array:
-    """Tables (row, entry) of each lane as one of all (row, entry·lane)."""
-    return np.ascontiguousarray(np.stack(parts, axis=2).reshape(parts[0].shape[0], -1))
 
 
 @pytest.mark.parametrize("make", [bank, learning])

@@ -3,14 +3,14 @@
 import math
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 import pytest
 import scipy.linalg
 
 from ehamj.arrays import Array
+from ehamj.compiled.kept import compiled
 from ehamj.control.compiled.learning import USED
-from ehamj.control.compiled.stage import added, ranged
+from ehamj.control.compiled.stage import linearised
 from ehamj.control.law import Controller
 from ehamj.control.learners import STATED, Learner, Learnt
 from ehamj.control.learning import Learning
@@ -73,7 +73,7 @@ class Truth(NamedTuple):
         )  # fmt: skip
 
 
-@numba.njit(error_model="numpy")
+@compiled
 def live(totals, shares, noise, truth, laws, memory, readings, found, learnt, lanes):  # type: ignore[no-untyped-def]
     """Isolators whose valves are told what a law wants and its stage adds: readings and what the stage adds at each
     sample, and what it uses after it."""
@@ -87,8 +87,7 @@ def live(totals, shares, noise, truth, laws, memory, readings, found, learnt, la
             readings[k, laws.pressures[2 * i]] = 3.5e6 + 0.5 * pressure
             readings[k, laws.pressures[2 * i + 1]] = 3.5e6 - 0.5 * pressure
             memory.totals[i] = totals[k, i]
-        ranged(memory.totals[:4], shares[k], readings[k], laws, memory, memory.totals[4:], lanes)
-        added(shares[k], readings[k], laws, memory, place, lanes)
+        linearised(shares[k], readings[k], laws, memory, place, lanes)
         for i in range(4):
             found[k, i] = memory.values[place + i]
             target = truth.gain * on_its_way[k % 2, i]
@@ -236,12 +235,12 @@ class InNumpy:
         edge = wanted + lap * 0.5 * t * (3.0 - t**2)
         self.lean = np.clip(self.lean + (edge - self.edge) / valve.reversal, -1.0, 1.0)
         self.edge = edge
-        more = edge + lead * self.lean - share * null - wanted
+        more = share * (edge + lead * self.lean - null - wanted)
         w = valve.valve_frequency
         rate = (more - self.lag[0] - 2.0 * tau * self.lag[1]) / tau**2
         led = self.lag[0] + 2.0 * valve.valve_damping / w * self.lag[1] + rate / w**2
         self._learn(total + (applied - asked) * gain, asked != applied, strokes, force, lap)
-        self.spool = self.spool_step @ np.array([*self.spool, valve.valve_gain * (asked + (applied - asked) * gain)])
+        self.spool = self.spool_step @ np.array([*self.spool, valve.valve_gain * applied])
         self.lag = self.lag_step @ np.array([*self.lag, more])
         return np.asarray(led / valve.valve_gain + share * (asked - total))
 

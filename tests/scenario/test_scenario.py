@@ -73,7 +73,7 @@ def test_a_scenario_of_nothing_is_the_default_machine() -> None:
     plant = parse_scenario({}).plant
     assert plant.total_mass == 4056.0
     for actuator in plant.actuators:
-        assert actuator.model_dump(exclude={"preset", "oil"}) == FIRST_GENERATION.model_dump()
+        assert actuator.model_dump(exclude={"preset", "oil", "valve"}) == FIRST_GENERATION.model_dump()
 
 
 # --- presets and mounts -------------------------------------------------------------------------------------------
@@ -88,6 +88,21 @@ def test_preset_fills_what_is_not_given() -> None:
             getattr(RECOMMENDED, name),
             RECOMMENDED.sources[name],
         )
+
+
+def test_a_valve_changes_nothing_but_the_valve_and_says_that_it_is_assumed() -> None:
+    """Whatever cylinder and oil it is fitted to; a value that is given stays, and another valve takes all away."""
+    real = {"preset": "recommended", "oil": "mineral", "valve": "proportional", "threshold": 0.01}
+    scenario = parse_scenario({"actuators": {"isolator": real}})
+    one = scenario.actuators["isolator"]
+    own = {"overlap": (0.4,) * 4, "hysteresis": 0.1}
+    assert {name: getattr(one, name) for name in own} == own
+    assert (one.threshold, one.sources["threshold"], one.sources["overlap"]) == (0.01, "given", "assumed")
+    assert [one.flow_curve[k] for k in (0, 1, 10)] == [(0.0, 0.0), (0.1, 0.064), (1.0, 1.0)]
+    ideal = changed(scenario, {"actuators.isolator.valve": "paper"}).actuators["isolator"]
+    assert ideal == parse_scenario({"actuators": {"isolator": {**real, "valve": "paper"}}}).actuators["isolator"]
+    other = {name for name in type(one).model_fields if getattr(one, name) != getattr(ideal, name)}
+    assert other == {"overlap", "hysteresis", "flow_curve", "valve"}
 
 
 def test_a_value_of_the_other_preset_is_given() -> None:

@@ -102,7 +102,5 @@ STANDARD: Final[dict[str, ControlSettings]] = {
 
 if TYPE_CHECKING:
     Control = ControlSettings
-    VariantName = str
 else:
     Control = one_of(CONTROLS.values())
-    VariantName = Literal[tuple(STANDARD)]

@@ -51,7 +51,7 @@ class Linearisation(Settings):
 
     def known(self, plant: Plant) -> tuple[KnownValve, ...]:
         """What is known of the valves of a plant, one per mount."""
-        return tuple(self._of(actuator, plant.supply) for actuator in plant.actuators)
+        return tuple((NOTHING if one.passive else self)._of(one, plant.supply) for one in plant.actuators)
 
     def _of(self, actuator: Actuator, supply: Supply) -> KnownValve:
         """What is known of one valve."""
@@ -86,6 +86,6 @@ class Linearisation(Settings):
 
 
 NOTHING: Final = Linearisation(
-    pressure_drop=False, supply="stated", flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
+    pressure_drop=False, flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
 )
-"""Valves of which nothing is made good."""
+"""Nothing is made good: of a mount that laws leave out, and of valves of which a law only learns."""

@@ -22,7 +22,7 @@ from ehamj.control.inverse import instrument_poles, lag
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, begun, numbers_of, paces_of, stated
+from ehamj.control.stage import Stage, begun, numbers_of, paces_of, pressure_places, stated
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -136,8 +136,8 @@ def _made(
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
-    known = numbers_of(converter.valves, stage[0].period if stage else timestep)
-    pressures = np.array([channels.index(name) for name in converter.measures], np.int64)
+    known = numbers_of(converter.valves, stage[0].period if stage else timestep, converter.voltage_limit)
+    pressures = pressure_places(converter.valves, converter.mounts, channels, bool(converter.learners))
     base = int(np.gcd.reduce(table["every"]))
     learners, of_strokes = np.zeros(0), np.zeros(0, np.int64)
     if stage and converter.learners:

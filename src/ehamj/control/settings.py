@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
@@ -30,6 +30,14 @@ ISOLATE_FROM = (
     "frequency at which isolation begins on floors too strong for the voltage; below it the machine follows the floor "
     "[Hz]; 0: everywhere"
 )
+
+
+def _switched(given: Any) -> Any:
+    """A switch in place of a table: on with all its defaults, or off."""
+    return ({} if given else None) if isinstance(given, bool) else given
+
+
+Stage = Annotated[Linearisation | None, BeforeValidator(_switched, json_schema_input_type=Linearisation | bool | None)]
 
 
 class SwingsUpError(InputError):
@@ -76,8 +84,8 @@ class SampledSettings(ControlSettings):
         0.15, description="time over which motion that the valves could not follow is made good [s]"
     )
 
-    linearisation: Linearisation | None = Field(
-        None, description="what of the valves is made good before the converter; without: nothing"
+    linearisation: Stage = Field(
+        None, description="what of the valves is made good before the converter; without, or false: nothing"
     )
     learning: Learning | None = Field(
         None, description="what is learnt of each isolator while the law runs; without: nothing"

@@ -6,12 +6,14 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from ehamj.arrays import Array
+from ehamj.control.channels import SUPPLY
 from ehamj.control.compiled.learning import FROZEN, GATHERS, USED, Paced
 from ehamj.control.compiled.stage import Moves
 from ehamj.control.learners import STATED, Learner
-from ehamj.control.valves import Known, KnownValve
+from ehamj.control.valves import Known, KnownValve, chambers_of
 
 SETTLED = 3.0
 """Periods of the band's lower end after which its filters have forgotten: e^(−6π)."""
@@ -36,9 +38,14 @@ class Stage(NamedTuple):
         return cls(fastest.period, fastest.latency, USED * learners)
 
 
-def numbers_of(valves: Sequence[KnownValve], period: float) -> Array:
-    """What is known, as the compiled stage takes it every ``period`` [s], (valve·KNOWN)."""
-    return np.array([(*one.numbers, *one.curve, *_moves(one.numbers, period)) for one in valves], float).ravel()
+def numbers_of(valves: Sequence[KnownValve], period: float, voltage_limit: float) -> Array:
+    """What is known, as the compiled stage takes it every ``period`` [s] behind a converter of ±``voltage_limit`` [V],
+    (valve·KNOWN)."""
+    rows = []
+    for own, curve in valves:
+        bounded = own._replace(reach=min(own.reach, own.valve_gain * voltage_limit))
+        rows.append((*bounded, *curve, *_moves(own, period)))
+    return np.array(rows, float).ravel()
 
 
 def _moves(own: Known, period: float) -> Moves:
@@ -55,6 +62,18 @@ def _held(stiffness: float, damping: float, gain: float, period: float) -> list[
     """ẍ = stiffness·x + damping·ẋ + gain·u with u held: x⁺ and ẋ⁺ of x, ẋ and u each."""
     step = scipy.linalg.expm(np.array([[0.0, 1.0, 0.0], [stiffness, damping, gain], [0.0, 0.0, 0.0]]) * period)
     return [float(number) for number in step[:2].ravel()]
+
+
+def pressure_places(
+    valves: Sequence[KnownValve], mounts: Sequence[str], channels: Sequence[str], learning: bool = False
+) -> NDArray[np.int64]:
+    """Where among ``channels`` are the chamber pressures of each valve, −1 where they are not read, and the supply's;
+    empty where none is read."""
+    if not learning and not any(valve.reads_pressure for valve in valves):
+        return np.zeros(0, np.int64)
+    at = {name: k for k, name in enumerate(channels)}
+    names = (*(name for mount in mounts for name in chambers_of(mount)), SUPPLY)
+    return np.array([at.get(name, -1) for name in names], np.int64)
 
 
 def paces_of(

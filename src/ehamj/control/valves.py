@@ -27,7 +27,7 @@ class Known(NamedTuple):
     stroke: float
     """x_max [mA]."""
     reach: float
-    """How far commands take the spool [mA]."""
+    """How far its own range of commands takes the spool [mA]."""
     supply: float
     """P_s [Pa], where it is not measured."""
     supply_measured: float
@@ -68,6 +68,11 @@ class KnownValve(NamedTuple):
     curve: tuple[float, ...]
     """Shares of the full flow at equal shares of the stroke."""
 
+    @property
+    def reads_pressure(self) -> bool:
+        """Whether its pressure drop is made good."""
+        return self.numbers.least < self.numbers.most
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
         return {**self.numbers._asdict(), "curve": list(self.curve)}
@@ -98,9 +103,12 @@ class KnownValve(NamedTuple):
 def measured(valves: Sequence[KnownValve], mounts: Sequence[str], learning: bool = False) -> tuple[str, ...]:
     """Channels that are read to make good what is known of valves, or to learn of them: their absolute chamber
     pressures, or none."""
-    made_good = any(valve.numbers.least < valve.numbers.most for valve in valves)
-    if not made_good and not learning:
-        return ()
-    chambers = tuple(f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS)
-    fed = made_good and any(valve.numbers.supply_measured for valve in valves)
+    read = [(one, mount) for one, mount in zip(valves, mounts, strict=False) if learning or one.reads_pressure]
+    chambers = tuple(name for _, mount in read for name in chambers_of(mount))
+    fed = any(one.reads_pressure and one.numbers.supply_measured for one, _ in read)
     return (*chambers, SUPPLY) if fed else chambers
+
+
+def chambers_of(mount: str) -> tuple[str, ...]:
+    """Channels of the chamber pressures of a mount."""
+    return tuple(f"chamber_pressure {mount} {chamber}" for chamber in CHAMBERS)

@@ -26,6 +26,7 @@ from ehamj.scenario.model import Scenario
 
 _WITHOUT_EFFECT: Final = (
     "moving_volume", "flow_curve", "spool_drive_limit", "end_stops", "voltage_limit", "passive", "preset", "oil",
+    "valve",
 )  # fmt: skip
 """Settings of an actuator that nobody can vary here: taken as they are, limits, a matter of laws, or where others come
 from."""

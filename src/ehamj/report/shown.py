@@ -81,7 +81,7 @@ class Shown:
     @property
     def together(self) -> bool:
         """Whether all results are of one scenario: itself and variants of its control."""
-        own = {self.scenario.name, *(self.scenario.variant(name).name for name in STANDARD)}
+        own = {self.scenario.name, *(self.scenario.variant(name).name for name in (*self.scenario.variants, *STANDARD))}
         return all(result.scenario.name in own for result in self.results.values())
 
     @cached_property

@@ -6,12 +6,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from ehamj.errors import InputError
-from ehamj.isolator.presets import ACTUATOR_PRESETS
+from ehamj.isolator.presets import ACTUATOR_PRESETS, NAMED
 from ehamj.plain.text import toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
-
-FROM_PRESET = ("preset", "oil")
-"""Keys of an actuator's table that other values of it come from."""
 
 
 def override(table: dict[str, Any], text: str) -> None:
@@ -39,7 +36,7 @@ def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str
     """Set the value of a dotted key, or of one in parts; ``said`` is what messages begin with.
 
     A table as a result holds it states its values' sources. The source of a replaced value goes; so do values that
-    came from the preset or oil that is replaced, and an inertia that nobody gave with the mass or size that is.
+    came from the preset, oil or valve that is replaced, and an inertia that nobody gave with the mass or size that is.
     """
     *parents, last = (part.strip() for part in (key.split(".") if isinstance(key, str) else key))
     if parents[:1] == ["mount"]:
@@ -62,12 +59,12 @@ def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str
 def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], value: Any) -> None:
     """Let go of what a table holds only because of the value that is replaced."""
     *parents, last = key
-    if parents[-2:-1] == ["actuators"] and last in FROM_PRESET and value != at.get(last):
+    if parents[-2:-1] == ["actuators"] and last in NAMED and value != at.get(last):
         for name in [name for name, source in sources.items() if source != "given"]:
             at.pop(name, None)
             del sources[name]
         former = ACTUATOR_PRESETS.get(str(at.get("preset")))
-        for name in [name for name in at if name not in (*FROM_PRESET, *sources, "sources")]:  # without a source
+        for name in [name for name in at if name not in (*NAMED, *sources, "sources")]:  # without a source
             if last == "preset" and former is not None and at[name] == getattr(former, name, None):
                 at.pop(name)
     if parents[-1:] == ["machine"] and last in ("mass", "size") and sources.get("inertia") == "assumed":
@@ -97,6 +94,15 @@ def leaves(table: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[t
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from leaves(value, (*before, str(key)))
+        else:
+            yield (*before, str(key)), value
+
+
+def entries(table: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """As `leaves`, but a table that states its ``kind`` is one value, whole."""
+    for key, value in table.items():
+        if isinstance(value, Mapping) and "kind" not in value:
+            yield from entries(value, (*before, str(key)))
         else:
             yield (*before, str(key)), value
 

@@ -18,7 +18,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import keys_of
 from ehamj.scenario.variation import changed, derived_anew, unlike, warn_derived
 from ehamj.scenario_files import scenario_path, scenario_table, shipped_scenarios
-from ehamj.settings import FILE, SCENARIO, Settings
+from ehamj.settings import FILE, OVERRIDES, SCENARIO, Settings
 
 __all__ = [
     "Given",
@@ -125,6 +125,8 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated and SCENARIO in kind.__metadata__ and isinstance(value, str):
         return value if value in shipped_scenarios() else str(folder / value)
+    if origin is Annotated and OVERRIDES in kind.__metadata__:
+        return anchored(value, Scenario, folder)
     if origin is Annotated and FILE in kind.__metadata__:
         is_name = isinstance(value, str) and value and not value.startswith("example:")
         return str(folder / value) if is_name else value

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from ehamj.control import LinearController
 from ehamj.control.commands import Passive
 from ehamj.control.installation import PARTS, Installation
-from ehamj.control.kinds import STANDARD, Control, VariantName
+from ehamj.control.kinds import Control
 from ehamj.control.settings import DigitalSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
@@ -27,6 +27,7 @@ from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
 from ehamj.scenario.keys import merge, plain
 from ehamj.scenario.named import check_named
+from ehamj.scenario.variants import Variants, check_variants, variant
 from ehamj.scenario.variation import LawChoice, varied
 from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
@@ -66,7 +67,14 @@ class Course(Settings):
     may_fall: bool = Field(
         False, description="simulate a machine that its mounts do not hold against gravity, to see how it falls"
     )
-    compare: tuple[VariantName, ...] = Field((), description="variants to run beside it, into folders of their names")
+    compare: tuple[str, ...] = Field(
+        (), description="variants to run beside it, into folders of their names: [variants.NAME], or a standard control"
+    )
+    variants: Variants = Field(
+        {},
+        description="by name, what of the scenario is otherwise in a variant; a table with a kind replaces the one "
+        "that is there, any other adds to it. The law is derived for what comes out, unless designed_for holds it",
+    )
 
 
 class Scenario(Installation, Course):
@@ -101,6 +109,7 @@ class Scenario(Installation, Course):
         check_relatives(self.relative, self.points, mounts)
         check_forces(self.force, self.points)
         check_faults(self.fault, mounts, self.duration)
+        check_variants(self)
         spectrum = self.criteria.response_spectrum
         if spectrum is not None and spectrum.last > HIGHEST_SHARE * self.record_rate:
             raise ValueError(
@@ -176,11 +185,12 @@ class Scenario(Installation, Course):
         return self.control.controller(nominal.plant, nominal.sensors)
 
     def variant(self, name: str) -> "Scenario":
-        """The same scenario under another control, one of `ehamj.control.kinds.STANDARD`."""
-        control = STANDARD[name]
-        if isinstance(control, DigitalSettings) and isinstance(self.control, DigitalSettings):
-            control = control.model_copy(update={"designed_for": self.control.designed_for})
-        return self.model_copy(update={"control": control, "compare": (), "name": f"{self.name}, {name}"})
+        """The same scenario as one of its ``variants``, or under one of `ehamj.control.kinds.STANDARD`.
+
+        Raises:
+            InputError: if there is no such variant.
+        """
+        return variant(self, name)
 
     def varied(self, values: Mapping[str, Any], law: LawChoice = "held") -> "Scenario":
         """The same scenario on another machine, or otherwise changed, by dotted keys as ``--set`` has them:

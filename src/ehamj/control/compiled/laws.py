@@ -23,7 +23,7 @@ from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
-from ehamj.control.compiled.stage import REMEMBERS, added, ranged
+from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
     [
@@ -91,7 +91,7 @@ class Laws(NamedTuple):
     valves: Any
     """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
     pressures: Any
-    """Channels of the pressures that it reads: none, or two of each valve, and the supply's where it reads that."""
+    """Channels of the pressures that it reads: none, or two of each valve (−1: not read), and last the supply's."""
     learners: Any
     """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
     strokes: Any
@@ -114,16 +114,14 @@ class LawMemory(NamedTuple):
     """(valve·`REMEMBERS`)"""
     known: Any
     """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
-    asked: Any
-    """(valve) wanted voltage, with what was learnt."""
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
         """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, stage, asked = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS, 1))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, asked, gathered)
+        total, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -307,10 +305,9 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        ranged(total, share, readings, laws, memory, lost, lanes)
         stage = laws.table[count]
-        if number % stage.every == 0:
-            added(share, readings, laws, memory, queued(number, stage, valves, lanes), lanes)
+        place = queued(number, stage, valves, lanes) if number % stage.every == 0 else -1
+        linearised(share, readings, laws, memory, place, lanes)
     else:
         taken(total, share, laws.converter, lost)
     for k in range(count):

@@ -7,8 +7,8 @@ whose edges open as z = c(x + x_n) (flow curve, null offset), gives
     y = a·[φ_s1·(z − x_s1)⁺ − φ_1t·(−z − x_1t)⁺] + (1 − a)·[φ_2t·(z − x_2t)⁺ − φ_s2·(−z − x_s2)⁺],
 
 a the part of chamber 1 in what drives the piston, φ = √(Δp/Δp₀) of each edge's measured drop, and x_s1 … its overlap.
-Solved for x, where no edge is open with a jump that is spread over a band, it is what the edges are to do; the spool
-stands to one side of them by its play (`leaning`).
+Solved for x, where no edge is open with a jump that is spread over a band (as where the flow curve begins flat), it is
+what the edges are to do; the spool stands to one side of them by its play (`leaning`).
 """
 
 import math
@@ -104,6 +104,13 @@ def between(y: float, edges: Edges, own: Known) -> float:
 
 
 @kernel
+def crossed(y: float, own: Known) -> float:
+    """A jump from −1 to 1 at null, spread over the band."""
+    t = min(max(y / own.band, -1.0), 1.0)
+    return 0.5 * t * (3.0 - t * t)
+
+
+@kernel
 def opened(y: float, edges: Edges, own: Known) -> float:
     """The opening z for y, its jump at null spread over the band [mA]."""
     ahead, behind = min(own.supply_1, own.tank_2), -min(own.tank_1, own.supply_2)
@@ -113,8 +120,7 @@ def opened(y: float, edges: Edges, own: Known) -> float:
         excess = beyond(y, edges.supply_1, own.supply_1, edges.tank_2, own.tank_2) - ahead
     else:
         excess = -beyond(-y, edges.tank_1, own.tank_1, edges.supply_2, own.supply_2) - behind
-    t = min(max(y / own.band, -1.0), 1.0)
-    return excess + 0.5 * (ahead + behind) + 0.25 * (ahead - behind) * t * (3.0 - t * t)
+    return excess + 0.5 * (ahead + behind) + 0.5 * (ahead - behind) * crossed(y, own)
 
 
 @kernel
@@ -143,31 +149,23 @@ known = written("numbers, at, lanes", f"return Known({_ENTRIES})", Known=Known, 
 
 
 @kernel
-def opening_for(wanted, at, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
+def opening_for(wanted, edges, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
     """The opening x + x_n for a wanted one [mA]."""
-    z = opened(wanted, edges_of(at, own), own)
-    if own.curved != 0.0:
-        z = math.copysign(own.stroke * place_on_curve(abs(z) / own.stroke, numbers, curve, lanes), z)
-    return z
+    z = opened(wanted, edges, own)
+    if own.curved == 0.0:
+        return z
+    begins = own.stroke * place_on_curve(0.0, numbers, curve, lanes)
+    size = own.stroke * place_on_curve(abs(z) / own.stroke, numbers, curve, lanes)
+    return math.copysign(size - begins, z) + begins * crossed(wanted, own)
 
 
 @kernel
-def asked_at(position, at, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
+def asked_at(position, edges, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
     """The wanted voltage [V] that a position of the edges gives [mA]: `opening_for` inverted, its band left out."""
     x = min(max(position + own.offset, -own.stroke), own.stroke)
     if own.curved != 0.0:
         x = math.copysign(own.stroke * curve_at(abs(x) / own.stroke, numbers, curve, lanes), x)
-    return passed(x, edges_of(at, own), own) / own.valve_gain
-
-
-@kernel
-def range_of(at, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
-    """The least and the largest wanted voltage [V] that the valve can give."""
-    far = own.reach - own.play
-    return (
-        asked_at(-far, at, own, numbers, curve, lanes),
-        asked_at(far, at, own, numbers, curve, lanes),
-    )
+    return passed(x, edges, own) / own.valve_gain
 
 
 @kernel

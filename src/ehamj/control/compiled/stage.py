@@ -7,7 +7,8 @@ stand to one side of it by its play. The difference c is led by the valve's lag 
     Δ = (s²/ω² + 2ζ s/ω + 1)/(τ s + 1)²·c,
 
 and the 2τ that this rolls off is led before, in the wanted opening. Where nothing is made good c is zero, and so is Δ.
-It is queued, held and added as the output of a law is (the last in `ehamj.control.compiled.laws.Laws.table`).
+It fades in as the commands do, and is queued, held and added as the output of a law is (the last in
+`ehamj.control.compiled.laws.Laws.table`).
 
 Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
 """
@@ -33,11 +34,11 @@ from ehamj.control.compiled.opening import (
     FIELDS,
     SIZE,
     Pressures,
+    asked_at,
     edges_of,
     known,
     leaning,
     opening_for,
-    range_of,
 )
 from ehamj.control.valves import Known
 
@@ -100,37 +101,65 @@ REMEMBERS: Final = len(Remembered._fields)
 
 
 @kernel
-def pressures_at(readings, channels, valve, lane, stated, lanes):  # type: ignore[no-untyped-def]
-    """Pressures of a valve from the readings of a sample; ``stated`` is the supply's where it is not read."""
-    if channels.size == 0:
-        return Pressures(0.0, 0.0, stated)
+def pressures_at(readings, channels, valve, lane, own, lanes):  # type: ignore[no-untyped-def]
+    """Pressures of a valve from the readings of a sample; the supply's as it is stated where it is not read."""
+    if own.least >= own.most:
+        return Pressures(0.0, 0.0, own.supply)
     width = len(lanes)
     one, two = channels[2 * valve] * width + lane, channels[2 * valve + 1] * width + lane
-    fed = readings[channels[channels.size - 1] * width + lane] if channels.size % 2 > 0 else stated
+    fed = readings[channels[channels.size - 1] * width + lane] if own.supply_measured != 0.0 else own.supply
     return Pressures(readings[one], readings[two], fed)
 
 
 @kernel
-def ranged(total, share, readings, laws, memory, lost, lanes):  # type: ignore[no-untyped-def]
-    """What fade and the valves' ranges take from the wanted voltages of each valve (and lane), applied − wanted.
-
-    What laws that learn make of the wanted voltages is put in memory.
-    """
-    width, asked = len(lanes), memory.asked
-    for i in range(total.size):
+def linearised(share, readings, laws, memory, place, lanes):  # type: ignore[no-untyped-def]
+    """What fade and the valves' ranges take from what the laws want of each valve (and lane), applied − wanted [V]; and
+    what is added to it, put at a place of the laws' memory (−1: the stage takes no sample)."""
+    width, valves, numbers = len(lanes), memory.totals.size // 2, memory.known
+    for i in range(valves):
         valve, lane = i // width, i % width
         first = valve * KNOWN * width + lane
-        own = known(memory.known, first, lanes)
-        at = pressures_at(readings, laws.pressures, valve, lane, own.supply, lanes)
-        low, high = range_of(at, own, memory.known, first + FIELDS * width, lanes)
-        gain = 1.0
-        asked[i] = total[i]
+        own, curve = known(numbers, first, lanes), first + FIELDS * width
+        edges = edges_of(pressures_at(readings, laws.pressures, valve, lane, own, lanes), own)
+        total, gain = memory.totals[i], 1.0
+        wanted = total
         if laws.learners.size > 0:
             used = learnt(memory.values, used_at(valve, lane, laws, lanes), lanes)
-            slow = memory.gathered[valve * GATHERS * width + lane + SLOW * width]
-            asked[i] = corrected(total[i], slow, learner(laws.learners, valve * LEARNER * width + lane, lanes), used)
+            slow = memory.gathered[(valve * GATHERS + SLOW) * width + lane]
+            wanted = corrected(total, slow, learner(laws.learners, valve * LEARNER * width + lane, lanes), used)
             gain = used.flow_gain
-        lost[i] = (min(max(share * asked[i], low), high) - asked[i]) * gain
+        side, applied = -1.0, share * wanted
+        far = max(own.reach - own.play, 0.0)
+        for _ in range(2):
+            bound = asked_at(side * far, edges, own, numbers, curve, lanes)
+            applied = max(applied, bound) if side < 0.0 else min(applied, bound)
+            side = 1.0
+        memory.totals[valves + i] = gain * (applied - wanted)
+        if place >= 0:
+            state = valve * REMEMBERS * width + lane
+            spool = memory.stage[state]
+            more = added(applied, share, edges, own, numbers, first, memory.stage, state, lanes)
+            memory.values[place + i] = more + share * (wanted - total)
+            if laws.learners.size > 0:
+                learn(spool, memory.stage[state + 3 * width], edges, own, i, readings, laws, memory, lanes)
+
+
+@kernel
+def added(applied, share, edges, own, numbers, first, kept, state, lanes):  # type: ignore[no-untyped-def]
+    """What is added to a wanted voltage that the valve can give [V]; its states go on."""
+    width, step = len(lanes), moves(numbers, first, lanes)
+    spool, rate = kept[state], kept[state + width]
+    lag, slope = kept[state + 4 * width], kept[state + 5 * width]
+    target, wanted = own.valve_gain * applied, spool + step.ahead * rate
+    opening = opening_for(wanted, edges, own, numbers, first + FIELDS * width, lanes)
+    lean = leaning(kept[state + 2 * width], opening, kept[state + 3 * width], own)
+    more = share * (opening + own.play * lean - own.offset - wanted)
+    kept[state] = step.spool_from_spool * spool + step.spool_from_rate * rate + step.spool_from_target * target
+    kept[state + width] = step.rate_from_spool * spool + step.rate_from_rate * rate + step.rate_from_target * target
+    kept[state + 2 * width], kept[state + 3 * width] = opening, lean
+    kept[state + 4 * width] = step.lag_from_lag * lag + step.lag_from_slope * slope + step.lag_from_more * more
+    kept[state + 5 * width] = step.slope_from_lag * lag + step.slope_from_slope * slope + step.slope_from_more * more
+    return (step.led_more * more + step.led_lag * lag + step.led_slope * slope) / own.valve_gain
 
 
 @kernel
@@ -140,36 +169,7 @@ def used_at(valve, lane, laws, lanes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def added(share, readings, laws, memory, place, lanes):  # type: ignore[no-untyped-def]
-    """Put what is added to what the laws want of each valve (and lane) [V] at a place of the laws' memory."""
-    width, valves, kept = len(lanes), memory.totals.size // 2, memory.stage
-    for i in range(valves):
-        valve, lane = i // width, i % width
-        first, state = valve * KNOWN * width + lane, valve * REMEMBERS * width + lane
-        own, step = known(memory.known, first, lanes), moves(memory.known, first, lanes)
-        at = pressures_at(readings, laws.pressures, valve, lane, own.supply, lanes)
-        spool, rate = kept[state], kept[state + width]
-        lag, slope = kept[state + 4 * width], kept[state + 5 * width]
-        target = own.valve_gain * (memory.asked[i] + memory.totals[valves + i])
-        wanted = spool + step.ahead * rate
-        edges = opening_for(wanted, at, own, memory.known, first + FIELDS * width, lanes)
-        lean = leaning(kept[state + 2 * width], edges, kept[state + 3 * width], own)
-        more = edges + own.play * lean - share * own.offset - wanted
-        led = step.led_more * more + step.led_lag * lag + step.led_slope * slope
-        memory.values[place + i] = led / own.valve_gain + share * (memory.asked[i] - memory.totals[i])
-        kept[state + 2 * width], kept[state + 3 * width] = edges, lean
-        kept[state] = step.spool_from_spool * spool + step.spool_from_rate * rate + step.spool_from_target * target
-        rate = step.rate_from_spool * spool + step.rate_from_rate * rate + step.rate_from_target * target
-        kept[state + width] = rate
-        kept[state + 4 * width] = step.lag_from_lag * lag + step.lag_from_slope * slope + step.lag_from_more * more
-        slope = step.slope_from_lag * lag + step.slope_from_slope * slope + step.slope_from_more * more
-        kept[state + 5 * width] = slope
-        if laws.learners.size > 0:
-            learn(spool, lean, at, own, i, readings, laws, memory, lanes)
-
-
-@kernel
-def learn(spool, lean, at, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
+def learn(spool, lean, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one mount learn from a sample, and take what it finds into what is known of its valve."""
     width, valves = len(lanes), memory.totals.size // 2
     valve, lane = i // width, i % width
@@ -182,11 +182,12 @@ def learn(spool, lean, at, own, i, readings, laws, memory, lanes):  # type: igno
     slow = place + SLOW * width
     applied = memory.totals[i] + memory.totals[valves + i]
     memory.gathered[slow] += pace.slow * (applied - memory.gathered[slow])
-    edges = edges_of(at, own)
     through = edges.supply_1 + edges.tank_2 if spool >= 0.0 else edges.tank_1 + edges.supply_2
     overlap = 0.5 * (min(own.supply_1, own.tank_2) + min(own.tank_1, own.supply_2))
     by_overlap, by_play = edge_slopes(spool, own.band, overlap, lean, through)
-    force = of.area_1 * at.pressure_1 - of.area_2 * at.pressure_2
+    pressure_1 = readings[laws.pressures[2 * valve] * width + lane]
+    pressure_2 = readings[laws.pressures[2 * valve + 1] * width + lane]
+    force = of.area_1 * pressure_1 - of.area_2 * pressure_2
     stroke = readings[laws.strokes[valve] * width + lane]
     now = learns(memory.gathered, place, (spool, by_overlap, by_play), force, stroke, used, of, pace, width)
     take_in(now, used, memory.known, valve * KNOWN * width + lane, width)

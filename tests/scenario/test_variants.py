@@ -1,0 +1,74 @@
+"""Variants that a scenario states itself: what of it is otherwise."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ehamj.errors import InputError
+from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.scenario.model import Scenario
+
+TABLE: dict[str, Any] = {
+    "name": "hall",
+    "duration": 0.05,
+    "control": {"kind": "combined", "delay": 1.5e-4, "linearisation": {"band": 0.2}},
+    "variants": {
+        "heavy": {"machine": {"mass": 6000.0}, "mount": {"front-left": {"height": 1e-5}}},
+        "plain": {"control": {"linearisation": False}},
+        "ahead": {"control": {"kind": "feedforward", "rate": 5000.0}},
+    },
+    "compare": ["heavy", "plain", "ahead", "passive"],
+}
+
+
+def stored(scenario: Scenario) -> Scenario:
+    return parse_scenario(tomllib.loads(scenario.to_toml()))
+
+
+@pytest.mark.parametrize("read", [lambda one: one, stored], ids=["as written", "as stored"])
+def test_a_variant_is_the_scenario_but_for_what_it_states(read: Any) -> None:
+    scenario = read(parse_scenario(TABLE))
+    own = {name: value for name, value in TABLE.items() if name not in ("variants", "compare")}
+    heavy = {"machine": {"mass": 6000.0}, "mount": scenario.variant("heavy").model_dump()["mount"]}
+    expected = {
+        "heavy": {**own, **heavy},
+        "plain": {**own, "control": {"kind": "combined", "delay": 1.5e-4}},  # added to what is there
+        "ahead": {**own, "control": {"kind": "feedforward", "rate": 5000.0}},  # a kind begins anew
+    }
+    for name, table in expected.items():
+        whole = parse_scenario({**table, "name": f"hall, {name}"})
+        assert stored(scenario.variant(name)) == stored(whole)
+    assert [one["height"] for one in heavy["mount"]] == [1e-5, 0.0, 0.0, 0.0]
+    assert scenario.variant("passive").control.kind == "passive"
+
+
+def test_files_that_a_variant_names_lie_beside_the_scenario(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    file.write_text("[variants.other.control]\nkind = 'law'\nfile = 'law.json'\n")
+    assert load_scenario(file).variants["other"]["control"]["file"] == str(tmp_path / "law.json")
+
+
+@pytest.mark.parametrize(
+    ("variants", "said"),
+    [
+        ({"a": {"machine": {"mas": 1.0}}}, r"variants\.a: machine\.mas = 1\.0: unknown key; did you mean 'mass'"),
+        ({"a": {"control": {"delay": -1.0}}}, r"variants\.a: control\.delay = -1"),
+        ({"a": {"duration": 1.0, "compare": ["passive"]}}, r"variants\.a\.compare: cannot differ"),
+        ({"a": {"mount": {"middle": {"height": 0.0}}}}, r"variants\.a: mount\.middle\.height.*'front-left'"),
+        ({"passive": {}}, r"variants\.passive: is the name of a standard control"),
+        ({"../a": {}}, r"'\.\./a' must be letters"),
+        ({"a": 3.0}, r"variants\.a = 3\.0: must be a table"),
+    ],
+)
+def test_what_cannot_be_a_variant_is_refused_where_it_stands(variants: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        parse_scenario({**TABLE, "compare": [], "variants": variants})
+
+
+def test_a_name_of_no_variant_is_told_those_that_there_are() -> None:
+    with pytest.raises(InputError, match=r"compare\.1 = 'light': must be one of 'heavy', 'plain', 'ahead', 'passive'"):
+        parse_scenario({**TABLE, "compare": ["heavy", "light"]})
+    with pytest.raises(InputError, match="variant 'light': must be one of 'heavy'"):
+        parse_scenario(TABLE).variant("light")
