@@ -7,6 +7,7 @@ from ehamj.studies import (  # noqa: F401  # isort: skip
     lateral,
     unequal,
     valve_oil,
+    valves,
     gains,
     failed,
     levels,

@@ -20,6 +20,7 @@ from ehamj.report.sections.runs import runs
 from ehamj.report.sections.spectra import spectra
 from ehamj.report.sections.spectrogram import spectrogram
 from ehamj.report.sections.transmissibility import transmissibility
+from ehamj.report.sections.valves import valves
 from ehamj.report.shown import Shown
 
 SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
@@ -37,6 +38,7 @@ SECTIONS: Final[tuple[Callable[[Shown], Section | None], ...]] = (
     relative,
     histories,
     limits,
+    valves,
     loops,
     modes,
     numbers,
