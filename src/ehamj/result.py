@@ -79,6 +79,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "external_force": (("dof",), "N (rx, ry, rz: N m)", "force on the machine itself, at its centre of gravity"),
     "measured": (("sensor",), "SI, as the channel", "what the controller last read of each channel"),
     "controller_state": (("law_state",), "1", "states of the controller"),
+    "learnt_flow_gain": (("mount",), "1", "flow gain that the law has learnt, over the stated one"),
+    "learnt_compliance": (("mount",), "1", "compliance of the oil that the law has learnt, over the stated one"),
+    "learnt_overlap": (("mount",), "mA", "overlap of each edge that the law has learnt, more than stated"),
+    "learnt_play": (("mount",), "mA", "threshold and half of the hysteresis that the law has learnt, more than stated"),
+    "learnt_null_offset": (("mount",), "mA", "null offset that the law has learnt, more than stated"),
 }
 """Every variable of a result beside ``time``: further dimensions, units, long name."""
 

@@ -1,6 +1,7 @@
 """Loops of a block of machines, in lanes, against each loop alone: bit for bit the same."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from oracles.stepped import STEP, run, together
 
 from ehamj.control import Controller, ControllerBank, PythonController
+from ehamj.control.learning import Learning
+from ehamj.control.linearisation import Linearisation
 from ehamj.control.loop import DigitalLoop, make_loop, stacked, structure
 from ehamj.control.sensors import Sensors
 from ehamj.scenario.load import parse_scenario
@@ -39,21 +42,30 @@ def bank(seed: int) -> ControllerBank:
     return found
 
 
+def learning(seed: int) -> ControllerBank:
+    """The same with a stage beside them, which learns from the first samples on: of little, that is not limited."""
+    settings = Learning(rate=1e4, band=(2000.0, 2400.0), pace=1e-3, least=1e-9)
+    known = {"valves": Linearisation().known(PLANT), "learners": settings.learners(PLANT, edges=True)}
+    return ControllerBank(tuple(replace(part, **known) for part in bank(seed).scaled(0.01).parts))
+
+
 def loop(seed: int, make: Callable[[int], Any] = bank) -> DigitalLoop:
     return make_loop(make(seed), PLANT, STEP, SENSORS, seed)
 
 
-def test_each_lane_is_the_same_loop_alone_and_goes_on_where_that_stood() -> None:
+@pytest.mark.parametrize("make", [bank, learning])
+def test_each_lane_is_the_same_loop_alone_and_goes_on_where_that_stood(make: Callable[[int], Any]) -> None:
     draw = np.random.default_rng(1)
     signals = [draw.normal(size=(60, loop(0).sensing.layout.size)) for _ in range(WIDTH)]
-    noise = [1e-3 * draw.normal(size=(60, len(INPUTS))) for _ in range(WIDTH)]
-    alone, begun = [loop(k) for k in range(WIDTH)], [loop(k) for k in range(WIDTH)]
+    noise = [1e-3 * draw.normal(size=(60, loop(0, make).sensing.channels)) for _ in range(WIDTH)]
+    alone, begun = [loop(k, make) for k in range(WIDTH)], [loop(k, make) for k in range(WIDTH)]
     for k in range(WIDTH):
         run(begun[k], signals[k][:20], noise[k])
         run(alone[k], signals[k][:20], noise[k])
     expected = [run(alone[k], signals[k][20:], noise[k]) for k in range(WIDTH)]
     found = run(stacked(begun), together([each[20:] for each in signals]), together(noise), WIDTH)
     assert np.abs(found).max() > 1.0
+    assert make is bank or not np.array_equal(alone[0].law_memory.known, alone[0].laws.valves)  # something was learnt
     np.testing.assert_array_equal(found, together(expected))
 
 

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
+from ehamj.control.learners import Learner, strokes
 from ehamj.control.valves import KnownValve, measured
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
@@ -34,6 +35,8 @@ class Converter:
     """Names of the mounts whose valves are commanded, in order."""
     valves: tuple[KnownValve, ...] = ()
     """What is known of each valve and made good before the converter; none: nothing is."""
+    learners: tuple[Learner, ...] = ()
+    """What is known of each mount's isolator, of which it learns; none: nothing is learnt."""
 
     def __post_init__(self) -> None:
         _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
@@ -41,8 +44,11 @@ class Converter:
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):
             _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
-        each = not self.valves or len(self.valves) == len(self.mounts)
-        _must(each, "valves", f"{len(self.valves)} of them", f"one per mount, {len(self.mounts)}, or none")
+        for name in ("valves", "learners"):
+            each, count = getattr(self, name), len(self.mounts)
+            _must(len(each) in (0, count), name, f"{len(each)} of them", f"one per mount, {count}, or none")
+        if self.learners and not self.valves:
+            raise InputError("controller.learners: learn of valves that are known; give controller.valves too")
 
     @property
     def converter(self) -> "Converter":
@@ -57,7 +63,7 @@ class Converter:
     @property
     def measures(self) -> tuple[str, ...]:
         """Channels that are read, as they are and not from rest, to make good what is known of the valves."""
-        return measured(self.valves, self.mounts)
+        return measured(self.valves, self.mounts, bool(self.learners))
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -107,7 +113,8 @@ class Sampled(Converter):
 
 def reads(inputs: tuple[str, ...], converter: Converter) -> tuple[str, ...]:
     """Channels that laws with these ``inputs`` and their converter measure, each once, its own last."""
-    return tuple(dict.fromkeys((*inputs, *converter.measures)))
+    more = strokes(converter.mounts) if converter.learners else ()
+    return tuple(dict.fromkeys((*inputs, *more, *converter.measures)))
 
 
 def check_mounts(law: Converter, mounts: Sequence[str]) -> None:

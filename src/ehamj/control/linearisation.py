@@ -112,4 +112,4 @@ def _without(actuator: Actuator, known: Known) -> Actuator:
 NOTHING: Final = Linearisation(
     pressure_drop=False, flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
 )
-"""Nothing is made good: of a mount that laws leave out."""
+"""Nothing is made good: of a mount that laws leave out, and of valves of which a law only learns."""

@@ -13,13 +13,16 @@ from ehamj.control import AnyController, Controller, PythonController
 from ehamj.control.channels import STATIC, quantity_of
 from ehamj.control.compiled.converter import Conversion
 from ehamj.control.compiled.laws import LAW, LawMemory, Laws, step_shares
+from ehamj.control.compiled.learning import USED
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.inverse import instrument_poles, lag
+from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, numbers_of, pressure_places
+from ehamj.control.stage import Stage, begun, numbers_of, paces_of, pressure_places, stated
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -76,9 +79,18 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, sensing.terms)
+    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
-    return (*shapes, laws.converter, laws.valves.size, laws.base, sensing.layout, sensing.order, loop.states)
+    return (
+        *shapes,
+        laws.converter,
+        laws.valves.size,
+        laws.learners.size,
+        laws.base,
+        sensing.layout,
+        sensing.order,
+        loop.states,
+    )
 
 
 def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
@@ -103,7 +115,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges", "valves")),
+        laws=lanes(laws, ("matrices", "ranges", "valves", "learners")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -117,7 +129,7 @@ def _made(
     failures: list[Exception] = []
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
-    stage = (Stage.beside(parts),) if converter.valves else ()
+    stage = (Stage.beside(parts, len(converter.learners)),) if converter.valves else ()
     table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
@@ -125,17 +137,28 @@ def _made(
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
     known = numbers_of(converter.valves, stage[0].period if stage else timestep, converter.voltage_limit)
-    pressures = pressure_places(converter.valves, converter.mounts, channels)
+    pressures = pressure_places(converter.valves, converter.mounts, channels, bool(converter.learners))
     base = int(np.gcd.reduce(table["every"]))
-    laws = Laws(table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, base)
+    learners, of_strokes = np.zeros(0), np.zeros(0, np.int64)
+    if stage and converter.learners:
+        lags = lag(instrument_poles(sensors.stroke)[1]), lag(instrument_poles(sensors.pressure)[1])
+        learners = paces_of(converter.learners, converter.valves, stage[0], lags)
+        of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
+    laws = Laws(
+        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, base
+    )
+    memory = LawMemory.of(size, inputs_of.size, mounts, known.copy(), begun(converter.learners, learners))
+    if converter.learners:
+        first = int(table["states_at"][-1])
+        memory.values[first : first + USED * mounts] = stated(converter.learners)
     layout, intact = Layout.of(mounts), (np.ones(len(channels)), np.zeros(len(channels)))
     terms, weights = _terms(rows)
     resting = np.array(rests, float) * converter.from_rest
     order = filters.shape[1]
     sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
     return DigitalLoop(
-        laws, LawMemory.of(size, inputs_of.size, mounts), sensing, Readings.of(sensing),
-        sum(part.states for part in parts), tuple(functions.values()), failures,
+        laws, memory, sensing, Readings.of(sensing),
+        sum(part.states for part in (*parts, *stage)), tuple(functions.values()), failures,
     )  # fmt: skip
 
 
@@ -178,7 +201,7 @@ def _laws(
     inputs_of: list[int] = []
     states, size = 0, sum(part.states for part in parts)
     for k, (law, part) in enumerate(zip(table, parts, strict=True)):
-        law["states"], law["inputs"] = part.states, len(part.inputs)
+        law["states"], law["inputs"] = 0 if isinstance(part, Stage) else part.states, len(part.inputs)
         law["every"], (law["delay"], law["fraction"]) = round(part.period / timestep), _parts(part.latency, timestep)
         law["at_start"], law["at_middle"], law["at_end"] = step_shares(law["fraction"])
         law["states_at"], law["inputs_at"] = states, len(inputs_of)

@@ -12,7 +12,8 @@ from ehamj.control.blocks import Block
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
-from ehamj.control.linearisation import Linearisation
+from ehamj.control.learning import Learning
+from ehamj.control.linearisation import NOTHING, Linearisation
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.layout import MOTION_NAMES
@@ -86,6 +87,9 @@ class SampledSettings(ControlSettings):
     linearisation: Stage = Field(
         None, description="what of the valves is made good before the converter; without, or false: nothing"
     )
+    learning: Learning | None = Field(
+        None, description="what is learnt of each isolator while the law runs; without: nothing"
+    )
 
     @property
     def clock(self) -> dict[str, Any]:
@@ -101,6 +105,13 @@ class SampledSettings(ControlSettings):
     def hold(self) -> float:
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
+
+    def _known(self, plant: Plant) -> dict[str, Any]:
+        """What a law knows of a plant's valves, and learns of its isolators."""
+        linear, learning = self.linearisation, self.learning
+        made_good = linear or (NOTHING if learning else None)
+        learners = () if learning is None else learning.learners(plant, edges=linear is not None)
+        return {"valves": () if made_good is None else made_good.known(plant), "learners": learners}
 
     def digital(
         self, block: Block, inputs: tuple[str, ...], plant: Plant, *, anti_windup: AntiWindup | Array
@@ -139,7 +150,7 @@ class SampledSettings(ControlSettings):
             fade=self.fade,
             from_rest=True,
             anti_windup=gain,
-            valves=() if self.linearisation is None else self.linearisation.known(plant),
+            **self._known(plant),
         )
 
 

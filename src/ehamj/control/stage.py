@@ -1,5 +1,6 @@
 """The stage beside the laws made ready for the stepping loop; see `ehamj.control.compiled.stage`."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
@@ -9,8 +10,15 @@ from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.control.channels import SUPPLY
+from ehamj.control.compiled.learning import FROZEN, GATHERS, USED, Paced
 from ehamj.control.compiled.stage import Moves
+from ehamj.control.learners import STATED, Learner
 from ehamj.control.valves import Known, KnownValve, chambers_of
+
+SETTLED = 3.0
+"""Periods of the band's lower end after which its filters have forgotten: e^(−6π)."""
+SEEN = 1.0
+"""Time over which the power of the flow is taken [s]."""
 
 
 class Stage(NamedTuple):
@@ -24,10 +32,10 @@ class Stage(NamedTuple):
     inputs: tuple[str, ...] = ()
 
     @classmethod
-    def beside(cls, parts: Sequence[Any]) -> Self:
-        """Beside laws that have a period and a latency [s]."""
+    def beside(cls, parts: Sequence[Any], learners: int) -> Self:
+        """Beside laws that have a period and a latency [s]; its states are what its ``learners`` have learnt."""
         fastest = min(parts, key=lambda part: (part.period, part.latency))
-        return cls(fastest.period, fastest.latency)
+        return cls(fastest.period, fastest.latency, USED * learners)
 
 
 def numbers_of(valves: Sequence[KnownValve], period: float, voltage_limit: float) -> Array:
@@ -56,11 +64,71 @@ def _held(stiffness: float, damping: float, gain: float, period: float) -> list[
     return [float(number) for number in step[:2].ravel()]
 
 
-def pressure_places(valves: Sequence[KnownValve], mounts: Sequence[str], channels: Sequence[str]) -> NDArray[np.int64]:
+def pressure_places(
+    valves: Sequence[KnownValve], mounts: Sequence[str], channels: Sequence[str], learning: bool = False
+) -> NDArray[np.int64]:
     """Where among ``channels`` are the chamber pressures of each valve, −1 where they are not read, and the supply's;
     empty where none is read."""
-    if not any(valve.reads_pressure for valve in valves):
+    if not learning and not any(valve.reads_pressure for valve in valves):
         return np.zeros(0, np.int64)
     at = {name: k for k, name in enumerate(channels)}
     names = (*(name for mount in mounts for name in chambers_of(mount)), SUPPLY)
     return np.array([at.get(name, -1) for name in names], np.int64)
+
+
+def paces_of(
+    learners: Sequence[Learner], valves: Sequence[KnownValve], stage: Stage, lags: tuple[float, float]
+) -> Array:
+    """What learners know and how they learn, as the compiled part takes it, (mount·LEARNER).
+
+    Args:
+        learners: one per mount.
+        valves: what is known of each mount's valve.
+        stage: that they learn in.
+        lags: delay at low frequency of the sensors of stroke and pressure [s].
+    """
+    rows = [
+        (*own, *_pace(own, valve.numbers.rolloff, stage, lags)) for own, valve in zip(learners, valves, strict=True)
+    ]
+    return np.array(rows, float).ravel()
+
+
+def _pace(own: Learner, rolloff: float, stage: Stage, lags: tuple[float, float]) -> Paced:
+    """How one mount learns from block to block."""
+    every = max(math.ceil(1.0 / (own.rate * stage.period) - 1e-9), 1)
+    block = every * stage.period
+    ahead = stage.latency + lags[0]
+    late = min(int(ahead / stage.period + 0.5), every - 1)
+    rest = ahead - late * stage.period
+    ranges = [max(abs(low), abs(high)) for low, high in zip(own.ranges[::2], own.ranges[1::2], strict=True)]
+    ranges = [max(ranges[0] - 1.0, 0.0), ranges[2], ranges[3], max(ranges[1] - 1.0, 0.0)]
+    return Paced(
+        block=block,
+        every=every,
+        late=late,
+        rest=rest,
+        rest_play=rest + 2.0 * rolloff,
+        rest_force=lags[0] - lags[1],
+        smooth_low=-math.expm1(-2.0 * math.pi * own.low * block),
+        smooth_high=-math.expm1(-2.0 * math.pi * own.high * block),
+        kept=math.exp(-block / own.memory),
+        seen=-math.expm1(-block / SEEN),
+        follow=-math.expm1(-block / own.pace),
+        slow=-math.expm1(-own.creep * stage.period),
+        settling=math.ceil(SETTLED / (own.low * block)),
+        **dict(zip(Paced._fields[-4:], (own.prior / max(one, 1e-9) ** 2 for one in ranges), strict=True)),
+    )
+
+
+def begun(learners: Sequence[Learner], paces: Array) -> Array:
+    """What learners remember at the start: nothing, and that no filter has settled, (mount·GATHERS)."""
+    gathered = np.zeros((len(learners), GATHERS))
+    if len(learners):
+        settling = paces.reshape(len(learners), -1)[:, len(Learner._fields) + Paced._fields.index("settling")]
+        gathered[:, FROZEN] = settling
+    return gathered.ravel()
+
+
+def stated(learners: Sequence[Learner]) -> Array:
+    """What is used before anything is learnt, (mount·USED)."""
+    return np.tile(STATED, len(learners)).astype(float)

@@ -102,11 +102,13 @@ class KnownValve(NamedTuple):
         return cls(numbers, curve)
 
 
-def measured(valves: Sequence[KnownValve], mounts: Sequence[str]) -> tuple[str, ...]:
-    """Channels that are read to make good what is known of valves: their absolute chamber pressures, or none."""
-    read = [(valve.numbers, mount) for valve, mount in zip(valves, mounts, strict=False) if valve.reads_pressure]
+def measured(valves: Sequence[KnownValve], mounts: Sequence[str], learning: bool = False) -> tuple[str, ...]:
+    """Channels that are read to make good what is known of valves, or to learn of them: their absolute chamber
+    pressures, or none."""
+    read = [(one, mount) for one, mount in zip(valves, mounts, strict=False) if learning or one.reads_pressure]
     chambers = tuple(name for _, mount in read for name in chambers_of(mount))
-    return (*chambers, SUPPLY) if any(known.supply_measured for known, _ in read) else chambers
+    fed = any(one.reads_pressure and one.numbers.supply_measured for one, _ in read)
+    return (*chambers, SUPPLY) if fed else chambers
 
 
 def chambers_of(mount: str) -> tuple[str, ...]:

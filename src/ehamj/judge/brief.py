@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
+from ehamj.judge.learnt import Belief
 from ehamj.judge.levels import SLAB, ByBand
 from ehamj.judge.summary import Summary
 from ehamj.judge.worse import LEAST, cancelled
@@ -43,7 +44,13 @@ def brief(summary: Summary) -> dict[str, str]:
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
+    found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
     return found | _rest(summary)
+
+
+def _learnt(told: dict[str, Belief]) -> str:
+    """What a mount has learnt."""
+    return ", ".join(one.words(name) for name, one in told.items())
 
 
 def _rest(summary: Summary) -> dict[str, str]:

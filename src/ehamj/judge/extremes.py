@@ -13,12 +13,12 @@ from ehamj.findings import finite
 def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
     """Peak and RMS of every variable and channel about its first value, which is the equilibrium; commands about 0.
 
-    States of the controller are left out: nobody asks for them first.
+    States of the controller, and what it learns, are left out: nobody asks for them first.
     """
     peak: dict[str, Any] = {}
     rms: dict[str, Any] = {}
     for name, variable in dataset.data_vars.items():
-        if not variable.size or name == "controller_state":
+        if not variable.size or name == "controller_state" or str(name).startswith("learnt_"):
             continue
         # One channel after the other in memory: extremes and sums along them are several times as fast.
         about = np.array(variable.values.reshape(variable.shape[0], -1).T, float, order="C")

@@ -8,6 +8,7 @@ from ehamj.estimate.statistics import WORDS
 from ehamj.findings import Finding
 from ehamj.judge.faults import WHOLE, FaultFound, Phase
 from ehamj.judge.isolation import Isolation
+from ehamj.judge.learnt import Beliefs
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
 from ehamj.judge.worse import Worse
@@ -110,6 +111,8 @@ class Summary(Isolation, Head):
     oil: Oil
     margins: LoopMargins | None
     """None without a loop, and where the law is a Python function."""
+    learnt: Beliefs = Field(default_factory=dict)
+    """What laws have learnt of each mount at the end; empty where they do not learn."""
     python_law: bool = False
     """Whether a Python function gave the commands, of which no margins are known."""
     timing: Timing

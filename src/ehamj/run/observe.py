@@ -7,6 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.control import AnyController
+from ehamj.control.learners import Learnt
 from ehamj.isolator.chambers import held
 from ehamj.memory import LEDGER, activations
 from ehamj.mujoco.rows import Rows
@@ -50,10 +52,9 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
         channels["slide"] = rows.qpos[:, FIRST : FIRST + len(begins)] + begins
     if prepared.loop.sensing.channels:
         channels["measured"] = rows.readings
-    if prepared.loop.states:
-        # Single precision: they are looked at, not calculated with, and may be many.
-        channels["controller_state"] = rows.states.astype(np.float32)
     law = prepared.controller
+    if law is not None:
+        channels |= _of_the_law(law, rows)
     labels: dict[str, Sequence[Any]] = {
         "mount": plant.mounts,
         "point": list(scenario.points),
@@ -65,6 +66,17 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     return make_dataset(
         times, channels, {"title": scenario.name}, {name: along for name, along in labels.items() if len(along)}
     )
+
+
+def _of_the_law(law: AnyController, rows: Rows) -> Channels:
+    """States of the laws, and what they have learnt. Single precision: they are looked at, not calculated with, and may
+    be many."""
+    states, learnt = np.split(rows.states.astype(np.float32), [law.states], axis=1)
+    found: dict[str, Any] = {"controller_state": states} if states.size else {}
+    if learnt.size:
+        parts = learnt.reshape(len(learnt), -1, len(Learnt._fields))
+        found |= {f"learnt_{name}": parts[:, :, k] for k, name in enumerate(Learnt._fields)}
+    return found
 
 
 def _strokes(prepared: Prepared, rows: Rows, channels: Channels) -> Channels:

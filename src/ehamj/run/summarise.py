@@ -23,6 +23,7 @@ from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
+from ehamj.run.learnt import learnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
@@ -79,6 +80,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
+        learnt={} if prepared.controller is None else learnt(dataset, prepared.controller.converter),
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,

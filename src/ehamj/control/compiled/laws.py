@@ -18,6 +18,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numba import types
 
+from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
 from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
@@ -91,6 +92,10 @@ class Laws(NamedTuple):
     """What the stage beside the laws (`ehamj.control.compiled.stage`) knows of each valve; none: no stage."""
     pressures: Any
     """Channels of the pressures that it reads: none, or two of each valve (−1: not read), and last the supply's."""
+    learners: Any
+    """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
+    strokes: Any
+    """Channels of the strokes that are read to learn."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -107,12 +112,16 @@ class LawMemory(NamedTuple):
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
     stage: Any
     """(valve·`REMEMBERS`)"""
+    known: Any
+    """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
+    gathered: Any
+    """(valve·`GATHERS`) to learn from."""
 
     @classmethod
-    def of(cls, size: int, inputs: int, mounts: int) -> "LawMemory":
-        """Memory of a size."""
-        by_mount = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), *by_mount)
+    def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
+        """Memory of a size, with what a stage beside the laws begins with."""
+        total, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)

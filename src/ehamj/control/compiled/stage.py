@@ -17,6 +17,19 @@ from typing import Any, Final, NamedTuple
 
 from ehamj.compiled import kernel, written
 from ehamj.compiled.lanes import peek
+from ehamj.control.compiled.learning import (
+    FROZEN,
+    GATHERS,
+    LEARNER,
+    SLOW,
+    USED,
+    corrected,
+    edge_slopes,
+    learner,
+    learns,
+    learnt,
+    paced,
+)
 from ehamj.control.compiled.opening import (
     FIELDS,
     SIZE,
@@ -27,6 +40,9 @@ from ehamj.control.compiled.opening import (
     leaning,
     opening_for,
 )
+from ehamj.control.valves import Known
+
+SUPPLY_1, PLAY_AT, OFFSET = (Known._fields.index(name) for name in ("supply_1", "play", "offset"))
 
 
 class Moves(NamedTuple):
@@ -99,22 +115,33 @@ def pressures_at(readings, channels, valve, lane, own, lanes):  # type: ignore[n
 def linearised(share, readings, laws, memory, place, lanes):  # type: ignore[no-untyped-def]
     """What fade and the valves' ranges take from what the laws want of each valve (and lane), applied − wanted [V]; and
     what is added to it, put at a place of the laws' memory (−1: the stage takes no sample)."""
-    width, valves, numbers = len(lanes), memory.totals.size // 2, laws.valves
+    width, valves, numbers = len(lanes), memory.totals.size // 2, memory.known
     for i in range(valves):
         valve, lane = i // width, i % width
         first = valve * KNOWN * width + lane
         own, curve = known(numbers, first, lanes), first + FIELDS * width
         edges = edges_of(pressures_at(readings, laws.pressures, valve, lane, own, lanes), own)
-        total, side, applied = memory.totals[i], -1.0, share * memory.totals[i]
+        total, gain = memory.totals[i], 1.0
+        wanted = total
+        if laws.learners.size > 0:
+            used = learnt(memory.values, used_at(valve, lane, laws, lanes), lanes)
+            slow = memory.gathered[(valve * GATHERS + SLOW) * width + lane]
+            wanted = corrected(total, slow, learner(laws.learners, valve * LEARNER * width + lane, lanes), used)
+            gain = used.flow_gain
+        side, applied = -1.0, share * wanted
         far = max(own.reach - own.play, 0.0)
         for _ in range(2):
             bound = asked_at(side * far, edges, own, numbers, curve, lanes)
             applied = max(applied, bound) if side < 0.0 else min(applied, bound)
             side = 1.0
-        memory.totals[valves + i] = applied - total
+        memory.totals[valves + i] = gain * (applied - wanted)
         if place >= 0:
             state = valve * REMEMBERS * width + lane
-            memory.values[place + i] = added(applied, share, edges, own, numbers, first, memory.stage, state, lanes)
+            spool = memory.stage[state]
+            more = added(applied, share, edges, own, numbers, first, memory.stage, state, lanes)
+            memory.values[place + i] = more + share * (wanted - total)
+            if laws.learners.size > 0:
+                learn(spool, memory.stage[state + 3 * width], edges, own, i, readings, laws, memory, lanes)
 
 
 @kernel
@@ -133,3 +160,45 @@ def added(applied, share, edges, own, numbers, first, kept, state, lanes):  # ty
     kept[state + 4 * width] = step.lag_from_lag * lag + step.lag_from_slope * slope + step.lag_from_more * more
     kept[state + 5 * width] = step.slope_from_lag * lag + step.slope_from_slope * slope + step.slope_from_more * more
     return (step.led_more * more + step.led_lag * lag + step.led_slope * slope) / own.valve_gain
+
+
+@kernel
+def used_at(valve, lane, laws, lanes):  # type: ignore[no-untyped-def]
+    """Where in the laws' memory what is learnt of a valve begins."""
+    return (laws.table[laws.table.size - 1].states_at + valve * USED) * len(lanes) + lane
+
+
+@kernel
+def learn(spool, lean, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let one mount learn from a sample, and take what it finds into what is known of its valve."""
+    width, valves = len(lanes), memory.totals.size // 2
+    valve, lane = i // width, i % width
+    first, place = valve * LEARNER * width + lane, valve * GATHERS * width + lane
+    of, pace = learner(laws.learners, first, lanes), paced(laws.learners, first, lanes)
+    where = used_at(valve, lane, laws, lanes)
+    used = learnt(memory.values, where, lanes)
+    if memory.totals[valves + i] != 0.0:
+        memory.gathered[place + FROZEN * width] = pace.settling
+    slow = place + SLOW * width
+    applied = memory.totals[i] + memory.totals[valves + i]
+    memory.gathered[slow] += pace.slow * (applied - memory.gathered[slow])
+    through = edges.supply_1 + edges.tank_2 if spool >= 0.0 else edges.tank_1 + edges.supply_2
+    overlap = 0.5 * (min(own.supply_1, own.tank_2) + min(own.tank_1, own.supply_2))
+    by_overlap, by_play = edge_slopes(spool, own.band, overlap, lean, through)
+    pressure_1 = readings[laws.pressures[2 * valve] * width + lane]
+    pressure_2 = readings[laws.pressures[2 * valve + 1] * width + lane]
+    force = of.area_1 * pressure_1 - of.area_2 * pressure_2
+    stroke = readings[laws.strokes[valve] * width + lane]
+    now = learns(memory.gathered, place, (spool, by_overlap, by_play), force, stroke, used, of, pace, width)
+    take_in(now, used, memory.known, valve * KNOWN * width + lane, width)
+    for k in range(USED):
+        memory.values[where + k * width] = now[k]
+
+
+@kernel
+def take_in(now, used, valves, at, width):  # type: ignore[no-untyped-def]
+    """Change what is known of a valve by what is learnt more of it."""
+    for k in range(SUPPLY_1, SUPPLY_1 + 4):
+        valves[at + k * width] += now.overlap - used.overlap
+    valves[at + PLAY_AT * width] += now.play - used.play
+    valves[at + OFFSET * width] += now.null_offset - used.null_offset

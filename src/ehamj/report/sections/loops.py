@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from ehamj import plots
+from ehamj.judge.learnt import UNITS
 from ehamj.judge.summary import LoopMargins, PlaceMargins
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import DASH, number
@@ -15,11 +16,9 @@ ASKED: Final = 0.5
 
 
 def loops(shown: Shown) -> Section | None:
-    """Plots and margins of each law that measures the machine; None where no law does."""
-    table = _margins(shown)
-    if not table.rows:
-        return None
-    return Section("loops", "Control loop", list(_figures(shown)), [table])
+    """Plots and margins of laws that measure the machine, and what laws have learnt; None where there is neither."""
+    tables = [table for table in (_margins(shown), _learnt(shown)) if table.rows]
+    return Section("loops", "Control loop", list(_figures(shown)), tables) if tables else None
 
 
 def _figures(shown: Shown) -> Iterator[Picture]:
@@ -49,6 +48,21 @@ def _margins(shown: Shown) -> Table:
         f"2. {DASH}: unlimited, or no crossing."
     )
     return Table("Margins of the control loop", LOOP_HEAD, rows, note)
+
+
+def _learnt(shown: Shown) -> Table:
+    """What laws have learnt of each mount at the end, a row per mount."""
+    known = {label: found for label, result in shown.results.items() if (found := result.summary.learnt)}
+    rows: list[list[str]] = []
+    for label, mounts in known.items():
+        if len(known) > 1:
+            rows.append([label])
+        for mount, told in mounts.items():
+            cells = (told.get(name) for name in UNITS)
+            rows.append([mount, *(DASH if one is None else f"{one.stated:.4g} → {one.learnt:.4g}" for one in cells)])
+    head = ("mount", *(f"{name.replace('_', ' ')} [{unit}]" for name, unit in UNITS.items()))
+    note = f"Stated → learnt, at the end of the run; play: threshold and half of the hysteresis. {DASH}: not learnt."
+    return Table("What the law has learnt", head, rows, note)
 
 
 def _loop(one: LoopMargins | PlaceMargins) -> list[str]:
