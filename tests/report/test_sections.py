@@ -26,7 +26,7 @@ ASKED = {
 def shown() -> Shown:
     """A run that has something to say in every section: 1 s, too short for the low bands, which is a warning."""
     table = {"name": "small", "duration": 1.0, "plates": "tied", "compare": (), **ASKED}
-    active = simulate(parse_scenario({**table, "control": {"kind": "combined"}}))
+    active = simulate(parse_scenario({**table, "control": {"kind": "combined", "linearisation": {}}}))
     return Shown.of({"active": active, "passive": simulate(parse_scenario(table))})
 
 
