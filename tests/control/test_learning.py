@@ -36,9 +36,10 @@ def plant_of(**isolator: Any) -> Plant:
 def loop_of(learning: Learning, linear: Linearisation | None = None, **isolator: Any) -> DigitalLoop:
     """A law that wants nothing by itself, with a stage that learns; what is believed of the isolators."""
     plant = plant_of(**isolator)
+    learners = learning.learners(plant, None if linear is None else linear.band)
     law = Controller(
         np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((4, 0)), np.zeros((4, 0)), (), PERIOD, DELAY,
-        valves=(linear or NOTHING).known(plant), learners=learning.learners(plant, linear is not None),
+        valves=(linear or NOTHING).known(plant), learners=learners,
     )  # fmt: skip
     return make_loop(law, plant, PERIOD, SENSORS)
 
@@ -178,6 +179,13 @@ def test_nothing_is_learnt_from_noise_whatever_it_starts_with() -> None:
     np.testing.assert_array_equal(got.reshape(len(got), -1), np.tile(begin, (len(got), 1)))
 
 
+def test_nothing_is_learnt_within_the_band_of_edges() -> None:
+    """Whatever moves there, as a hunt about overlap that is overdone, is no measure of the valve."""
+    wanted = multisine(2.0, rms=0.03)  # 0.06 mA
+    got = run(loop_of(QUICK, EDGES, overlap=[0.48] * 4), Truth.of(overlap=[0.4] * 4), wanted).learnt
+    np.testing.assert_array_equal(got, np.broadcast_to(STATED, got.shape))
+
+
 def test_nothing_is_learnt_while_commands_are_limited_or_fade() -> None:
     off, wanted = Truth.of(flow_gain=1.3 * 1.94e-6), multisine(3.0)
     shares = np.ones(len(wanted))
@@ -313,7 +321,7 @@ def test_compiled_learning_is_that_of_its_equations() -> None:
     shares = np.minimum(np.arange(len(wanted)) / 500.0, 1.0)
     got = run(loop, truth, wanted, shares, noise=1e-10)
     plant = plant_of(**belief)
-    twin = InNumpy(learning.learners(plant, True)[0], EDGES.known(plant)[0].numbers, (LAG, LAG))
+    twin = InNumpy(learning.learners(plant, EDGES.band)[0], EDGES.known(plant)[0].numbers, (LAG, LAG))
     area, laws = plant.actuators[0].piston_area, loop.laws
     at = got.readings
     force = area * (at[:, laws.pressures[0:8:2]] - at[:, laws.pressures[1:8:2]])

@@ -37,7 +37,9 @@ class Learning(Settings):
     )
     pace: Positive = Field(1.0, description="time over which the law follows what it finds [s]")
     least: Positive = Field(
-        2e-3, description="flow in the band, as an opening, RMS, below which nothing is learnt [mA]"
+        2e-3,
+        description="flow in the band, as an opening, RMS, below which nothing is learnt; "
+        "where edges are made good at least control.linearisation.band [mA]",
     )
 
     @model_validator(mode="after")
@@ -48,12 +50,22 @@ class Learning(Settings):
             )
         return self
 
-    def learners(self, plant: Plant, edges: bool) -> tuple[Learner, ...]:
-        """What is known of a plant's isolators, one per mount; ``edges``: whether overlap and play are made good."""
-        return tuple(self._of(actuator, edges) for actuator in plant.actuators)
+    def learners(self, plant: Plant, band: float | None = None) -> tuple[Learner, ...]:
+        """What is known of a plant's isolators, one per mount.
 
-    def _of(self, actuator: Actuator, edges: bool) -> Learner:
-        """Of one isolator; one that does not obey learns nothing."""
+        Args:
+            plant: machine on its isolators.
+            band: opening over which the jump across overlaps that are made good is spread [mA]; none: edges are not
+                made good, and nothing is learnt of them.
+        """
+        return tuple(self._of(actuator, band) for actuator in plant.actuators)
+
+    def _of(self, actuator: Actuator, band: float | None) -> Learner:
+        """Of one isolator; one that does not obey learns nothing.
+
+        Within the band of its edges a loop may hunt, and what is learnt there is no property of the valve.
+        """
+        edges = band is not None
         one, two = actuator.piston_area / actuator.volume_1, actuator.piston_area_2 / actuator.volume_2
         area = (one * actuator.piston_area + two * actuator.piston_area_2) / (one + two)
         oil = 1.0 / (actuator.bulk_modulus * (one + two))
@@ -87,5 +99,5 @@ class Learning(Settings):
             memory=self.memory,
             prior=self.prior,
             pace=self.pace,
-            least=self.least,
+            least=max(self.least, band or 0.0),
         )

@@ -110,7 +110,7 @@ class SampledSettings(ControlSettings):
         """What a law knows of a plant's valves, and learns of its isolators."""
         linear, learning = self.linearisation, self.learning
         made_good = linear or (NOTHING if learning else None)
-        learners = () if learning is None else learning.learners(plant, edges=linear is not None)
+        learners = () if learning is None else learning.learners(plant, None if linear is None else linear.band)
         return {"valves": () if made_good is None else made_good.known(plant), "learners": learners}
 
     def digital(
