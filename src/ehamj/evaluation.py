@@ -14,10 +14,9 @@ import xarray as xr
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
-from ehamj.control.linearisation import made_good
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.errors import InputError
-from ehamj.linear.loop import Loop, feeds_back
+from ehamj.linear.loop import Loop, feeds_back, linear_under
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.margins import grid, loop_gains
 from ehamj.linear.modes import Mode, modes
@@ -118,12 +117,10 @@ class Evaluation:
     @Once
     def model(self) -> LinearModel | None:
         """The linear machine as the law has it, behind the linearisation of its valves."""
-        valves = self.law.converter.valves if self.law is not None else ()
-        plant = made_good(self.result.scenario.plant, valves)
-        if plant == self.result.scenario.plant:
+        if self.law is None or not self.law.converter.valves:
             return self.machine.model
         with suppress(InputError):
-            return linear_model(plant)
+            return linear_under(self.result.scenario.plant, self.law)
         return None
 
     @Once

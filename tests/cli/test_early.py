@@ -20,6 +20,7 @@ WRONG = ["--set", "machine.mas=1"]
         ["study", "gains", *WRONG],
         ["study", "--json", "gains", "benchmark", *WRONG],
         ["transmissibility", "benchmark", "--set", "machine.mass=heavy"],
+        ["run", "recorded", "--set=machine.mas=1", "--set", "machine.mas=2"],
     ],
 )
 def test_what_is_wrong_is_said(words: list[str]) -> None:
@@ -35,6 +36,7 @@ def test_what_is_wrong_is_said(words: list[str]) -> None:
         ["modes", "vc-c-floor", "benchmark", *WRONG],
         ["study", "gains", "no-such-scenario", *WRONG],
         ["replay", "vc-c-floor", *WRONG],
+        ["study", "gains", "--settings", "benchmark", *WRONG],
         ["run", "--set"],
         ["run", "vc-c-floor", "--out", "benchmark", "--set", "machine.mass=4100"],
     ],
@@ -48,3 +50,15 @@ def test_a_key_in_a_file_of_ones_own(tmp_path: Path) -> None:
     path.write_text("[control]\nkind = 'modal'\nratee = 1e4\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"^control\.ratee = 10000\.0: unknown key; did you mean 'rate'\?"):
         check_early("modes", [str(path)])
+
+
+def test_a_study_of_ones_name_is_not_the_folder_of_that_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "waves").mkdir()
+    (tmp_path / "waves" / "scenario.toml").write_text("[machine]\nmas = 1\n", encoding="utf-8")
+    check_early("study", ["waves", "--set", "machine.mass=4100"])
+
+
+def test_settings_count_in_the_order_in_which_they_stand() -> None:
+    places = '{name="a",position=[0.6,0.4]},{name="b",position=[0.6,-0.4]},{name="c",position=[-0.6,0]}'
+    check_early("modes", ["metrology-room", f"--set=mount=[{places}]", "--set", "mount.a.height=1e-5"])

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ehamj.errors import InputError
 from ehamj.forces.transients import Blows, Pieces
 from ehamj.forces.vibrations import Rotating, random_force
 from ehamj.signals import Signal
@@ -93,3 +94,8 @@ def test_a_random_force_has_its_rms_and_its_band() -> None:
     frequency = np.fft.rfftfreq(time.size, 1e-3)
     inside = (frequency > 9.9) & (frequency < 50.1)
     assert power[inside].sum() > (1.0 - 1e-6) * power.sum()
+
+
+def test_a_random_force_without_a_line_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^force: no line of a force that repeats after 1 s lies from first = 10\.05"):
+        random_force(1.0, 10.05, 10.06, 1.0, np.random.default_rng(0))

@@ -44,10 +44,27 @@ def test_a_variant_is_the_scenario_but_for_what_it_states(read: Any) -> None:
     assert scenario.variant("passive").control.kind == "passive"
 
 
+PLACES = {"a": [0.6, 0.4], "b": [0.6, -0.4], "c": [-0.6, 0.0]}
+
+
 def test_files_that_a_variant_names_lie_beside_the_scenario(tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
     file.write_text("[variants.other.control]\nkind = 'law'\nfile = 'law.json'\n")
     assert load_scenario(file).variants["other"]["control"]["file"] == str(tmp_path / "law.json")
+
+
+def test_they_do_where_the_scenario_says_the_kind(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    ground = "[ground]\nkind = 'record'\nfile = 'a.csv'\nunit = 'm/s'\n"
+    file.write_text(f"{ground}[variants.other.ground]\nfile = 'b.csv'\n")
+    assert load_scenario(file).variants["other"]["ground"]["file"] == str(tmp_path / "b.csv")
+
+
+def test_a_variant_changes_an_actuator_whose_name_has_a_dot() -> None:
+    mounts = [{"name": m, "position": p, "actuator": "v2.0"} for m, p in PLACES.items()]
+    variants = {"airy": {"actuators": {"v2.0": {"air_fraction": 0.01}}}}
+    scenario = parse_scenario({"actuators": {"v2.0": {}}, "mount": mounts, "variants": variants})
+    assert scenario.variant("airy").actuators["v2.0"].air_fraction == 0.01
 
 
 @pytest.mark.parametrize(
@@ -58,6 +75,9 @@ def test_files_that_a_variant_names_lie_beside_the_scenario(tmp_path: Path) -> N
         ({"a": {"duration": 1.0, "compare": ["passive"]}}, r"variants\.a\.compare: cannot differ"),
         ({"a": {"mount": {"middle": {"height": 0.0}}}}, r"variants\.a: mount\.middle\.height.*'front-left'"),
         ({"passive": {}}, r"variants\.passive: is the name of a standard control"),
+        ({"result.nc": {}}, r"variants: 'result\.nc' must be letters"),
+        ({"figures": {}}, r"variants: 'figures' must be letters"),
+        ({"a": {}, "A": {}}, r"variants\.a: another one has this name"),
         ({"../a": {}}, r"'\.\./a' must be letters"),
         ({"a": 3.0}, r"variants\.a = 3\.0: must be a table"),
     ],

@@ -11,6 +11,8 @@ from ehamj.scenario_files import scenario_path
 TAKING: Final = ("run", "design", "modes", "statics", "transmissibility", "study")
 """Commands that take a scenario, by default *recorded*, and ``--set``."""
 
+FLAGS: Final = ("--json", "--overwrite", "--no-replay", "--no-report", "--sensitivity", "--all")
+"""Options without a word of their own: what stands after one may be the scenario."""
 NO_SCENARIO: Final = ("--set", "--out")
 """Options whose word may look like a scenario's name or folder, and is none."""
 
@@ -26,15 +28,18 @@ def check_early(command: str, words: Sequence[str]) -> None:
     if command not in TAKING or "--help" in words:
         return
     pairs = list(pairwise(("", *words)))
-    free = [word for before, word in pairs if not word.startswith("-") and before not in NO_SCENARIO]
-    named = [word for word in free if _is_scenario(word)]
-    if len(named) > 1 or (not named and len(free) > (command == "study")):
+    words_after = [(before, word) for before, word in pairs if not word.startswith("-") and before not in NO_SCENARIO]
+    certain = [word for before, word in words_after if not before.startswith("-") or before in FLAGS]
+    free = certain[command == "study" :]
+    if len(free) > 1 or (free and not _is_scenario(free[0])):
         return
+    if len(certain) < len(words_after) and not free:
+        return  # what stands after an option may be its word, or the scenario
     from ehamj.scenario.load import check_scenario
 
-    overrides = [word for before, word in pairs if before == "--set"]
-    overrides += [word.removeprefix("--set=") for word in words if word.startswith("--set=")]
-    check_scenario(named[0] if named else "recorded", overrides)
+    stated = [word for before, word in pairs if before == "--set" or word.startswith("--set=")]
+    overrides = [word.removeprefix("--set=") for word in stated]
+    check_scenario(free[0] if free else "recorded", overrides)
 
 
 def _is_scenario(word: str) -> bool:

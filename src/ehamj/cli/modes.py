@@ -15,8 +15,7 @@ from ehamj.cli.progress import doing
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
 from ehamj.findings import finite
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.modes import Mode
 from ehamj.linear.modes import modes as modes_of
 from ehamj.rig.modal_test import KINDS, ModalTest, kind_of, modal_test
@@ -77,8 +76,8 @@ def modes(
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     places = {**loaded.points, **_points(points or [], loaded.plant.mounts)}
-    loops, model = _loops(loaded), linear_model(loaded.plant)
-    found = {key: modes_of(model, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
+    loops = _loops(loaded)
+    found = {key: _modes_under(loaded, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
     test, slopes = None, {}
     if measured is not None:
         with doing(f"measuring: {measured}"):
@@ -130,6 +129,13 @@ def _loops(scenario: Scenario) -> dict[str, tuple[Loop | None, bool]]:
     """The loop of each variant, and whether its chambers are bypassed."""
     loop = Loop.of(scenario, scenario.controller())
     return {"modes": (None, False), "bypassed": (None, True)} | ({"closed_loop": (loop, False)} if loop else {})
+
+
+def _modes_under(
+    scenario: Scenario, loop: Loop | None, bypassed: bool, places: Mapping[str, tuple[float, float, float]]
+) -> Sequence[Mode]:
+    model = linear_under(scenario.plant, None if loop is None else loop.law)
+    return modes_of(model, loop, bypassed, places)
 
 
 def _check_recording(path: Path, overwrite: bool) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any, Final, NamedTuple, Self
 
 from ehamj.control.channels import SUPPLY
@@ -98,6 +99,12 @@ class KnownValve(NamedTuple):
         if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(
                 f"controller.valves: numbers must be finite, {', '.join(POSITIVE)} positive, and curve {POINTS} shares"
+            )
+        rises = curve[0] == 0.0 and curve[-1] == 1.0 and all(one <= next_ for one, next_ in pairwise(curve))
+        if not (rises and 0.0 < numbers.share < 1.0 and 0.0 < numbers.least <= numbers.most and numbers.play >= 0.0):
+            raise InputError(
+                "controller.valves: curve must rise from 0 to 1, share lie between 0 and 1, least between 0 and most, "
+                "and play be zero or positive"
             )
         return cls(numbers, curve)
 

@@ -87,4 +87,4 @@ def behind(scenario: Scenario) -> Plant:
     """The plant behind the linearisation of its valves that a scenario's law is to have."""
     control = scenario.control
     own = control.linearisation if isinstance(control, SampledSettings) else None
-    return scenario.plant if own is None else made_good(scenario.plant, own.known(scenario.plant))
+    return scenario.plant if own is None else made_good(scenario.plant, own.known(scenario.as_designed().plant))

@@ -12,8 +12,7 @@ from ehamj.designs.parameters import parameters_of, quantity_of, value_of, with_
 from ehamj.errors import InputError
 from ehamj.labels import labelled
 from ehamj.linear.eigen import eigenvalue_changes
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.modes import eigen_of, modes, oscillations, state_matrix
 from ehamj.linear.sampled import pattern_period
 from ehamj.scenario.model import Scenario
@@ -48,7 +47,7 @@ def sensitivities(
         InputError: if a parameter is unknown, or zero.
     """
     keys = parameters_of(scenario) if parameters is None else tuple(parameters)
-    model, loop = linear_model(scenario.plant), Loop.of(scenario, law)
+    model, loop = linear_under(scenario.plant, law), Loop.of(scenario, law)
     eigen, _ = eigen_of(model, loop, bypassed)
     found, chosen = modes(model, loop, bypassed), oscillations(eigen)
     values = [value_of(scenario, key) for key in keys]
@@ -57,7 +56,7 @@ def sensitivities(
         if value == 0.0 or not np.isfinite(value):
             raise InputError(f"sensitivity to {key} = {value:g}: must be neither zero nor infinite")
         varied = (with_value(scenario, key, value * (1.0 + sign * STEP)).plant for sign in (1.0, -1.0))
-        ahead, behind = (state_matrix(linear_model(plant), loop, bypassed).A for plant in varied)
+        ahead, behind = (state_matrix(linear_under(plant, law), loop, bypassed).A for plant in varied)
         changes[k] = eigenvalue_changes(eigen, chosen, (ahead - behind) / (2.0 * STEP))
     poles = np.array([mode.eigenvalue for mode in found])
     if law is not None:  # from z = exp(λT)

@@ -6,6 +6,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from ehamj.errors import InputError
 from ehamj.forces.force import PER_PERIOD, ContinuousForce, ForceSettings
 from ehamj.series import Lines, parts, room
 from ehamj.settings import Positive, SineSum
@@ -72,6 +73,11 @@ def random_force(rms: float, first: float, last: float, duration: float, random:
     period = max(duration, 10.0 / first)
     lines = room(int(last * period + 1e-6) + 1)
     count = sum(int((np.arange(part.start, part.stop) / period >= first - 1e-9).sum()) for part in parts(0, lines.size))
+    if not count:
+        raise InputError(
+            f"force: no line of a force that repeats after {period:g} s lies from first = {first:g} to "
+            f"last = {last:g} Hz; they must be {1.0 / period:g} Hz apart"
+        )
     for part in parts(0, lines.size):
         inside = np.arange(part.start, part.stop) / period >= first - 1e-9
         phases = random.uniform(0.0, 2.0 * np.pi, inside.size)

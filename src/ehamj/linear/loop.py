@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
 from ehamj.control.converter import check_mounts
+from ehamj.control.linearisation import made_good
 from ehamj.control.sensors import Sensors
-from ehamj.linear.machine import LinearModel
+from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
 
@@ -47,6 +49,15 @@ class Loop:
     def mixtures(self, channels: Sequence[str] | None = None) -> tuple[tuple[str, ...], Array]:
         """All channels that reach the instruments at some channels (without: the law's), and their shares in each."""
         return self.sensors.mixtures(self.law.inputs if channels is None else channels, self.seed)
+
+
+def linear_under(plant: Plant, law: LinearController | None) -> LinearModel:
+    """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves.
+
+    Raises:
+        InputError: as `linear_model`.
+    """
+    return linear_model(plant if law is None else made_good(plant, law.converter.valves))
 
 
 def own_readings(law: LinearController) -> list[int]:

@@ -80,7 +80,7 @@ class Shown:
 
     @property
     def together(self) -> bool:
-        """Whether all results are of one scenario: itself and variants of its control."""
+        """Whether all results are of one scenario: itself and its variants."""
         own = {self.scenario.name, *(self.scenario.variant(name).name for name in (*self.scenario.variants, *STANDARD))}
         return all(result.scenario.name in own for result in self.results.values())
 

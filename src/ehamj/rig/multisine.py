@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.spectra import Estimator, Spectra, estimate
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
 from ehamj.linear.response import TURNS, lever_scale, machine_channels, slab_pattern
 from ehamj.plant.axes import DOFS
@@ -82,7 +82,8 @@ def by_multisine(
     if realisations < 2:
         raise InputError(f"realisations = {realisations}: must be at least 2, whose differences tell the coherence")
     f = lines() if frequency is None else np.asarray(frequency, float)
-    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    law = scenario.controller()
+    model, loop = linear_under(scenario.plant, law), Loop.of(scenario, law)
     model.rows(outputs)  # says which channels there are
     slab_pattern(model.plant, dofs)  # says which degrees of freedom there are
     fade_in, settling = settling_time(model, loop)

@@ -7,7 +7,6 @@ from typing import Any
 import xarray as xr
 
 from ehamj.control import LinearController, PythonController
-from ehamj.control.linearisation import made_good
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
@@ -15,8 +14,7 @@ from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import LoopMargins, Summary, Timing
-from ehamj.linear.loop import Loop, feeds_back
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
 from ehamj.run.aftermath import aftermath
@@ -105,7 +103,7 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[Loop
     if not feeds_back(law) and not any(used_options(one) for one in scenario.plant.actuators):
         return None, []
     try:
-        model = linear_model(made_good(scenario.plant, law.converter.valves if law is not None else ()))
+        model = linear_under(scenario.plant, law)
     except NotSmooth as error:
         return None, [str(error)]
     except InputError:

@@ -17,8 +17,8 @@ from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, rms_in_bands
 from ehamj.judge.summary import ByMount
 from ehamj.judge.worse import MOTIONS, Worse, worse
-from ehamj.linear.loop import Loop, feeds_back
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, feeds_back, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import Mode, modes
 from ehamj.linear.response import machine_channels, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
@@ -106,7 +106,7 @@ class Reasons:
     def model(self) -> LinearModel | None:
         """None where the machine has no rest to linearise about."""
         with suppress(InputError):
-            return linear_model(self.scenario.plant)
+            return linear_under(self.scenario.plant, self.law)
         return None
 
     @cached_property

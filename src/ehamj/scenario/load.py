@@ -141,6 +141,7 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
         return {key: anchored(entry, parts[1], folder) for key, entry in value.items()}
     elif isinstance(kind, type) and issubclass(kind, Settings) and isinstance(value, dict):
         types = keys_of(kind)
-        if "kind" not in types or value.get("kind") in get_args(types["kind"]):
+        # A variant's table may leave the kind to the scenario; what is a file's name in any kind is one then.
+        if "kind" not in types or "kind" not in value or value["kind"] in get_args(types["kind"]):
             return {key: anchored(entry, types.get(key), folder) for key, entry in value.items()}
     return value

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 Variants = dict[str, Annotated[dict[str, Any], OVERRIDES]]
 """What of a scenario is otherwise, by the variant's name."""
-NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
-"""What may be a variant's folder."""
+NAME: Final = re.compile(r"(?!figures$)[A-Za-z0-9][A-Za-z0-9_-]*", re.IGNORECASE)
+"""What may be a variant's folder beside a result's files and its folder of figures."""
 OWN: Final = ("name", "description", "compare", "variants")
 """Keys that a variant does not change: what the whole is called, and what runs beside it."""
 
@@ -28,10 +28,14 @@ def check_variants(scenario: "Scenario") -> None:
         ValueError: with a message that names the key, the value and what is allowed.
     """
     for name, table in scenario.variants.items():
-        if name in STANDARD:
+        if name.casefold() in STANDARD:
             raise ValueError(f"variants.{name}: is the name of a standard control; choose another")
         if not NAME.fullmatch(name):
-            raise ValueError(f"variants: {name!r} must be letters, digits, '.', '_' and '-': it names a folder")
+            raise ValueError(
+                f"variants: {name!r} must be letters, digits, '_' and '-', and not 'figures': it names a folder"
+            )
+        if sum(other.casefold() == name.casefold() for other in scenario.variants) > 1:
+            raise ValueError(f"variants.{name}: another one has this name but for capitals, and would have its folder")
         own = [key for key in OWN if key in table]
         if own:
             raise ValueError(f"variants.{name}.{own[0]}: cannot differ in a variant; state it once, for the scenario")
@@ -59,7 +63,7 @@ def variant(scenario: "Scenario", name: str) -> "Scenario":
 def _otherwise(scenario: "Scenario", name: str) -> "Scenario":
     """The scenario with what its variant states."""
     alone = scenario.model_copy(update=_alone(scenario, name))
-    return changed(alone, {".".join(key): value for key, value in entries(scenario.variants[name])})
+    return changed(alone, dict(entries(scenario.variants[name])))
 
 
 def _alone(scenario: "Scenario", name: str) -> dict[str, Any]:

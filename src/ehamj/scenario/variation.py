@@ -23,13 +23,13 @@ SHOWN = 4
 """Differences that a message names."""
 
 
-def changed(scenario: "Scenario", values: Mapping[str, Any]) -> "Scenario":
+def changed(scenario: "Scenario", values: Mapping[Any, Any]) -> "Scenario":
     """The scenario with other values, checked as a file is. A law is derived for what came out, unless it is held.
 
     Args:
         scenario: what they differ from.
-        values: by dotted key, as ``--set`` has them: ``{"control.delay": 3e-4, "mount.0.actuator": "soft"}``; a whole
-            table replaces the one that is there.
+        values: by dotted key, as ``--set`` has them: ``{"control.delay": 3e-4, "mount.0.actuator": "soft"}``, or by key
+            in parts, ``("actuators", "v2.0", "oil")``; a whole table replaces the one that is there.
 
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
@@ -38,7 +38,7 @@ def changed(scenario: "Scenario", values: Mapping[str, Any]) -> "Scenario":
     if "points" not in scenario.model_fields_set:
         del table["points"]  # they follow the machine's size
     for key, value in values.items():
-        place(table, key, plain(value), f"{key} = {value!r}")
+        place(table, key, plain(value), f"{key if isinstance(key, str) else '.'.join(key)} = {value!r}")
     return checked(type(scenario), table)
 
 

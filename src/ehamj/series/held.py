@@ -112,8 +112,12 @@ class OnDisk(Generic[Number]):
             raise self._no_room(error) from error
 
     def _no_room(self, error: OSError) -> InputError:
+        try:
+            folder = f", {tempfile.gettempdir()}"
+        except OSError:  # it finds none that can be written
+            folder = ""
         return InputError(
             f"duration: a floor or force as long as the run needs {1e-6 * self._dtype.itemsize * self.size:.3g} MB in "
-            f"the folder for temporary files, {tempfile.gettempdir()}: {error.strerror or error}; make the duration "
+            f"the folder for temporary files{folder}: {error.strerror or error}; make the duration "
             "shorter, or let TMPDIR name a folder with room"
         )

@@ -10,8 +10,8 @@ from scipy.optimize import linear_sum_assignment
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control.sensors import IDEAL
 from ehamj.labels import table
-from ehamj.linear.loop import Loop, feeds_back
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, feeds_back, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import FORGOTTEN, modes
 from ehamj.linear.sampled import pattern_period, sampled_loop
 from ehamj.plots import Branch, Figure, View, lines_chart, locus_chart, style, view_of
@@ -79,7 +79,8 @@ def root_locus(model: LinearModel, loop: Loop, factors: Array, progress: Progres
 def loop_gains(scenario: Scenario, settings: GainSettings, progress: Progress) -> Outcome:
     """A loop that is unstable even with a thousandth of its gain is refused."""
     progress("limit of stability")
-    model, own = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    law = scenario.controller()
+    model, own = linear_under(scenario.plant, law), Loop.of(scenario, law)
     ours = own is None or not feeds_back(own.law)
     loop = Loop(inertial_position(scenario.plant, settings.crossover), IDEAL, 0) if own is None or ours else own
     limit = highest_factor(model, loop)

@@ -19,7 +19,7 @@ from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.labels import table
-from ehamj.linear.loop import Loop
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import rigid_floor
 from ehamj.mujoco import hydraulics
@@ -242,7 +242,8 @@ Systems = Mapping[str, tuple[LinearModel, Loop | None]]
 
 def compared_systems(scenario: Scenario, presets: Sequence[str] = MOUNTS_COMPARED) -> Systems:
     """The machine on each kind of soft mount and on its own actuators: valves held, and under its control if any."""
-    passive, own, loop = still(scenario), linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    passive, law = still(scenario), scenario.controller()
+    own, loop = linear_under(scenario.plant, law), Loop.of(scenario, law)
     found: dict[str, tuple[LinearModel, Loop | None]] = {
         name: (linear_model(still(passive, **with_every_actuator(passive, preset(name))).plant), None)
         for name in presets

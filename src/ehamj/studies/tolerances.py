@@ -20,8 +20,7 @@ from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.isolator.actuator import Actuator
 from ehamj.labels import table
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.response import rigid_floor
 from ehamj.plots import Figure, Line, lines_chart
 from ehamj.result import Result
@@ -218,7 +217,9 @@ def predicted(scenario: Scenario) -> list[float]:
     """Linear attenuation of heave at the bands' centres [dB]."""
     loop = Loop.of(scenario, scenario.controller())
     hertz = np.array([float(band) for band in BANDS])
-    answer = rigid_floor(linear_model(scenario.plant), hertz, loop, ("cg_displacement z",), ("z",)).response
+    answer = rigid_floor(
+        linear_under(scenario.plant, loop.law if loop else None), hertz, loop, ("cg_displacement z",), ("z",)
+    ).response
     return [float(level) for level in -20.0 * np.log10(np.abs(answer.ravel()))]
 
 

@@ -11,8 +11,7 @@ from ehamj.designs.designs import Designs
 from ehamj.designs.many import modes_of
 from ehamj.isolator.actuator import Actuator
 from ehamj.labels import labelled, table
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.plots import Figure, lines_chart
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
@@ -83,7 +82,7 @@ def fastest_loops(scenario: Scenario, settings: ValveOilSettings, progress: Prog
         for j, factor in enumerate(factors):
             one = _scaled(scenario, name, factor)
             loop = Loop(inertial_position(one.plant, TRIED), IDEAL, 0)
-            crossover[i, j] = TRIED * highest_factor(linear_model(one.plant), loop)
+            crossover[i, j] = TRIED * highest_factor(linear_under(one.plant, loop.law), loop)
     return table(
         "fastest position loop",
         {"parameter": (list(settings.looped), "", "parameter"), "factor": (factors, "1", "factor")},

@@ -98,8 +98,8 @@ def valves(scenario: Scenario, settings: ValveSettings, progress: Progress) -> O
             )
         },
         notes=(
-            "Each law is derived for the very machine that it runs on: the stage knows its valves exactly. What it "
-            "costs to know less of them: [control.linearisation], overlap = 0.8.",
+            "Each law is derived for the very machine that it runs on: the stage knows its valves, as exactly as "
+            "[control.linearisation] lets it. What it costs to know less of them: overlap = 0.8 there.",
             f"Floor and instruments are the scenario's, {settings.duration:g} s; values of the valves are typical of "
             "catalogues, and assumed.",
         ),
@@ -137,7 +137,7 @@ def _machine(scenario: Scenario, settings: ValveSettings, values: dict[str, Any]
     assert isinstance(control, DigitalSettings)  # anything else was refused
     obeying = [name for name, one in scenario.actuators.items() if not one.passive]
     own = {"valve": "paper", **dict.fromkeys(("hysteresis", "threshold", "air_fraction"), 0.0)}
-    own |= {"overlap": [0.0] * 4, "flow_curve": []}
+    own |= {"overlap": [0.0] * 4, "flow_curve": [], "null_offset": 0.0}
     own |= {key: value for key, value in values.items() if "." not in key}
     base: dict[str, Any] = {
         "duration": settings.duration,

@@ -14,8 +14,8 @@ from pydantic import Field
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.labels import table
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.response import ground_response, rigid_floor
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plots import Figure, Line, direction_chart, map_chart
@@ -93,7 +93,8 @@ def rocking(
 def waves(scenario: Scenario, settings: WaveSettings, progress: Progress) -> Outcome:
     """A machine that has no operating point is refused."""
     progress("linear response")
-    model, loop = linear_model(scenario.plant), Loop.of(scenario, scenario.controller())
+    law = scenario.controller()
+    model, loop = linear_under(scenario.plant, law), Loop.of(scenario, law)
     systems: dict[str, Loop | None] = {HELD: None} | ({} if loop is None else {"controlled": loop})
     found = rocking_table(settings, {name: rocking(model, one, settings) for name, one in systems.items()})
     worst = {name: worst_wave(found, name) for name in systems}
