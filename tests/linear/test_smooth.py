@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from ehamj.errors import InputError
+from ehamj.linear.loop import closed_at_rest, linear_under
 from ehamj.linear.machine import linear_model
 from ehamj.linear.smooth import used_options
 from ehamj.run.simulate import simulate
+from ehamj.run.summarise import loop_margins
 from ehamj.scenario.load import parse_scenario
 
 SMOOTH = {"overlap": [0.1, -0.2, 0.1, 0.05], "null_offset": 0.01, "threshold": 0.05, "end_stops": True}
@@ -48,3 +50,23 @@ def test_a_run_goes_on_and_says_so() -> None:
     assert math.isfinite(found.rms["cg_velocity"]["z"])
     (said,) = [warning for warning in found.warnings if "no linear model" in warning]
     assert "hysteresis = 0.01" in said
+
+
+@pytest.mark.parametrize(("option", "value"), [("overlap", [0.4] * 4), ("hysteresis", 0.1), ("threshold", 0.05)])
+def test_a_loop_that_valves_open_at_rest_has_no_margins_unless_that_is_made_good(option: str, value: object) -> None:
+    """It would look as if its gain could rise without limit."""
+    table = {"plates": "tied", "actuators": {"isolator": {option: value}}}
+    bare = parse_scenario({**table, "control": {"kind": "modal"}})
+    margins, said = loop_margins(bare, bare.controller())
+    assert margins is None
+    assert "front-left, front-right, rear-left, rear-right pass nothing" in said[0]
+    good = parse_scenario({**table, "control": {"kind": "modal", "linearisation": True}})
+    margins, said = loop_margins(good, good.controller())
+    assert margins is not None
+    assert margins.gain_db < 20.0
+    assert not said
+
+
+def test_ideal_valves_pass_oil_at_rest() -> None:
+    scenario = parse_scenario({"plates": "tied", "control": {"kind": "modal"}})
+    assert closed_at_rest(linear_under(scenario.plant, scenario.controller())) == ()

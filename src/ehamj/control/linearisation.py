@@ -89,7 +89,8 @@ class Linearisation(Settings):
 
 def made_good(plant: Plant, valves: Sequence[KnownValve]) -> Plant:
     """The plant as laws have it behind a stage that knows its valves, outside their overlap: each without what is made
-    good of it. What is believed wrongly, and what happens across the overlap, is in `ehamj.control.describing`."""
+    good of it, its pressure drop as it is at rest. What is believed wrongly, and what happens across the overlap, is in
+    `ehamj.control.describing`."""
     if not valves:
         return plant
     own = (_without(one, valve.numbers) for one, valve in zip(plant.actuators, valves, strict=True))

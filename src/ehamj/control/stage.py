@@ -22,7 +22,8 @@ SEEN = 1.0
 
 
 class Stage(NamedTuple):
-    """The stage as one more law: it samples with the fastest, and what it adds waits as long."""
+    """The stage as one more law: it samples with the fastest, and what it adds waits as long. Of laws that wait longer
+    it takes what they want then, ahead of its time at the valves."""
 
     period: float
     """[s]"""

@@ -27,8 +27,8 @@ from ehamj.control.inverse import volts
 from ehamj.control.settings import SampledSettings
 from ehamj.control.windup import AntiWindup
 from ehamj.errors import InputError
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.sampled import opened_at_samples
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Positive
@@ -67,7 +67,7 @@ def line_cancellation(
         InputError: if a line is at or above half the sampling rate.
     """
     plant = scenario.plant
-    linear = model or linear_model(plant)
+    linear = model or linear_under(plant, beside)
     feet = MountChannels.of(plant).feet
     if beside is None:  # a law that commands nothing, with the clock of the settings
         nothing = Block.gain(np.zeros((len(plant.mounts), 0)))

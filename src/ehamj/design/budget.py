@@ -192,7 +192,10 @@ def _noises(model: LinearModel, loop: Loop, rate: float) -> dict[str, Array]:
 
 
 def _noise_powers(model: LinearModel, loop: Loop, f: Array) -> dict[str, Array]:
-    """Power densities of `OUTPUTS` at frequencies (f,) [Hz] by instruments and converter, (f, output) by cause."""
+    """Power densities of `OUTPUTS` at frequencies (f,) [Hz] by instruments and converter, (f, output) by cause.
+
+    What the linearisation of valves reads moves their gain alone, which is of second order and left out.
+    """
     law, cut, found = loop.law, opened(model, loop, f), {}
     drive = model.response(f, OUTPUTS, model.commands) @ cut.sensitivity
     moved = np.abs(drive @ cut.law) ** 2  # per reading

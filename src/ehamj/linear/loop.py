@@ -18,6 +18,7 @@ from ehamj.control.converter import check_mounts
 from ehamj.control.linearisation import made_good
 from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.plant.axes import CHAMBERS
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
@@ -51,13 +52,31 @@ class Loop:
         return self.sensors.mixtures(self.law.inputs if channels is None else channels, self.seed)
 
 
-def linear_under(plant: Plant, law: LinearController | None) -> LinearModel:
+def linear_under(plant: Plant, law: LinearController | None, commands: ArrayLike | None = None) -> LinearModel:
     """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves.
+
+    Args:
+        plant: what is linearised.
+        law: that runs; None without.
+        commands: as `linear_model`.
 
     Raises:
         InputError: as `linear_model`.
     """
-    return linear_model(plant if law is None else made_good(plant, law.converter.valves))
+    return linear_model(plant if law is None else made_good(plant, law.converter.valves), commands)
+
+
+def closed_at_rest(model: LinearModel) -> tuple[str, ...]:
+    """Mounts whose valves obey commands and pass nothing more for a small one, as within overlap, hysteresis or
+    threshold: a law's loop is open there."""
+    at = {name: k for k, name in enumerate(model.states)}
+
+    def passes(mount: str) -> bool:
+        moves = model.B[at[f"spool_rate {mount}"], model.commands.index(f"valve_command {mount}")] != 0.0
+        feeds = model.A[[at[f"pressure_{chamber} {mount}"] for chamber in CHAMBERS], at[f"spool {mount}"]].any()
+        return bool(moves and feeds)
+
+    return tuple(mount for mount in model.plant.obeying.mounts if not passes(mount))
 
 
 def own_readings(law: LinearController) -> list[int]:

@@ -10,8 +10,7 @@ from ehamj.control import Controller
 from ehamj.control.channels import MountChannels
 from ehamj.control.settings import SampledSettings
 from ehamj.errors import InputError
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import linear_model
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.sampled import sampled_machine
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
@@ -49,7 +48,8 @@ def sampled_plant(
             period does not divide this one.
     """
     scenario = as_scenario(scenario)
-    model, own = linear_model(scenario.plant), scenario.controller()
+    own = scenario.controller()
+    model = linear_under(scenario.plant, own if closed else None)
     laws = () if own is None else own.parts
     rates = list(dict.fromkeys(1.0 / law.period for law in laws))
     if rate is None and len(rates) > 1:

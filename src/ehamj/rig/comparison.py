@@ -12,7 +12,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.control.commands import Passive
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band, band_attenuation, bands
-from ehamj.linear.loop import Loop
+from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import (
     ZERO,
@@ -203,7 +203,7 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings, pro
     kinds = {"passive": scenario.model_copy(update={"control": Passive()})}
     if scenario.controller() is not None:
         kinds[scenario.control.kind] = scenario
-    model, s = linear_model(scenario.plant), settings
+    s = settings
     outputs, frequency = machine_channels(s.reference), lines(s.first, s.last, s.lines)
     variants = []
     for name, one in kinds.items():
@@ -211,10 +211,11 @@ def compare_scenario(scenario: Scenario, settings: TransmissibilitySettings, pro
             one, outputs, s.dofs, frequency, s.realisations, s.velocity, s.estimator, s.confidence,
             partial(_prefixed, progress, name),
         )  # fmt: skip
-        loop = Loop.of(one, one.controller())
+        law = one.controller()
+        model, loop = linear_under(one.plant, law), Loop.of(one, law)
         at_lines = rigid_floor(model, frequency, loop, outputs, s.dofs)
         variants.append(replace(_linear(name, model, loop, s), measured=(measured,), at_lines=at_lines))
-    return Comparison(scenario, s, tuple(variants), lever_scale(model.plant))
+    return Comparison(scenario, s, tuple(variants), lever_scale(scenario.plant))
 
 
 def _prefixed(progress: Progress, name: str, step: str) -> None:
@@ -245,7 +246,8 @@ def compare_result(result: Result, settings: TransmissibilitySettings) -> Compar
     variants = [_linear("passive", model, None, s)]
     loop = Loop.of(result.scenario, result.controller)
     if loop is not None:
-        variants.append(_linear(result.scenario.control.kind, model, loop, s))
+        behind = linear_under(result.scenario.plant, result.controller)
+        variants.append(_linear(result.scenario.control.kind, behind, loop, s))
     variants[-1] = replace(variants[-1], measured=tuple(measured))
     return Comparison(result.scenario, s, tuple(variants), lever_scale(model.plant))
 

@@ -18,8 +18,8 @@ from ehamj.errors import InputError
 from ehamj.faults import FaultSettings
 from ehamj.judge.faults import Expectation
 from ehamj.judge.levels import BANDS, ByBand
-from ehamj.linear.loop import Loop
-from ehamj.linear.machine import LinearModel, linear_model
+from ehamj.linear.loop import Loop, linear_under
+from ehamj.linear.machine import LinearModel
 from ehamj.linear.response import ground_response
 from ehamj.linear.unstable import unstable_pole
 from ehamj.plant.axes import AXES
@@ -67,7 +67,7 @@ def expectation(
     Raises:
         InputError: if the machine has no operating point under the commands of that part.
     """
-    model = linear_model(plant, np.clip(part["valve_command"].values.mean(axis=0), *_range(plant)))
+    model = linear_under(plant, law, np.clip(part["valve_command"].values.mean(axis=0), *_range(plant)))
     loop = Loop.of(scenario, None if law is None else law_after(law, faults))
     pole = None if loop is None else unstable_pole(model, loop)
     if pole is not None:

@@ -14,7 +14,7 @@ from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import LoopMargins, Summary, Timing
-from ehamj.linear.loop import Loop, feeds_back, linear_under
+from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
 from ehamj.run.aftermath import aftermath
@@ -112,6 +112,12 @@ def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[Loop
         return None, []
     if law is None or not feeds_back(law):
         return None, []
+    if closed := closed_at_rest(model):
+        return None, [
+            f"no margins: the valves of {', '.join(closed)} pass nothing more for a small command where they rest "
+            "(overlap, hysteresis, threshold), so that the loop is open there; control.linearisation = true makes good "
+            "what is known of them"
+        ]
     margins = LoopMargins.model_validate(report(model, Loop.of(scenario, law)).to_dict(places=("motions",)))
     if margins.stable:
         return margins, []

@@ -26,10 +26,8 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, counted
 from ehamj.studies.study import among, study
+from ehamj.studies.variants import BANDS, RECORD_RATE
 
-BANDS: Final = ("2", "5", "10", "20", "50", "100")
-RECORD_RATE: Final = 4000.0
-"""Rows per second [Hz]: motion above half of them would be read as if it were slow."""
 CLIPS: Final = 1e-3
 """Share of time from which a command at its limit counts as clipping [-]."""
 SETTLED: Final = 2.0

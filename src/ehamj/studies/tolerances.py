@@ -15,8 +15,6 @@ from numpy.random import Generator
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.settings import DigitalSettings
-from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.isolator.actuator import Actuator
 from ehamj.labels import table
@@ -30,11 +28,8 @@ from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import study
-from ehamj.studies.variants import with_actuators
+from ehamj.studies.variants import BANDS, RECORD_RATE, check_band, derived_law, with_actuators
 
-BANDS: Final = ("2", "5", "10", "20", "50", "100")
-RECORD_RATE: Final = 4000.0
-"""Rows per second [Hz]: motion above half of them would be read as if it were slow."""
 PERCENTILES: Final = {"median": 50.0, "low": 5.0, "high": 95.0}
 
 Share = Annotated[float, Field(ge=0, lt=0.9)]
@@ -113,13 +108,8 @@ def tolerances(scenario: Scenario, settings: ToleranceSettings, progress: Progre
     Warns:
         DerivedAnew: where the law is derived anew for each machine.
     """
-    if not isinstance(scenario.control, DigitalSettings):
-        raise InputError(
-            f"control.kind = {scenario.control.kind!r}: the study needs a law that is derived from a machine; "
-            "set control.kind to an architecture, such as 'combined'"
-        )
-    if f"{settings.band:g}" not in BANDS:
-        raise InputError(f"band = {settings.band:g} Hz: must be one of {', '.join(BANDS)}")
+    derived_law(scenario)
+    check_band(settings.band)
     found, drawn = machine_tables(scenario, settings, progress)
     scatter = scatter_of(found)
     held = settings.law == "held"

@@ -10,8 +10,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from ehamj.control.settings import DigitalSettings
-from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.isolator.presets import VALVES
 from ehamj.labels import table
@@ -22,10 +20,9 @@ from ehamj.scenario.model import Engine, Scenario
 from ehamj.settings import NotNegative, Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress, curves
 from ehamj.studies.study import study
+from ehamj.studies.variants import RECORD_RATE, check_band, derived_law
 
 BANDS: Final = ("5", "10", "20", "50", "100")
-RECORD_RATE: Final = 4000.0
-"""Rows per second [Hz]: motion above half of them would be read as if it were slow."""
 REAL: Final = VALVES["proportional"]
 IDEAL: Final = "ideal"
 ALL: Final = "all together"
@@ -76,13 +73,8 @@ class ValveSettings(Settings):
 )
 def valves(scenario: Scenario, settings: ValveSettings, progress: Progress) -> Outcome:
     """A scenario without a digital law, and a band that is not looked at, are refused."""
-    if not isinstance(scenario.control, DigitalSettings):
-        raise InputError(
-            f"control.kind = {scenario.control.kind!r}: the study needs a law that is derived from a machine; "
-            "set control.kind to an architecture, such as 'combined'"
-        )
-    if f"{settings.band:g}" not in BANDS:
-        raise InputError(f"band = {settings.band:g} Hz: must be one of {', '.join(BANDS)}")
+    derived_law(scenario)
+    check_band(settings.band, BANDS)
     found = attenuations(scenario, settings, progress)
     cost = found["attenuation"].sel(case=IDEAL) - found["attenuation"]
     return Outcome(
@@ -133,8 +125,7 @@ def attenuations(scenario: Scenario, settings: ValveSettings, progress: Progress
 
 def _machine(scenario: Scenario, settings: ValveSettings, values: dict[str, Any], law: str) -> Scenario:
     """The scenario's machine with ideal valves but for some values, under a law that knows it."""
-    control = scenario.control
-    assert isinstance(control, DigitalSettings)  # anything else was refused
+    control = derived_law(scenario)
     obeying = [name for name, one in scenario.actuators.items() if not one.passive]
     own = {"valve": "paper", **dict.fromkeys(("hysteresis", "threshold", "air_fraction"), 0.0)}
     own |= {"overlap": [0.0] * 4, "flow_curve": [], "null_offset": 0.0}

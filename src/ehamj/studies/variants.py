@@ -1,12 +1,13 @@
 """Variants of a scenario: what studies change about a machine, each checked as a scenario file is."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ehamj.control.settings import DigitalSettings
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import Isolator
@@ -18,6 +19,32 @@ def still(scenario: Scenario, **tables: Any) -> Scenario:
     """The bare machine: floor at rest, valves held, no variants."""
     bare = {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "compare": (), "fault": ()}
     return changed(scenario, bare | tables)
+
+
+BANDS: Final = ("2", "5", "10", "20", "50", "100")
+"""Third-octave bands [Hz] whose attenuation studies compare."""
+RECORD_RATE: Final = 4000.0
+"""Rows per second [Hz]: motion above half of them would be read as if it were slow."""
+
+
+def derived_law(scenario: Scenario) -> DigitalSettings:
+    """The scenario's control, which must be a law that is derived from a machine.
+
+    Raises:
+        InputError: if it is none.
+    """
+    if not isinstance(scenario.control, DigitalSettings):
+        raise InputError(
+            f"control.kind = {scenario.control.kind!r}: the study needs a law that is derived from a machine; "
+            "set control.kind to an architecture, such as 'combined'"
+        )
+    return scenario.control
+
+
+def check_band(hertz: float, bands: Sequence[str] = BANDS) -> None:
+    """Raise InputError unless a band [Hz] is one of those that a study looks at."""
+    if f"{hertz:g}" not in bands:
+        raise InputError(f"band = {hertz:g} Hz: must be one of {', '.join(bands)}")
 
 
 def check_gravity(scenario: Scenario, without: str) -> None:

@@ -1,7 +1,7 @@
 """The control loop: its gain as Bode, Nyquist and Nichols plots, and the margins that it leaves."""
 
-from collections.abc import Iterator
-from typing import Final
+from collections.abc import Iterator, Mapping
+from typing import Final, TypeVar
 
 from ehamj import plots
 from ehamj.judge.learnt import UNITS
@@ -13,6 +13,8 @@ from ehamj.report.shown import Shown
 LOOP_HEAD: Final = ("loop", "gain [dB]", "phase [°]", "disk [-]", "peak [-]", "peak at [Hz]", "crosses at [Hz]")
 ASKED: Final = 0.5
 """Disk margin that practice asks for [-]."""
+
+T = TypeVar("T")
 
 
 def loops(shown: Shown) -> Section | None:
@@ -30,13 +32,19 @@ def _figures(shown: Shown) -> Iterator[Picture]:
             yield Picture(f"loop-{name}-{label}" if several else f"loop-{name}", draw(), caption)
 
 
+def _by_run(known: Mapping[str, T], rows: list[list[str]]) -> Iterator[T]:
+    """What is known of each run; of several each begins with its name among the ``rows``."""
+    for label, found in known.items():
+        if len(known) > 1:
+            rows.append([label])
+        yield found
+
+
 def _margins(shown: Shown) -> Table:
     """What each law's loop has in hand before it becomes unstable, as the summary says it."""
     known = {label: found for label, result in shown.results.items() if (found := result.summary.margins)}
     rows: list[list[str]] = []
-    for label, table in known.items():
-        if len(known) > 1:
-            rows.append([label])
+    for table in _by_run(known, rows):
         if not table.stable:
             words = f": {table.unstable.words}" if table.unstable else ""
             rows.append([f"the closed loop is unstable{words}", *[DASH] * (len(LOOP_HEAD) - 1)])
@@ -54,9 +62,7 @@ def _learnt(shown: Shown) -> Table:
     """What laws have learnt of each mount at the end, a row per mount."""
     known = {label: found for label, result in shown.results.items() if (found := result.summary.learnt)}
     rows: list[list[str]] = []
-    for label, mounts in known.items():
-        if len(known) > 1:
-            rows.append([label])
+    for mounts in _by_run(known, rows):
         for mount, told in mounts.items():
             cells = (told.get(name) for name in UNITS)
             rows.append([mount, *(DASH if one is None else f"{one.stated:.4g} → {one.learnt:.4g}" for one in cells)])
