@@ -96,7 +96,7 @@ class Integral(DigitalSettings):
         B, D = np.hstack([np.eye(n), taken * np.eye(n)[:, :extra]]), np.zeros((n, n + extra))
         D[:, n:] = answers
         block = Block(np.eye(n), B, np.eye(n), D)
-        return self.digital(block, MountChannels.of(plant).strokes, plant, **windup)
+        return self.digital(block, MountChannels.of(plant).strokes, plant, sensors=IDEAL, **windup)
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         return self.law(plant, anti_windup=AntiWindup.NONE)

@@ -45,7 +45,8 @@ def bank(seed: int) -> ControllerBank:
 def learning(seed: int) -> ControllerBank:
     """The same with a stage beside them, which learns from the first samples on: of little, that is not limited."""
     settings = Learning(rate=1e4, band=(2000.0, 2400.0), pace=1e-3, least=1e-9)
-    known = {"valves": Linearisation().known(PLANT), "learners": settings.learners(PLANT, band=1e-9)}
+    valves = Linearisation().known(PLANT)
+    known = {"valves": valves, "learners": settings.learners(PLANT, valves, SENSORS)}
     return ControllerBank(tuple(replace(part, **known) for part in bank(seed).scaled(0.01).parts))
 
 

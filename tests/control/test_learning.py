@@ -9,15 +9,17 @@ import scipy.linalg
 
 from ehamj.arrays import Array
 from ehamj.compiled.kept import compiled
-from ehamj.control.compiled.learning import USED
+from ehamj.control.compiled.learning import LEARNS, USED, Paced
 from ehamj.control.compiled.stage import linearised
 from ehamj.control.law import Controller
 from ehamj.control.learners import STATED, Learner, Learnt
 from ehamj.control.learning import Learning
 from ehamj.control.linearisation import NOTHING, Linearisation
 from ehamj.control.loop import DigitalLoop, make_loop
-from ehamj.control.sensors import Sensors
+from ehamj.control.sensors import IDEAL, Sensors
+from ehamj.control.stage import Stage, paces_of
 from ehamj.control.valves import Known
+from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import parse_scenario
 
@@ -33,15 +35,25 @@ def plant_of(**isolator: Any) -> Plant:
     return parse_scenario({"actuators": {"isolator": isolator}}).plant
 
 
-def loop_of(learning: Learning, linear: Linearisation | None = None, **isolator: Any) -> DigitalLoop:
+def learners_of(
+    learning: Learning, linear: Linearisation | None = None, sensors: Sensors = SENSORS, **isolator: Any
+) -> tuple[Learner, ...]:
+    """What is known of isolators before anything is learnt."""
+    plant = plant_of(**isolator)
+    return learning.learners(plant, (linear or NOTHING).known(plant), sensors)
+
+
+def loop_of(
+    learning: Learning, linear: Linearisation | None = None, sensors: Sensors = SENSORS, **isolator: Any
+) -> DigitalLoop:
     """A law that wants nothing by itself, with a stage that learns; what is believed of the isolators."""
     plant = plant_of(**isolator)
-    learners = learning.learners(plant, None if linear is None else linear.band)
+    learners = learners_of(learning, linear, sensors, **isolator)
     law = Controller(
         np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((4, 0)), np.zeros((4, 0)), (), PERIOD, DELAY,
         valves=(linear or NOTHING).known(plant), learners=learners,
     )  # fmt: skip
-    return make_loop(law, plant, PERIOD, SENSORS)
+    return make_loop(law, plant, PERIOD, sensors)
 
 
 class Truth(NamedTuple):
@@ -212,7 +224,7 @@ class InNumpy:
     """The stage and what it learns, written from the equations: equal overlaps, rated pressure drops."""
 
     def __init__(self, own: Learner, valve: Known, lags: tuple[float, float]) -> None:
-        self.own, self.valve = own, valve
+        self.own, self.valve, self.lags = own, valve, lags
         w, tau = valve.valve_frequency, valve.rolloff
         A = np.array([[0.0, 1.0, 0.0], [-(w**2), -2.0 * valve.valve_damping * w, w**2], [0.0, 0.0, 0.0]])
         B = np.array([[0.0, 1.0, 0.0], [-1.0 / tau**2, -2.0 / tau, 1.0 / tau**2], [0.0, 0.0, 0.0]])
@@ -276,9 +288,12 @@ class InNumpy:
         y, by_overlap, by_play, force, strokes = self.histories
         early = (self.rest, self.rest, self.rest + 2.0 * self.valve.rolloff)
         flow, o, p = (self._mean(one, self.late, by) for one, by in zip((y, by_overlap, by_play), early, strict=True))
-        pressed = own.oil * (force[-1] - force[-1 - self.every]) / T / own.flow
+        early_force = self.lags[0] - self.lags[1]
+        ends = ([np.zeros(4)] * self.every + force)[-1 :: -self.every][:3]  # now, a block ago, and two
+        rises = np.array([ends[1] - ends[2], ends[0] - ends[1]])
+        pressed = own.oil * (rises[1] + (rises[0] - rises[1]) * early_force / T) / T / own.flow
         moved = own.area * (strokes[-1] - strokes[-1 - self.every]) / T / own.flow
-        taken = moved + pressed + own.leak * self._mean(force, 0, 0.0) / own.flow
+        taken = moved + pressed + own.leak * self._mean(force, 0, early_force) / own.flow
         phi = []
         for k, now in enumerate((flow - o * overlap - p * play, o, p, -pressed, taken)):
             for j in range(4):
@@ -310,18 +325,21 @@ class InNumpy:
         self.used[4, i] = np.clip(self.used[4, i] + 0.1 * follow * left / before, own.least_offset, own.most_offset)
 
 
-def test_compiled_learning_is_that_of_its_equations() -> None:
+@pytest.mark.parametrize("corner", [5000.0, 500.0])
+def test_compiled_learning_is_that_of_its_equations(corner: float) -> None:
     """In 1e-12 of a volt per sample: the sums of blocks and the elimination are done in another order."""
     belief = {"overlap": [0.3] * 4, "hysteresis": 0.1, "null_offset": 0.02}
     learning = Learning(band=(20.0, 200.0), pace=0.1, memory=0.2)
-    loop = loop_of(learning, EDGES, **belief)
+    sensors = Sensors.model_validate({"stroke": {"high": corner}, "pressure": {}})
+    loop = loop_of(learning, EDGES, sensors, **belief)
     truth = Truth.of(**{**belief, "overlap": [0.36] * 4, "flow_gain": 2.2e-6, "null_offset": 0.05})
     wanted = multisine(0.4, rms=0.5)
     wanted[1000:1003] = 30.0
     shares = np.minimum(np.arange(len(wanted)) / 500.0, 1.0)
     got = run(loop, truth, wanted, shares, noise=1e-10)
     plant = plant_of(**belief)
-    twin = InNumpy(learning.learners(plant, EDGES.band)[0], EDGES.known(plant)[0].numbers, (LAG, LAG))
+    lags = LAG * 5000.0 / corner, LAG
+    twin = InNumpy(learners_of(learning, EDGES, sensors, **belief)[0], EDGES.known(plant)[0].numbers, lags)
     area, laws = plant.actuators[0].piston_area, loop.laws
     at = got.readings
     force = area * (at[:, laws.pressures[0:8:2]] - at[:, laws.pressures[1:8:2]])
@@ -331,3 +349,105 @@ def test_compiled_learning_is_that_of_its_equations() -> None:
         worst = np.maximum(worst, [np.abs(added - got.added[k]).max(), np.abs(twin.used.T - got.learnt[k]).max()])
     assert np.abs(got.learnt[-1] - STATED).max(axis=0).min() > 1e-3  # all were learnt
     assert worst[0] < 1e-12
+
+
+SHARES = {"overlap": [0.4] * 4, "hysteresis": 0.1, "threshold": 0.04}
+
+
+def test_what_is_known_of_edges_is_what_may_be_unlearnt() -> None:
+    """A share of the overlap may go to zero, and what is not known is not learnt: the range is that of what changes."""
+    half = Linearisation(pressure_drop=False, supply="stated", overlap=0.5, hysteresis=0.0, threshold=0.0)
+    learning = Learning(overlap=0.3, play=0.1, least=2e-3)
+    got = learners_of(learning, half, **SHARES)[0]
+    assert (got.least_overlap, got.most_overlap) == (-0.2, 0.3)
+    assert (got.least_play, got.most_play) == (0.0, 0.0)
+    assert got.least == half.band
+
+
+def test_edges_that_are_not_made_good_are_not_learnt() -> None:
+    none = Linearisation(pressure_drop=False, supply="stated", overlap=0.0, hysteresis=0.0, threshold=0.0)
+    got = learners_of(Learning(least=2e-3), none, **SHARES)[0]
+    assert got.ranges[4:8] == (0.0, 0.0, 0.0, 0.0)
+    assert got.least == 2e-3
+    play = none.model_copy(update={"hysteresis": 1.0})
+    got = learners_of(Learning(least=2e-3), play, **SHARES)[0]
+    assert got.ranges[4:8] == (0.0, 0.0, -0.05, 0.1)
+    assert got.least == play.band
+
+
+def paces(period: float, sensors: Sensors = SENSORS) -> Paced:
+    """How a law of a period learns that waits one."""
+    numbers = paces_of(learners_of(Learning(), None, sensors), NOTHING.known(plant_of()), Stage(period, period))
+    return Paced._make(numbers.reshape(4, -1)[0, LEARNS:])
+
+
+def test_a_block_holds_what_the_valve_was_told_for_it_however_slowly_a_law_samples() -> None:
+    """A tone at the end of the band, told at 1000 Hz: the mean over the block that shows it, within 3 %."""
+    pace, hertz, period = paces(1e-3), 60.0, 1e-3
+    T, ahead = pace.block, 1e-3 + LAG
+    ends = np.arange(200) * T
+
+    def tone(time: Array) -> Array:
+        return np.asarray(np.exp(2j * np.pi * hertz * time))
+
+    at = ends[:, None] - (pace.late + np.arange(pace.every + 1.0)) * period
+    told = tone(at)
+    mean = 0.5 * (told[:, 1:] + told[:, :-1]).mean(axis=1) - pace.rest / T * (told[:, 0] - told[:, -1])
+    exact = (tone(ends - ahead) - tone(ends - ahead - T)) / (2j * np.pi * hertz * T)
+    assert np.abs(mean / exact - 1.0).max() < 0.03
+    assert pace.late < pace.every
+
+
+def test_a_band_beyond_what_a_slow_law_can_balance_is_refused() -> None:
+    control = {"rate": 400.0, "learning": {"band": [3.0, 60.0]}}
+    with pytest.raises(InputError, match=r"control\.learning\.band.*60 Hz.*control\.rate = 400 Hz"):
+        parse_scenario({"control": {"kind": "feedforward", **control}}).controller()
+    control["learning"] = {"band": [3.0, 30.0]}
+    assert parse_scenario({"control": {"kind": "feedforward", **control}}).controller() is not None
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"low": 60.0, "high": 3.0}, r"low = 60 Hz and high = 3 Hz must rise"),
+        ({"high": 250.0}, r"high = 250 Hz.*a quarter of rate = 1000 Hz"),
+        ({"creep": -1.0}, r"creep = -1 must be zero or positive"),
+        ({"leak": -1e-12}, r"leak = -1e-12 must be zero or positive"),
+        ({"stretch": -0.1}, r"stretch = -0.1 must be zero or positive"),
+        ({"stroke_lag": -1e-3}, r"stroke_lag = -0.001 must be zero or positive"),
+    ],
+)
+def test_a_law_s_file_that_cannot_learn_is_refused_by_name(wrong: dict[str, float], said: str) -> None:
+    good = learners_of(Learning())[0]
+    assert Learner.from_dict(good.to_dict()) == good
+    with pytest.raises(InputError, match=said):
+        Learner.from_dict({**good.to_dict(), **wrong})
+
+
+def test_a_law_learns_with_the_lags_of_the_sensors_that_it_is_held_for() -> None:
+    held = {"sensors": {"stroke": {"high": 500.0}, "pressure": {"high": 1000.0}}}
+    control = {"kind": "feedforward", "learning": {}, "designed_for": held}
+    scenario = parse_scenario({"sensors": {"stroke": {}, "pressure": {}}, "control": control})
+    law = scenario.controller()
+    assert isinstance(law, Controller)
+    for one in Controller.from_dict(law.to_dict()).learners:
+        assert one.stroke_lag == pytest.approx(2.0**0.5 / (2.0 * np.pi * 500.0))
+        assert one.pressure_lag == pytest.approx(2.0**0.5 / (2.0 * np.pi * 1000.0))
+    loops = [make_loop(law, scenario.plant, PERIOD, sensors) for sensors in (scenario.sensors, IDEAL)]
+    np.testing.assert_array_equal(loops[0].laws.learners, loops[1].laws.learners)
+
+
+def test_nothing_is_learnt_while_the_lead_of_what_is_added_is_limited() -> None:
+    """A step across the overlap whose lead goes beyond the converter, though what the law itself wants never does: of
+    the mounts whose edges it takes across, and of no other."""
+    wanted, edges = multisine(3.0), {"overlap": [0.4] * 4}
+    wanted[15_000:15_005] = 8.5
+    got = run(loop_of(QUICK, EDGES, **edges), Truth.of(**edges, flow_gain=0.9 * 1.94e-6), wanted)
+    beyond = np.abs(wanted + got.added) > 10.0
+    assert not beyond[:15_000].any()
+    limited, gain = beyond.any(axis=0), got.learnt[:, :, 0]
+    assert limited.any()
+    assert not limited.all()
+    assert np.abs(gain[14_999] - 0.9).max() < 0.02
+    still = (gain[15_020:24_000] == gain[15_020]).all(axis=0)
+    np.testing.assert_array_equal(still, limited)

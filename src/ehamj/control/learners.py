@@ -11,6 +11,8 @@ from ehamj.errors import InputError
 
 POSITIVE: Final = ("area_1", "area_2", "area", "flow", "oil", "rate", "low", "high", "memory", "prior", "pace", "least")
 """What must be positive of a learner."""
+NOT_NEGATIVE: Final = ("leak", "stretch", "creep", "stroke_lag", "pressure_lag")
+"""What must be zero or positive."""
 
 
 class Learnt(NamedTuple):
@@ -50,6 +52,10 @@ class Learner(NamedTuple):
     """K_L/K_h as stated [-]."""
     creep: float
     """c, below which leakage and membrane bind [rad/s]."""
+    stroke_lag: float
+    """Delay of the stroke's reading at low frequency [s]."""
+    pressure_lag: float
+    """The same of the pressures' [s]."""
     least_gain: float
     """Range of what is learnt; see `Learnt`."""
     most_gain: float
@@ -94,6 +100,17 @@ class Learner(NamedTuple):
             raise InputError(f"controller.learners: {error}; every entry must be a number") from error
         if not all(map(math.isfinite, numbers)) or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(f"controller.learners: numbers must be finite, and {', '.join(POSITIVE)} positive")
+        below = [name for name in NOT_NEGATIVE if getattr(numbers, name) < 0.0]
+        if below:
+            raise InputError(
+                f"controller.learners: {below[0]} = {getattr(numbers, below[0]):g} must be zero or positive, as "
+                f"{', '.join(NOT_NEGATIVE)} all must"
+            )
+        if not numbers.low < numbers.high < 0.25 * numbers.rate:
+            raise InputError(
+                f"controller.learners: low = {numbers.low:g} Hz and high = {numbers.high:g} Hz must rise, and end "
+                f"below a quarter of rate = {numbers.rate:g} Hz"
+            )
         for low, stated, high in zip(numbers.ranges[::2], STATED, numbers.ranges[1::2], strict=True):
             if not low <= stated <= high:
                 raise InputError(f"controller.learners: a range from {low:g} to {high:g} must hold {stated:g}")
@@ -105,6 +122,16 @@ class Learner(NamedTuple):
     def ranges(self) -> tuple[float, ...]:
         """Least and most of each of `Learnt`."""
         return self[Learner._fields.index("least_gain") : Learner._fields.index("rate")]
+
+    def ahead(self, latency: float) -> float:
+        """By how much what the valve was told comes before the stroke that shows it, of a stage with a latency [s]."""
+        return latency + self.stroke_lag
+
+    def samples(self, period: float, latency: float) -> int:
+        """Samples of a block of a stage with a period and a latency [s]: as ``rate`` asks for, and so many that what
+        the valve was told is in the block that it is balanced with."""
+        wanted = math.ceil(1.0 / (self.rate * period) - 1e-9)
+        return max(wanted, math.ceil(self.ahead(latency) / period - 1e-9) + 1)
 
 
 def strokes(mounts: Sequence[str]) -> tuple[str, ...]:

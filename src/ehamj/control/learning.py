@@ -4,12 +4,15 @@ The compiled part, and what it does, is `ehamj.control.compiled.learning`. It be
 that the law is held for (`designed_for`; without, the scenario's own).
 """
 
+from collections.abc import Sequence
 from typing import Self
 
 from pydantic import Field, model_validator
 
-from ehamj.control.inverse import Inverse
-from ehamj.control.learners import STATED, Learner
+from ehamj.control.inverse import Inverse, instrument_poles, lag
+from ehamj.control.learners import Learner
+from ehamj.control.sensors import Sensors
+from ehamj.control.valves import EDGES, Known, KnownValve
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
@@ -27,7 +30,9 @@ class Learning(Settings):
     overlap: NotNegative = Field(
         0.3, description="by how much the edges' overlap may differ, where control.linearisation makes it good [mA]"
     )
-    play: NotNegative = Field(0.1, description="the same of threshold and half of the hysteresis together [mA]")
+    play: NotNegative = Field(
+        0.1, description="the same of threshold and half of the hysteresis together, where it makes them good [mA]"
+    )
     null_offset: NotNegative = Field(0.5, description="by how much the null offset may differ [mA]")
     band: tuple[Positive, Positive] = Field((3.0, 60.0), description="motion that is learnt from: from, to [Hz]")
     rate: Positive = Field(1000.0, description="at which the oil of each isolator is balanced, at most [Hz]")
@@ -50,30 +55,32 @@ class Learning(Settings):
             )
         return self
 
-    def learners(self, plant: Plant, band: float | None = None) -> tuple[Learner, ...]:
+    def learners(self, plant: Plant, valves: Sequence[KnownValve], sensors: Sensors) -> tuple[Learner, ...]:
         """What is known of a plant's isolators, one per mount.
 
         Args:
             plant: machine on its isolators.
-            band: opening over which the jump across overlaps that are made good is spread [mA]; none: edges are not
-                made good, and nothing is learnt of them.
+            valves: what is known of each valve, and made good. Of its edges is learnt what is: their overlap, where any
+                is known, and their play, where it is.
+            sensors: that measure strokes and pressures.
         """
-        return tuple(self._of(actuator, band) for actuator in plant.actuators)
+        lags = lag(instrument_poles(sensors.stroke)[1]), lag(instrument_poles(sensors.pressure)[1])
+        return tuple(self._of(one, valve.numbers, lags) for one, valve in zip(plant.actuators, valves, strict=True))
 
-    def _of(self, actuator: Actuator, band: float | None) -> Learner:
+    def _of(self, actuator: Actuator, known: Known, lags: tuple[float, float]) -> Learner:
         """Of one isolator; one that does not obey learns nothing.
 
         Within the band of its edges a loop may hunt, and what is learnt there is no property of the valve.
         """
-        edges = band is not None
         one, two = actuator.piston_area / actuator.volume_1, actuator.piston_area_2 / actuator.volume_2
         area = (one * actuator.piston_area + two * actuator.piston_area_2) / (one + two)
         oil = 1.0 / (actuator.bulk_modulus * (one + two))
         told = float(not actuator.passive)
         gain, compliance = 1.0 + told * self.flow_gain, 1.0 + told * self.compliance
-        overlapped = told * edges * (min(actuator.overlap) >= 0.0)
-        overlap, play = overlapped * self.overlap, told * edges * self.play
-        stands = actuator.threshold + 0.5 * actuator.hysteresis
+        overlaps = [getattr(known, name) for name in EDGES]
+        overlap = told * self.overlap * (any(overlaps) and min(overlaps) >= 0.0)
+        play = told * self.play * (known.play > 0.0)
+        edges = any(overlaps) or known.play > 0.0
         return Learner(
             area_1=actuator.piston_area,
             area_2=actuator.piston_area_2,
@@ -83,13 +90,15 @@ class Learning(Settings):
             leak=actuator.flow_pressure / area,
             stretch=actuator.membrane_stiffness * oil / area,
             creep=Inverse.of(actuator).creep,
+            stroke_lag=lags[0],
+            pressure_lag=lags[1],
             least_gain=1.0 / gain,
             most_gain=gain,
             least_compliance=1.0 / compliance,
             most_compliance=compliance,
-            least_overlap=STATED.overlap - min(overlap, max(min(actuator.overlap), 0.0)),
+            least_overlap=-min(overlap, max(min(overlaps), 0.0)),
             most_overlap=overlap,
-            least_play=-min(play, stands),
+            least_play=-min(play, known.play),
             most_play=play,
             least_offset=-told * self.null_offset,
             most_offset=told * self.null_offset,
@@ -99,5 +108,5 @@ class Learning(Settings):
             memory=self.memory,
             prior=self.prior,
             pace=self.pace,
-            least=max(self.least, band or 0.0),
+            least=max(self.least, known.band) if edges else self.least,
         )

@@ -18,7 +18,6 @@ from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.instruments import Discrete, discretise
-from ehamj.control.inverse import instrument_poles, lag
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
@@ -141,8 +140,7 @@ def _made(
     base = int(np.gcd.reduce(table["every"]))
     learners, of_strokes = np.zeros(0), np.zeros(0, np.int64)
     if stage and converter.learners:
-        lags = lag(instrument_poles(sensors.stroke)[1]), lag(instrument_poles(sensors.pressure)[1])
-        learners = paces_of(converter.learners, converter.valves, stage[0], lags)
+        learners = paces_of(converter.learners, converter.valves, stage[0])
         of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
     laws = Laws(
         table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, base

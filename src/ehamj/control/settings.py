@@ -106,15 +106,30 @@ class SampledSettings(ControlSettings):
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
 
-    def _known(self, plant: Plant) -> dict[str, Any]:
+    def _known(self, plant: Plant, sensors: "Sensors") -> dict[str, Any]:
         """What a law knows of a plant's valves, and learns of its isolators."""
-        linear, learning = self.linearisation, self.learning
-        made_good = linear or (NOTHING if learning else None)
-        learners = () if learning is None else learning.learners(plant, None if linear is None else linear.band)
-        return {"valves": () if made_good is None else made_good.known(plant), "learners": learners}
+        learning = self.learning
+        made_good = self.linearisation or (NOTHING if learning else None)
+        valves = () if made_good is None else made_good.known(plant)
+        learners = () if learning is None else learning.learners(plant, valves, sensors)
+        for one in learners:
+            blocks = self.rate / one.samples(self.period, self.period if self.delay is None else self.delay)
+            if one.high >= 0.25 * blocks:
+                raise InputError(
+                    f"control.learning.band: {one.high:g} Hz must be below a quarter of {blocks:g} Hz, at which the "
+                    f"oil is balanced at most with control.rate = {self.rate:g} Hz and its delays; lower it, or raise "
+                    "control.rate"
+                )
+        return {"valves": valves, "learners": learners}
 
     def digital(
-        self, block: Block, inputs: tuple[str, ...], plant: Plant, *, anti_windup: AntiWindup | Array
+        self,
+        block: Block,
+        inputs: tuple[str, ...],
+        plant: Plant,
+        *,
+        sensors: "Sensors",
+        anti_windup: AntiWindup | Array,
     ) -> Controller:
         """The law that a sampled ``block`` from ``inputs`` to the commands [V] becomes.
 
@@ -123,10 +138,12 @@ class SampledSettings(ControlSettings):
                 `AntiWindup.INPUTS` one more per command. Passive mounts get nothing.
             inputs: channels that it measures.
             plant: whose valves it commands.
+            sensors: that measure what it reads.
             anti_windup: how its states learn what the valves did not get, or the matrix (states, valves).
 
         Raises:
-            InputError: if the law is unstable by itself, or while its commands are limited.
+            InputError: if the law is unstable by itself, or while its commands are limited; if it samples too slowly
+                for what it is to learn from.
             ValueError: if the block's inputs are not these.
         """
         law, gain = parted(block, len(inputs), anti_windup, self.period, self.recovery)
@@ -150,7 +167,7 @@ class SampledSettings(ControlSettings):
             fade=self.fade,
             from_rest=True,
             anti_windup=gain,
-            **self._known(plant),
+            **self._known(plant, sensors),
         )
 
 

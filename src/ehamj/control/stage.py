@@ -77,29 +77,23 @@ def pressure_places(
     return np.array([at.get(name, -1) for name in names], np.int64)
 
 
-def paces_of(
-    learners: Sequence[Learner], valves: Sequence[KnownValve], stage: Stage, lags: tuple[float, float]
-) -> Array:
+def paces_of(learners: Sequence[Learner], valves: Sequence[KnownValve], stage: Stage) -> Array:
     """What learners know and how they learn, as the compiled part takes it, (mount·LEARNER).
 
     Args:
         learners: one per mount.
         valves: what is known of each mount's valve.
         stage: that they learn in.
-        lags: delay at low frequency of the sensors of stroke and pressure [s].
     """
-    rows = [
-        (*own, *_pace(own, valve.numbers.rolloff, stage, lags)) for own, valve in zip(learners, valves, strict=True)
-    ]
+    rows = [(*own, *_pace(own, valve.numbers.rolloff, stage)) for own, valve in zip(learners, valves, strict=True)]
     return np.array(rows, float).ravel()
 
 
-def _pace(own: Learner, rolloff: float, stage: Stage, lags: tuple[float, float]) -> Paced:
+def _pace(own: Learner, rolloff: float, stage: Stage) -> Paced:
     """How one mount learns from block to block."""
-    every = max(math.ceil(1.0 / (own.rate * stage.period) - 1e-9), 1)
+    every, ahead = own.samples(stage.period, stage.latency), own.ahead(stage.latency)
     block = every * stage.period
-    ahead = stage.latency + lags[0]
-    late = min(int(ahead / stage.period + 0.5), every - 1)
+    late = int(ahead / stage.period + 0.5)
     rest = ahead - late * stage.period
     ranges = [max(abs(low), abs(high)) for low, high in zip(own.ranges[::2], own.ranges[1::2], strict=True)]
     ranges = [max(ranges[0] - 1.0, 0.0), ranges[2], ranges[3], max(ranges[1] - 1.0, 0.0)]
@@ -109,7 +103,7 @@ def _pace(own: Learner, rolloff: float, stage: Stage, lags: tuple[float, float])
         late=late,
         rest=rest,
         rest_play=rest + 2.0 * rolloff,
-        rest_force=lags[0] - lags[1],
+        rest_force=own.stroke_lag - own.pressure_lag,
         smooth_low=-math.expm1(-2.0 * math.pi * own.low * block),
         smooth_high=-math.expm1(-2.0 * math.pi * own.high * block),
         kept=math.exp(-block / own.memory),

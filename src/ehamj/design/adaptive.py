@@ -71,7 +71,7 @@ def line_cancellation(
     feet = MountChannels.of(plant).feet
     if beside is None:  # a law that commands nothing, with the clock of the settings
         nothing = Block.gain(np.zeros((len(plant.mounts), 0)))
-        beside = settings.digital(nothing, (), plant, anti_windup=AntiWindup.NONE)
+        beside = settings.digital(nothing, (), plant, sensors=scenario.sensors, anti_windup=AntiWindup.NONE)
     law = _reading(beside, feet)
     high = [line for line in settings.lines if line >= 0.5 / law.period]
     if high:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
-from ehamj.judge.learnt import Belief
+from ehamj.judge.learnt import Belief, nothing
 from ehamj.judge.levels import SLAB, ByBand
 from ehamj.judge.summary import Summary
 from ehamj.judge.worse import LEAST, cancelled
@@ -50,6 +50,8 @@ def brief(summary: Summary) -> dict[str, str]:
 
 def _learnt(told: dict[str, Belief]) -> str:
     """What a mount has learnt."""
+    if nothing(told):
+        return "nothing"
     return ", ".join(one.words(name) for name, one in told.items())
 
 

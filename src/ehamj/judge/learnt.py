@@ -28,3 +28,8 @@ class Belief(Finding):
 
 Beliefs = dict[str, dict[str, Belief]]
 """Of each mount, by quantity."""
+
+
+def nothing(told: dict[str, Belief]) -> bool:
+    """Whether nothing was learnt of a mount: all is as stated."""
+    return all(one.learnt == one.stated for one in told.values())

@@ -6,7 +6,7 @@ import xarray as xr
 from ehamj.control.converter import Converter
 from ehamj.control.learners import Learner, Learnt
 from ehamj.control.valves import Known
-from ehamj.judge.learnt import Belief, Beliefs
+from ehamj.judge.learnt import Belief, Beliefs, nothing
 
 
 def learnt(dataset: xr.Dataset, converter: Converter) -> Beliefs:
@@ -16,6 +16,21 @@ def learnt(dataset: xr.Dataset, converter: Converter) -> Beliefs:
     last = np.array([dataset[f"learnt_{name}"].values[-1] for name in Learnt._fields], float).T
     known = zip(converter.mounts, converter.learners, converter.valves, last, strict=True)
     return {mount: _told(learner, valve.numbers, Learnt(*row.tolist())) for mount, learner, valve, row in known}
+
+
+def unlearnt(found: Beliefs, converter: Converter) -> list[str]:
+    """What must be said of the mounts of which nothing was learnt, though something was to be."""
+    leasts = {mount: of.least for mount, of in zip(converter.mounts, converter.learners, strict=False)}
+    by_least: dict[float, list[str]] = {}
+    for mount, told in found.items():
+        if told and nothing(told):
+            by_least.setdefault(leasts[mount], []).append(mount)
+    return [
+        f"nothing was learnt of {', '.join(mounts)}: flow that shows it, in control.learning.band, stayed below "
+        f"{least:g} mA of opening RMS (control.learning.least, and control.linearisation.band where edges are "
+        "made good), or came only while a command was limited or faded, or soon after"
+        for least, mounts in by_least.items()
+    ]
 
 
 def _told(of: Learner, valve: Known, found: Learnt) -> dict[str, Belief]:

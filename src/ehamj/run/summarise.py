@@ -21,7 +21,7 @@ from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
-from ehamj.run.learnt import learnt
+from ehamj.run.learnt import learnt, unlearnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
@@ -60,7 +60,10 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     if struck:
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
-    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits]
+    converter = None if prepared.controller is None else prepared.controller.converter
+    beliefs = {} if converter is None else learnt(dataset, converter)
+    idle = [] if converter is None else unlearnt(beliefs, converter)
+    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -78,7 +81,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
-        learnt={} if prepared.controller is None else learnt(dataset, prepared.controller.converter),
+        learnt=beliefs,
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,

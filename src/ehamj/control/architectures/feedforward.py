@@ -71,7 +71,7 @@ class FeedforwardSettings(DigitalSettings):
         if sideways:
             inputs, mounts = inputs + sideways, wrench.then(mounts)
         mounts = mounts.sampled(self.period)
-        return self.digital(joined([mounts, back]), inputs, plant, anti_windup=AntiWindup.INPUTS)
+        return self.digital(joined([mounts, back]), inputs, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)
 
     def _borne(self, plant: Plant) -> tuple[tuple[str, ...], Block]:
         """Ground velocities that move the machine through other membranes, and the velocities along the active mounts

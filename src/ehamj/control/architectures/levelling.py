@@ -54,4 +54,4 @@ class LevellingSettings(DigitalSettings):
         layout, names = plant.obeying.central, MountChannels.of(plant).strokes
         loops = [self.loop(creep(plant, layout.spread[:, k])).sampled(self.period) for k in range(len(layout.motions))]
         law = beside(loops).between(layout.fit, volts(plant) @ layout.spread)
-        return self.digital(law, names, plant, anti_windup=AntiWindup.DUAL_LQ)
+        return self.digital(law, names, plant, sensors=sensors, anti_windup=AntiWindup.DUAL_LQ)

@@ -146,7 +146,7 @@ class ModalSettings(DigitalSettings):
         if self.warp.crossing:
             blocks.append(self.warp.block(plant).padded(len(names) - mounts, mounts))
         law = added(blocks) if blocks else Block.gain(np.zeros((mounts, mounts)))
-        return self.digital(law, names, plant, anti_windup=AntiWindup.INPUTS)
+        return self.digital(law, names, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)
 
     def _sideways(self, plant: Plant) -> dict[str, tuple[tuple[str, ...], SwayDamping, float]]:
         """By the motion that damps sway where nothing else does: the feet's sideways velocities, its damping, and sign.

@@ -48,7 +48,7 @@ class ResonantSettings(DigitalSettings):
             answers = [self._answer(line, motion, actuator, slow, sensor, others) for line in self.lines]
             loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
         law = beside(loops).between(layout.fit, volts(plant) @ layout.spread)
-        return self.digital(law.sampled(self.period), inputs, plant, anti_windup=AntiWindup.NONE)
+        return self.digital(law.sampled(self.period), inputs, plant, sensors=sensors, anti_windup=AntiWindup.NONE)
 
     def _answer(
         self, line: float, motion: str, actuator: Actuator, creep: float, sensor: Instrument | None,

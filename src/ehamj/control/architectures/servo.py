@@ -73,4 +73,4 @@ class StrokeServoSettings(DigitalSettings):
         damping = beside([self.pressure.block(actuator) for actuator in own]).sampled(self.period)
         pressures = added([damping, self.balance.block(plant)])
         law = added([total.inserted(len(names), mounts), pressures.padded(len(names), mounts)])
-        return self.digital(law, names + at.pressures, plant, anti_windup=AntiWindup.INPUTS)
+        return self.digital(law, names + at.pressures, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)

@@ -51,4 +51,4 @@ class SkyhookSettings(DigitalSettings):
         names = at.feet + at.strokes + at.ground
         balance = self.balance.block(plant).padded(len(names), mounts)
         total = added([law.inserted(len(names), mounts), balance])
-        return self.digital(total, names + at.pressures, plant, anti_windup=AntiWindup.INPUTS)
+        return self.digital(total, names + at.pressures, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)

@@ -77,7 +77,8 @@ N: Final = 4
 """Of θ."""
 COLUMNS: Final = N + 1
 
-PHASE, FROZEN, POWER, SLOW, STROKE, SUMS = range(6)
+PHASE, FROZEN, POWER, SLOW, STROKE, RISE, SUMS = range(7)
+"""RISE: of the force over the last block."""
 SUM: Final = 4
 LAST, START, TOTAL, MEAN = range(SUM)
 """Of a signal within a block: its last value, its value at the start, the sum, and the mean of the last block."""
@@ -208,7 +209,10 @@ def balanced(values, at, used, stroke, own, pace, width):  # type: ignore[no-unt
     sums, force = at + SUMS * width, at + (SUMS + SUM * FORCE) * width
     before = peek(values, force + START * width)
     close(values, force, pace.rest_force, pace, width)
-    pressed = own.oil * (peek(values, force + LAST * width) - before) / (pace.block * own.flow)
+    rise = peek(values, force + LAST * width) - before
+    earlier = rise - pace.rest_force / pace.block * (rise - peek(values, at + RISE * width))
+    poke(values, at + RISE * width, rise)
+    pressed = own.oil * earlier / (pace.block * own.flow)
     moved = own.area * (stroke - peek(values, at + STROKE * width)) / (pace.block * own.flow)
     taken = moved + pressed + own.leak * peek(values, force + MEAN * width) / own.flow
     poke(values, at + STROKE * width, stroke)

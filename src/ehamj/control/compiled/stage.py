@@ -141,7 +141,8 @@ def linearised(share, readings, laws, memory, place, lanes):  # type: ignore[no-
             more = added(applied, share, edges, own, numbers, first, memory.stage, state, lanes)
             memory.values[place + i] = more + share * (wanted - total)
             if laws.learners.size > 0:
-                learn(spool, memory.stage[state + 3 * width], edges, own, i, readings, laws, memory, lanes)
+                clipped = abs(more + share * wanted) > min(laws.converter.limit, laws.ranges[i])
+                learn(spool, memory.stage[state + 3 * width], clipped, edges, own, i, readings, laws, memory, lanes)
 
 
 @kernel
@@ -169,15 +170,16 @@ def used_at(valve, lane, laws, lanes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def learn(spool, lean, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
-    """Let one mount learn from a sample, and take what it finds into what is known of its valve."""
+def learn(spool, lean, clipped, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let one mount learn from a sample, and take what it finds into what is known of its valve; ``clipped``: the led
+    voltage goes beyond what the converter or the valve takes, though what the law wants does not."""
     width, valves = len(lanes), memory.totals.size // 2
     valve, lane = i // width, i % width
     first, place = valve * LEARNER * width + lane, valve * GATHERS * width + lane
     of, pace = learner(laws.learners, first, lanes), paced(laws.learners, first, lanes)
     where = used_at(valve, lane, laws, lanes)
     used = learnt(memory.values, where, lanes)
-    if memory.totals[valves + i] != 0.0:
+    if clipped or memory.totals[valves + i] != 0.0:
         memory.gathered[place + FROZEN * width] = pace.settling
     slow = place + SLOW * width
     applied = memory.totals[i] + memory.totals[valves + i]
