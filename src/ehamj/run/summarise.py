@@ -10,6 +10,7 @@ from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
+from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
@@ -60,9 +61,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     if struck:
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
-    converter = None if prepared.controller is None else prepared.controller.converter
-    beliefs = {} if converter is None else learnt(dataset, converter)
-    idle = [] if converter is None else unlearnt(beliefs, converter)
+    beliefs, idle = _learnt(prepared, dataset)
     said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
@@ -95,6 +94,15 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         seed=scenario.seed,
     )
+
+
+def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[Beliefs, list[str]]:
+    """What its law has learnt in a run, and what must be said of mounts of which it learnt nothing."""
+    if prepared.controller is None:
+        return {}, []
+    converter = prepared.controller.converter
+    beliefs = learnt(dataset, converter)
+    return beliefs, unlearnt(beliefs, converter)
 
 
 def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:
