@@ -10,9 +10,12 @@ A source is one of
 
 import math
 from collections.abc import Collection, Iterable, Mapping
+from functools import partial
 from typing import Annotated, Any, Literal, Self, Union
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from ehamj.bounds import check_magnitude, unit_of
 
 Source = Literal["paper", "identified", "assumed", "given"]
 Vector3 = tuple[float, float, float]
@@ -47,11 +50,24 @@ OVERRIDES = "overrides"
 """Marks a table that holds what of its scenario is otherwise."""
 
 
+class _Bounded(AfterValidator):
+    """What `ehamj.bounds` checks of a field."""
+
+
 class Settings(BaseModel):
     """Base of everything a user writes: frozen, no unknown keys, no conversion of types (a string or ``true`` is not a
     number), finite numbers unless a field says otherwise."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, allow_inf_nan=False, strict=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Bound every number by what its unit can have; validators are built later, with what stands here."""
+        super().__pydantic_init_subclass__(**kwargs)
+        for field in cls.model_fields.values():
+            if not any(isinstance(one, _Bounded) for one in field.metadata):
+                own = {"unit": unit_of(field.description), "endless": field.default == math.inf}
+                field.metadata.append(_Bounded(partial(check_magnitude, **own)))
 
     @model_validator(mode="before")
     @classmethod

@@ -29,6 +29,7 @@ class Component(Parameters):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        super().__pydantic_init_subclass__(**options)
         own = cls.own_settings()
         if own:
             cls.Values = namedtuple("Values", cls.takes or own, module=cls.__module__)  # type: ignore[misc]

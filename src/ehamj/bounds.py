@@ -1,0 +1,84 @@
+"""What physics would accept of a number, by its unit: beyond is a slip of the unit or of the decimal point."""
+
+import math
+import re
+from collections.abc import Iterable
+from typing import Any, Final
+
+BOUNDS: Final[dict[str, tuple[float, float]]] = {
+    "-": (0.0, 1e9),
+    "s": (1e-12, 1e9),
+    "Hz": (1e-6, 1e7),
+    "rad/s": (1e-5, 1e8),
+    "bit": (1.0, 64.0),
+    "rad": (0.0, 1e6),
+    "deg": (0.0, 1e6),
+    "m": (0.0, 1e5),
+    "m/s": (0.0, 1e5),
+    "m/s or rad/s": (0.0, 1e5),
+    "m/s²": (0.0, 1e6),
+    "m/s³": (1e-9, 1e9),
+    "m²": (1e-9, 1e3),
+    "m³": (1e-12, 1e6),
+    "m³/s": (0.0, 1e3),
+    "m³/s/mA": (1e-15, 1.0),
+    "m³/s/Pa": (0.0, 1e-3),
+    "kg": (1e-3, 1e9),
+    "kg m": (0.0, 1e9),
+    "kg m²": (1e-6, 1e14),
+    "kg/m³": (1.0, 1e5),
+    "N": (0.0, 1e10),
+    "N/m": (1e-3, 1e14),
+    "N s/m": (0.0, 1e11),
+    "Pa": (1e-6, 1e12),
+    "Pa s": (1e-9, 1e3),
+    "V": (0.0, 1e4),
+    "mA": (0.0, 1e4),
+    "mA/V": (1e-6, 1e6),
+    "mA/s": (0.0, 1e9),
+    "mA/s²": (1e-3, 1e12),
+    "rad s/m": (0.0, 1e9),
+    "dB": (0.0, 1e3),
+    "dB/octave": (0.0, 1e3),
+    "unit": (1e-30, 1e30),
+}
+"""Least magnitude of what is not zero, and largest, per unit; none at least where a small rest of a sum may stand."""
+NOISE: Final = (1e-30, 1e12)
+"""The same of densities, drifts and whatever has no unit of its own above."""
+INTEGER: Final = 2**63 - 1
+"""Largest integer that TOML has."""
+
+
+def unit_of(description: str | None) -> str | None:
+    """The unit that a description of a number ends with, in brackets; None where it has none."""
+    found = re.findall(r"\[([^\[\]]+)\]", description or "")
+    return found[-1] if found else None
+
+
+def check_magnitude(value: Any, unit: str | None, endless: bool = False) -> Any:
+    """A number, or numbers within lists and tables, as they are.
+
+    Raises:
+        ValueError: if one has a magnitude that nothing of its ``unit`` has. Infinity and zero pass, and however much
+            where infinity is usual, ``endless``.
+    """
+    for number in _numbers(value):
+        if isinstance(number, int) and abs(number) > INTEGER:
+            raise ValueError("an integer must fit into 64 bits")
+        least, largest = BOUNDS.get(unit, NOISE) if unit is not None else (0.0, math.inf)
+        if number and math.isfinite(number) and not least <= abs(number) <= (math.inf if endless else largest):
+            allowed = f"at most {largest:g}" if abs(number) > largest else f"zero or at least {least:g}"
+            raise ValueError(f"must be {allowed} {'' if unit == '-' else unit}".rstrip() + " in magnitude")
+    return value
+
+
+def _numbers(value: Any) -> Iterable[float]:
+    if isinstance(value, bool):
+        return
+    if isinstance(value, int | float):
+        yield value
+    elif isinstance(value, tuple | list):
+        for entry in value:
+            yield from _numbers(entry)
+    elif isinstance(value, dict):
+        yield from _numbers(list(value.values()))

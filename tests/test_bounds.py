@@ -1,0 +1,56 @@
+"""Numbers that physics would not accept."""
+
+from typing import Any
+
+import pytest
+
+from ehamj.bounds import BOUNDS, INTEGER, check_magnitude, unit_of
+from ehamj.errors import InputError
+from ehamj.scenario.load import load_scenario
+from ehamj.settings import Settings
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("control.rate=1e300", r"control\.rate = 1e\+300: must be at most 1e\+07 Hz"),
+        ("actuators.isolator.valve_frequency=1e200", r"actuators\.isolator\.valve_frequency = 1e\+200: .* rad/s"),
+        ("actuators.isolator.area_ratio=1e300", r"area_ratio = 1e\+300: must be at most 1e\+09 in magnitude"),
+        ("machine.mass=1e-16", r"machine\.mass = 1e-16: must be zero or at least 0\.001 kg"),
+        ("machine.cg=[1e300, 0.0, 0.5]", r"machine\.cg = .*: must be at most 100000 m"),
+        ("ground.fade_in=1e-200", r"ground\.fade_in = 1e-200: must be zero or at least 1e-12 s"),
+        (f"seed={10**400}", r"seed = .*: an integer must fit into 64 bits"),
+    ],
+)
+def test_a_number_beyond_physics_is_refused_by_its_key(override: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        load_scenario("vc-c-floor", [override])
+
+
+def test_endless_is_endless_and_a_rest_of_a_sum_is_small() -> None:
+    scenario = load_scenario("vc-c-floor", ["actuators.isolator.foot_stiffness=1e30", "machine.cg=[6e-17, 0.0, 0.5]"])
+    assert scenario.plant.actuators[0].foot_stiffness == 1e30
+    assert scenario.machine.cg[0] == 6e-17
+
+
+def test_units_and_numbers_within_lists() -> None:
+    assert unit_of("from, to [of 2] [Hz]") == "Hz"
+    assert unit_of("a name") is None
+    assert check_magnitude((1.0, [True, INTEGER]), None) == (1.0, [True, INTEGER])
+    with pytest.raises(ValueError, match=r"at most 1e\+07 Hz"):
+        check_magnitude({"a": [0.0, [1e8]]}, "Hz")
+
+
+def _known(kind: type[Settings]) -> Any:
+    yield kind
+    for one in kind.__subclasses__():
+        yield from _known(one)
+
+
+def test_every_unit_of_a_quantity_has_bounds() -> None:
+    """Densities, drifts and what is per something are bounded as noise."""
+    load_scenario("recorded")
+    units = {unit_of(field.description) for kind in _known(Settings) for field in kind.model_fields.values()}
+    simple = {one for one in units if one and len(one) <= 5 and "√" not in one and one != "unit"}
+    assert {"m", "kg", "Pa", "Hz"} <= simple
+    assert simple - {"Pa/s", "m/s/s", "kg m"} <= BOUNDS.keys()
