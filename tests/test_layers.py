@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
-    ("errors", "arrays", "labels", "plain", "stopped"),
+    ("errors", "arrays", "bounds", "interruption", "labels", "plain", "stopped", "unfinished"),
     ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
     ("isolator", "estimate", "slides", "series"),
     ("plant",),

@@ -3,12 +3,12 @@
 import itertools
 import os
 import re
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ehamj.errors import InputError
+from ehamj.unfinished import HELD, beside, clear_leftovers, remove
 
 RUNS = Path("runs")
 RESULT_FILES = ("scenario.toml", "result.nc", "summary.json")
@@ -62,24 +62,41 @@ def _numbered() -> Path:
 
 @contextmanager
 def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Path]]:
-    """The result's folder, and a temporary one that takes its place when everything in it is written."""
-    import secrets
+    """The result's folder, and a temporary one that takes its place when everything in it is written.
 
+    A result that is replaced moves aside, and is deleted when the new one has its place: an interruption leaves one of
+    them, whole.
+    """
     try:
+        (wanted.absolute().parent if wanted else RUNS).mkdir(parents=True, exist_ok=True)
+        clear_leftovers(wanted.absolute().parent if wanted else RUNS)
         folder = wanted or _numbered()
         final = folder.resolve()
-        final.parent.mkdir(parents=True, exist_ok=True)
-        temporary = final.with_name(f".{final.name}-{secrets.token_hex(4)}")
-        temporary.mkdir()
+        temporary = beside(final)
+        HELD.add(temporary)
+        temporary.mkdir(parents=True)
     except OSError as error:
         raise InputError(f"--out {str(wanted or RUNS)!r}: cannot be written ({error.strerror})") from error
     try:
         yield folder, temporary
-        if overwrite and final.is_dir():
-            shutil.rmtree(final)
-        temporary.replace(final)
+        _put(temporary, final, overwrite)
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        remove(temporary)
         if wanted is None:
             with suppress(OSError):
                 final.rmdir()  # only succeeds where nothing took its place
+
+
+def _put(temporary: Path, final: Path, overwrite: bool) -> None:
+    """Let a folder take its place, and what stood there, if it may, be deleted after."""
+    if not (overwrite and final.is_dir()):
+        temporary.replace(final)
+        return
+    aside = beside(final, "replaced")
+    try:
+        final.replace(aside)
+        temporary.replace(final)
+    finally:
+        if aside.is_dir() and not final.is_dir():
+            aside.replace(final)
+    remove(aside)

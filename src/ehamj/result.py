@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import secrets
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
@@ -23,6 +22,7 @@ from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.unfinished import HELD, beside, remove
 
 CONTROLLER_FILE = "controller.json"
 
@@ -204,12 +204,13 @@ def _model_of(path: Path) -> str:
 @contextlib.contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """A temporary name beside ``path`` to write to; renamed to ``path`` at the end, removed on failure."""
-    temporary = path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
+    temporary = beside(path)
+    HELD.add(temporary)
     try:
         yield temporary
         temporary.replace(path)
     finally:
-        temporary.unlink(missing_ok=True)
+        remove(temporary)
 
 
 def make_dataset(

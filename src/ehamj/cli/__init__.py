@@ -1,33 +1,49 @@
 """The command line: printing, paths, exit codes, nothing else. Its commands stand in modules by what they do."""
 
 import sys
-import warnings
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from rich.markup import escape
+from ehamj.interruption import EXIT_CODE, Interrupted, watched
 
-from ehamj.cli.frame import app, log
-from ehamj.errors import DerivedAnew, InputError, SimulationFailed
+if TYPE_CHECKING:
+    from ehamj.cli.frame import app as app
 
 __all__ = ["app", "main"]
+
+
+def __getattr__(name: str) -> Any:
+    """The app, imported when it is asked for: whoever interrupts while it is imported sees no traceback."""
+    if name != "app":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from ehamj.cli.frame import app
+
+    return app
 
 
 def main() -> NoReturn:
     """Run the command line; every error becomes one message and an exit code, what should be known a note."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("always", DerivedAnew)
-            warnings.showwarning = _noted
-            app(prog_name="ehamj")  # also where another program runs it
-    except (InputError, SimulationFailed) as error:
-        log.print(f"[bold red]ehamj:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
-        sys.exit(2 if isinstance(error, InputError) else 3)
-    sys.exit(0)
+        with watched(_give_up):
+            from ehamj.cli.outcome import exit_code
+
+            code = exit_code()
+    except (Interrupted, KeyboardInterrupt):
+        _say_interrupted()
+        code = EXIT_CODE
+    sys.exit(code)
 
 
-def _noted(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-    """A warning as a line on standard error; one that is not for the user as Python shows it."""
-    if issubclass(category, DerivedAnew):
-        log.print(f"note: {message}", markup=False, highlight=False, soft_wrap=True)
-    else:
-        sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
+def _say_interrupted() -> None:
+    sys.stderr.write("\nehamj: interrupted; nothing of this command is kept, what was there before is as it was\n")
+
+
+def _give_up() -> None:
+    """Remove what is half written, for a process that ends now."""
+    from multiprocessing import active_children
+
+    from ehamj.unfinished import remove_all
+
+    for process in active_children():
+        process.kill()
+    remove_all()
+    _say_interrupted()

@@ -10,6 +10,7 @@ from rich.console import Console
 from typer.core import TyperCommand, TyperGroup
 
 from ehamj.cli.early import check_early
+from ehamj.interruption import Interrupted
 from ehamj.scenario_files import scenario_path
 
 COMMANDS: Final = {
@@ -48,6 +49,13 @@ class _Commands(TyperGroup):
     def __init__(self, *, commands: Any = None, **more: Any) -> None:
         told: dict[str, Any] = dict.fromkeys(COMMANDS)
         super().__init__(commands=told | (commands or {}), **more)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; an interruption leaves it as one, of which Typer would say no more than that."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise Interrupted from None
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command; where its module was not imported, only what its source says of it."""

@@ -65,12 +65,11 @@ def run(
 
 def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
-    from concurrent.futures import ThreadPoolExecutor
-
     from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
     from ehamj.compiled.told import telling
     from ehamj.ground.shared import Floors
+    from ehamj.interruption import pool_of
     from ehamj.run.simulate import simulate
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
@@ -100,7 +99,7 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
                 raise
             return failure.result, failure
 
-    with bar, telling(compiling), ThreadPoolExecutor() as pool:
+    with bar, telling(compiling), pool_of() as pool:
         outcomes = list(pool.map(one, wanted))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
     return results, [failure for _, failure in outcomes if failure is not None]

@@ -11,11 +11,12 @@ import threading
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from multiprocessing import connection
 from multiprocessing.process import BaseProcess
 from typing import Any, Final
 
+from ehamj.interruption import INTERRUPTING, pool_of
 from ehamj.run.workers import processors
 
 Job = Callable[[], None]
@@ -46,14 +47,11 @@ def work_off(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], a
 
 
 def _threaded(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
-    with ThreadPoolExecutor(count) as pool:
+    with pool_of(count) as pool:
         running = {pool.submit(job): name for name, job in jobs}
-        try:
-            for one in as_completed(running):
-                one.result()
-                finished(running[one])
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)  # those that run end
+        for one in as_completed(running):
+            one.result()
+            finished(running[one])
 
 
 def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
@@ -95,8 +93,8 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
 
 @contextlib.contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """SIGINT waits until a process is forked that from its first line on is not to hear it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """What interrupts waits until a process is forked that from its first line on is not to hear it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTING)
     try:
         yield
     finally:
@@ -105,8 +103,10 @@ def _uninterrupted() -> Iterator[None]:
 
 def _work(jobs: Sequence[tuple[str, Job]], taken: Any, told: Any) -> None:
     """Do jobs that no other process has taken, until none is left or the first process is gone."""
+    signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process stops this one
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, INTERRUPTING)
     gc.set_threshold(*RARELY)
     parent = os.getppid()
     while os.getppid() == parent:

@@ -12,6 +12,7 @@ from ehamj.errors import InputError
 from ehamj.faults import in_order
 from ehamj.forces import Load
 from ehamj.ground import Motion
+from ehamj.interruption import check
 from ehamj.memory import COMMAND, inputs
 from ehamj.mujoco.advance import NOT_LOADED, STANDING, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
@@ -59,6 +60,7 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     done, recorded, seconds = 0, 0, 0.0
     stopped, struck = Stopped(0, DONE, -1), Faults(prepared)
     while stopped.status == DONE and done < prepared.steps:
+        check()
         struck.strike(done)
         steps = min(STRETCH, prepared.steps - done, struck.steps_left(done))
         last = done + steps == prepared.steps

@@ -9,6 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
 from ehamj.ground import GroundSample
+from ehamj.interruption import check
 from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_command, sample_load
 from ehamj.run.prepare import Prepared
 from ehamj.signals import Zero
@@ -59,6 +60,7 @@ def drive_block(
     struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
     done, rows, seconds, sampled, given = 0, 0, 0.0, range(0), None
     while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
+        check()
         if given is None or done not in sampled:
             sampled = range(done, min(done + STRETCH, first.steps))
             given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))

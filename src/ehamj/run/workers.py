@@ -3,8 +3,10 @@
 import os
 import threading
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import wait
 from typing import TypeVar
+
+from ehamj.interruption import pool_of
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -56,7 +58,7 @@ def worked_through(
                 failures[number] = error
                 stopped.set()
 
-    with ThreadPoolExecutor(max_workers=threads) as pool:
+    with pool_of(threads) as pool:
         running = [pool.submit(worker) for _ in range(threads)]
         try:
             while wait(running, timeout=PATIENCE).not_done:

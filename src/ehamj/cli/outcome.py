@@ -1,0 +1,86 @@
+"""How a command ends: one message and an exit code for whatever may go wrong, what should be known as a note."""
+
+import os
+import platform
+import sys
+import tempfile
+import traceback
+import warnings
+from pathlib import Path
+from typing import Any, Final
+
+from rich.markup import escape
+
+from ehamj.cli.frame import app, log
+from ehamj.errors import DerivedAnew, InputError, SimulationFailed
+
+DONE: Final = 0
+BAD_INPUT: Final = 2
+FAILED: Final = 3
+
+
+def exit_code() -> int:
+    """Run the command that the command line asks for; what it ends with."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", DerivedAnew)
+            warnings.showwarning = _noted
+            app(prog_name="ehamj")  # also where another program runs it
+    except (InputError, SimulationFailed) as error:
+        return _told(str(error), BAD_INPUT if isinstance(error, InputError) else FAILED)
+    except SystemExit as ended:
+        return _flushed(ended.code)
+    except MemoryError as error:
+        return _told(
+            f"does not fit in memory{_said(error)}; a shorter duration or a lower record_rate needs less", BAD_INPUT
+        )
+    except OSError as error:
+        where = f"{str(error.filename)!r}: " if error.filename else ""
+        return _told(f"{where}{error.strerror or error}; nothing of this command is kept there", FAILED)
+    except Exception as error:
+        return _told(_unforeseen(error), FAILED)
+    return _flushed(DONE)
+
+
+def _told(message: str, code: int) -> int:
+    log.print(f"[bold red]ehamj:[/] {escape(message)}", highlight=False, soft_wrap=True)
+    return code
+
+
+def _said(error: Exception) -> str:
+    return f": {error}" if str(error) else ""
+
+
+def _flushed(code: Any) -> Any:
+    """An exit code once all of standard output is out; another where it cannot be written."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115  # else the interpreter tries again at its end
+        return _told(f"standard output: {error.strerror}", FAILED)
+    return code
+
+
+def _unforeseen(error: Exception) -> str:
+    """What to say of an error that nobody foresaw: one line, and where all of it is, for a report."""
+    from importlib.metadata import version
+
+    said = f"{type(error).__name__}{_said(error)}".splitlines()[0]
+    text = (
+        f"ehamj {version('ehamj')}, Python {platform.python_version()}, {platform.platform()}\n"
+        f"{' '.join(sys.argv[1:])}\n\n{''.join(traceback.format_exception(error))}"
+    )
+    try:
+        with tempfile.NamedTemporaryFile("w", prefix="ehamj-", suffix=".txt", encoding="utf-8", delete=False) as file:
+            file.write(text)
+    except OSError:
+        return f"{said}: this should not happen, and is a fault of ehamj"
+    return f"{said}: this should not happen, and is a fault of ehamj; please report it with {file.name!r}"
+
+
+def _noted(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+    """A warning as a line on standard error; one that is not for the user as Python shows it."""
+    if issubclass(category, DerivedAnew):
+        log.print(f"note: {message}", markup=False, highlight=False, soft_wrap=True)
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

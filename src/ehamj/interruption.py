@@ -1,0 +1,107 @@
+"""Where the user interrupts: threads stop, and a command ends in a second with nothing half written."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
+
+EXIT_CODE: Final = 130
+"""Of a command that was interrupted, as shells have it: 128 + SIGINT."""
+GRACE: Final = 0.7
+"""Time after which a command that is within a library's code is ended from outside [s]."""
+
+INTERRUPTING: Final = (signal.SIGINT, signal.SIGTERM)
+
+
+class Interrupted(BaseException):
+    """The user interrupts. No `Exception`: nothing that handles failures is to handle it."""
+
+
+class _Asked:
+    """How many pools ask their threads to stop."""
+
+    lock = threading.Lock()
+    pools = 0
+
+    @classmethod
+    def add(cls, number: int) -> None:
+        with cls.lock:
+            cls.pools += number
+
+
+def check() -> None:
+    """Raise `Interrupted` where the threads of a pool are asked to stop; called by whatever runs for long."""
+    if _Asked.pools:
+        raise Interrupted
+
+
+@contextmanager
+def pool_of(threads: int | None = None) -> "Iterator[ThreadPoolExecutor]":
+    """A pool of threads. Where its block fails or the user interrupts, none begins, and those that `check` stop."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    pool = ThreadPoolExecutor(threads)
+    try:
+        yield pool
+    except BaseException:
+        _Asked.add(1)
+        try:
+            pool.shutdown(wait=True, cancel_futures=True)
+        finally:
+            _Asked.add(-1)
+        raise
+    pool.shutdown()
+
+
+def _interrupt(*_: Any) -> None:
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def watched(give_up: Callable[[], None]) -> Iterator[None]:
+    """While the block lasts SIGTERM interrupts as SIGINT does; call it on the main thread.
+
+    Python hears of a signal between two of its own instructions. Where a library computes or writes for longer than
+    `GRACE`, a thread that waits for nothing else calls ``give_up``, and ends the process.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    before = {one: signal.signal(one, _interrupt) for one in INTERRUPTING}
+    woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+
+    def watch() -> None:
+        while number := os.read(reading, 1)[0]:
+            if number in before:
+                time.sleep(GRACE)
+                give_up()
+                os._exit(EXIT_CODE)
+
+    thread = threading.Thread(target=watch, daemon=True)
+    thread.start()
+    interrupted = False
+    try:
+        yield
+    except KeyboardInterrupt:
+        interrupted = True
+        raise Interrupted from None
+    except Interrupted:
+        interrupted = True
+        raise
+    finally:
+        if not interrupted:  # else the thread sees to it that the process ends
+            signal.set_wakeup_fd(woken)
+            os.write(writing, b"\0")
+            thread.join()
+            os.close(writing)
+            os.close(reading)
+            for one, handler in before.items():
+                signal.signal(one, handler)

@@ -1,0 +1,78 @@
+"""What is written stands beside its place until it is whole, under a name that says whose it is.
+
+A process that is killed leaves it there; the next one that writes in the same folder clears it.
+"""
+
+import os
+import re
+from contextlib import suppress
+from pathlib import Path
+from typing import Final, Literal
+from zlib import crc32
+
+_NAME: Final = re.compile(r"\.(?P<place>.+)\.(?P<kind>unfinished|replaced)-(?P<host>[0-9a-f]{8})-(?P<process>\d+)-.*")
+
+HELD: set[Path] = set()
+"""What this process has begun and neither put in its place nor removed."""
+
+
+def beside(path: Path, kind: Literal["unfinished", "replaced"] = "unfinished") -> Path:
+    """A name beside ``path`` for what is to take its place, or for what gives its place up; of the same suffix."""
+    return path.with_name(f".{path.name}.{kind}-{_host()}-{os.getpid()}-{os.urandom(4).hex()}{path.suffix}")
+
+
+def clear_leftovers(folder: Path) -> None:
+    """Remove what processes of this computer that are gone have left in a folder.
+
+    What one had moved away, and nothing had replaced yet, goes back to its place.
+    """
+    found = [(told, path) for path in folder.glob(".*-*") if (told := _NAME.fullmatch(path.name))]
+    for told, path in sorted(found, key=lambda one: one[0]["kind"]):
+        if told["host"] != _host() or _runs(int(told["process"])):
+            continue
+        place = folder / told["place"]
+        if told["kind"] == "replaced" and (not place.exists() or _empty(place)):
+            with suppress(OSError):
+                path.replace(place)
+                continue
+        remove(path)
+        if told["kind"] == "unfinished" and _empty(place):
+            with suppress(OSError):
+                place.rmdir()  # it was made to hold the name
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder, if it is there."""
+    import shutil
+
+    HELD.discard(path)
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def remove_all() -> None:
+    """Remove whatever this process has begun, which ends now."""
+    for path in list(HELD):
+        with suppress(OSError):
+            remove(path)
+
+
+def _empty(place: Path) -> bool:
+    return place.is_dir() and not any(place.iterdir())
+
+
+def _host() -> str:
+    """This computer, which may share a disk with others whose processes are not seen here."""
+    return f"{crc32(os.uname().nodename.encode()) if hasattr(os, 'uname') else 0:08x}"
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass
+    return True
