@@ -12,7 +12,7 @@ from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, ap
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.errors import SimulationFailed
-from ehamj.folders import RESULT_FILES, check_out, new_folder
+from ehamj.folders import RESULT_FILES, RUNS, check_out, new_folder
 
 if TYPE_CHECKING:
     from ehamj.judge import Summary
@@ -40,12 +40,14 @@ def run(
     histories, opens with xarray), summary.json, scenario.toml (complete; runs again to the same result) and model.xml
     (opens in any MuJoCo viewer). Variants named in the scenario's `compare` get folders of their own inside it.
     """
+    from ehamj.run.budget import check_rows
     from ehamj.scenario.load import load_scenario
 
     check_out(out_folder, overwrite, RESULT_FILES)
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
     chosen = [] if engine is None else [f"engine={engine}"]
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
+    check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
     results, failures = _simulate(loaded)
     from ehamj.store import write_run
 

@@ -4,10 +4,19 @@ import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 
+from ehamj.errors import InputError
+
 
 def exact(time: float) -> Fraction:
-    """A time [s] as the fraction that was meant: 1e-4 is 1/10000."""
-    return Fraction(time).limit_denominator(10**7)
+    """A time [s] as the fraction that was meant: 1e-4 is 1/10000.
+
+    Raises:
+        InputError: if it is so short that no such fraction is near.
+    """
+    found = Fraction(time).limit_denominator(10**7)
+    if abs(found - Fraction(time)) > 1e-6 * abs(time):
+        raise InputError(f"a period or delay of {time:g} s: must be zero or at least 1e-07 s")
+    return found
 
 
 def common_divisor(times: Iterable[float]) -> Fraction:

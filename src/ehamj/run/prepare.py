@@ -18,6 +18,7 @@ from ehamj.ground import Motion
 from ehamj.ground.shared import Floors
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
 from ehamj.plant.statics import check_standing
+from ehamj.run.budget import check_rows, check_steps
 from ehamj.run.faults import shorter_step, unread
 from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
@@ -108,6 +109,7 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
+    check_rows(scenario)
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()
@@ -118,6 +120,7 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         commands = Passive().commands(scenario.plant.mounts)
     try:
         timestep = choose_timestep(scenario, controller)
+        check_steps(scenario, timestep)
         loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
         model = compiled(scenario.plant, timestep)
         data = mujoco.MjData(model)

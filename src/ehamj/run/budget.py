@@ -1,0 +1,105 @@
+"""What a run would need, before it begins: memory, disk, steps and time; what cannot be had is refused by its keys."""
+
+import math
+from pathlib import Path
+from typing import Final
+
+import psutil
+
+from ehamj.errors import InputError
+from ehamj.isolator.actuator import Actuator, hydraulic_stiffness
+from ehamj.plant.plant import Plant
+from ehamj.scenario.model import Scenario
+
+CHANNELS: Final = (160, 45)
+"""Numbers of a row, about: whatever the machine has with a law of a hundred states, and more per mount."""
+COPIES: Final = 1.6
+"""Rows that are held at once, per row: what was stepped beside what is read of it."""
+STEP_SECONDS: Final = {"mujoco": 6e-6, "small-motion": 1e-6}
+"""Time that a step takes, about, by engine [s]."""
+LONGEST: Final = 30 * 86_400.0
+"""Beyond which a run was hardly meant [s]."""
+SHORTEST_STEP: Final = 2e-8
+"""Step below which the fastest part of a machine was hardly meant [s]."""
+
+
+def row_bytes(mounts: int) -> int:
+    """Size of a row of a result, about."""
+    return 8 * (CHANNELS[0] + CHANNELS[1] * mounts)
+
+
+def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None) -> None:
+    """Refuse a run whose rows do not fit.
+
+    Args:
+        scenario: that is to run.
+        together: how many such runs are held at once.
+        folder: where they are to be written, if they are.
+
+    Raises:
+        InputError: which names what they need, what is free, and the keys.
+    """
+    rows = scenario.duration * scenario.record_rate * together
+    size = rows * row_bytes(len(scenario.plant.mounts))
+    what = f"duration = {scenario.duration:g} s at record_rate = {scenario.record_rate:g} Hz"
+    what += f", {together} runs together" if together > 1 else ""
+    free = psutil.virtual_memory().available
+    if size * COPIES > free:
+        raise InputError(
+            f"{what}: {rows:.3g} rows need about {_gib(size * COPIES)} of memory and {_gib(free)} are free; lower "
+            "record_rate or duration"
+        )
+    if folder is None:
+        return
+    above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if size > (free := psutil.disk_usage(str(above)).free):
+        raise InputError(
+            f"{what}: {rows:.3g} rows need about {_gib(size)} on disk and {_gib(free)} are free in {str(above)!r}; "
+            "lower record_rate or duration, or name another --out"
+        )
+
+
+def check_steps(scenario: Scenario, timestep: float) -> None:
+    """Refuse a run of more steps than anybody waits for.
+
+    Raises:
+        InputError: which names the step, how many there are, and what asks for them.
+    """
+    steps = scenario.duration / timestep
+    seconds = steps * STEP_SECONDS[scenario.engine]
+    stated = scenario.timestep != "auto"
+    if seconds <= LONGEST and (stated or timestep >= SHORTEST_STEP):
+        return
+    why = f"timestep = {timestep:g} s" if stated else fastest_part(scenario.plant)
+    raise InputError(
+        f"{why}: a step of {timestep:.3g} s is {steps:.3g} steps in duration = {scenario.duration:g} s, about "
+        f"{seconds / 3600.0:.3g} h; the step must be at least {SHORTEST_STEP:g} s and the run at most "
+        f"{LONGEST / 3600.0:g} h"
+    )
+
+
+def fastest_part(plant: Plant) -> str:
+    """What of a machine's isolators is fastest, by the keys that make it so, and how fast."""
+    found = [one for actuator in plant.actuators for one in _rates(actuator)]
+    rate, keys = max(found)
+    return f"{keys} make the fastest part, {rate:.3g} rad/s"
+
+
+def _rates(own: Actuator) -> list[tuple[float, str]]:
+    """Rates of an isolator's parts by themselves [rad/s], and the keys that they come from."""
+    oil = hydraulic_stiffness(own.bulk_modulus, own.piston_area, own.chamber_volume)
+    mass = own.plate_mass
+    foot = 0.0 if math.isinf(own.foot_stiffness) else own.foot_stiffness
+    leak = 4.0 * own.bulk_modulus / own.chamber_volume
+    return [
+        (own.valve_frequency, "valve_frequency"),
+        (math.sqrt((oil + own.membrane_stiffness + foot) / mass), "bulk_modulus, membrane_stiffness, foot_stiffness"),
+        (math.sqrt(own.lateral_stiffness / mass), "lateral_stiffness"),
+        (own.membrane_damping / mass, "membrane_damping"),
+        (own.lateral_damping / mass, "lateral_damping"),
+        (leak * own.flow_pressure, "flow_pressure and bulk_modulus"),
+    ]
+
+
+def _gib(size: float) -> str:
+    return f"{size / 2**30:.3g} GiB"
