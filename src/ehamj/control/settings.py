@@ -76,7 +76,9 @@ class SampledSettings(ControlSettings):
     """Clock and converter of a digital law: what an architecture has, and a synthesis or adaptation that makes one."""
 
     rate: Positive = Field(10_000.0, description="sampling rate [Hz]")
-    delay: NotNegative | None = Field(None, description="computation delay [s]; without: one sample")
+    delay: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="computation delay [s]; without: one sample"
+    )
     bits: Annotated[int, Field(ge=2, le=52)] = Field(16, description="resolution of the command converter [bit]")
     switch_on: NotNegative = Field(0.0, description="time at which the controller takes over [s]")
     fade: NotNegative = Field(0.0, description="time over which its commands fade in [s]")

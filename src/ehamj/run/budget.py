@@ -81,24 +81,31 @@ def check_steps(scenario: Scenario, timestep: float) -> None:
 def fastest_part(plant: Plant) -> str:
     """What of a machine's isolators is fastest, by the keys that make it so, and how fast."""
     found = [one for actuator in plant.actuators for one in _rates(actuator)]
+    stiff = sum(_stiffness(actuator) for actuator in plant.actuators)
+    found.append((math.sqrt(stiff / plant.machine.mass), "machine.mass and the isolators' stiffness"))
     rate, keys = max(found)
-    return f"{keys} make the fastest part, {rate:.3g} rad/s"
+    return f"the fastest part, from {keys}, has {rate:.3g} rad/s"
 
 
 def _rates(own: Actuator) -> list[tuple[float, str]]:
     """Rates of an isolator's parts by themselves [rad/s], and the keys that they come from."""
-    oil = hydraulic_stiffness(own.bulk_modulus, own.piston_area, own.chamber_volume)
     mass = own.plate_mass
     foot = 0.0 if math.isinf(own.foot_stiffness) else own.foot_stiffness
     leak = 4.0 * own.bulk_modulus / own.chamber_volume
     return [
         (own.valve_frequency, "valve_frequency"),
-        (math.sqrt((oil + own.membrane_stiffness + foot) / mass), "bulk_modulus, membrane_stiffness, foot_stiffness"),
+        (math.sqrt((_stiffness(own) + foot) / mass), "bulk_modulus, membrane_stiffness, foot_stiffness"),
         (math.sqrt(own.lateral_stiffness / mass), "lateral_stiffness"),
         (own.membrane_damping / mass, "membrane_damping"),
         (own.lateral_damping / mass, "lateral_damping"),
         (leak * own.flow_pressure, "flow_pressure and bulk_modulus"),
     ]
+
+
+def _stiffness(own: Actuator) -> float:
+    """Of oil and membrane together [N/m]."""
+    oil: float = hydraulic_stiffness(own.bulk_modulus, own.piston_area, own.chamber_volume)
+    return oil + own.membrane_stiffness
 
 
 def _gib(size: float) -> str:

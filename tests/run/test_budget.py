@@ -1,0 +1,62 @@
+"""What a run would need, told before it begins."""
+
+from pathlib import Path
+
+import pytest
+
+from ehamj.control.clock import exact
+from ehamj.errors import InputError
+from ehamj.run import budget
+from ehamj.run.budget import check_rows, check_steps, fastest_part, row_bytes
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import load_scenario, parse_scenario
+
+
+def test_rows_that_do_not_fit_are_refused_with_what_they_need(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    scenario = parse_scenario({"duration": 100.0, "record_rate": 1000.0})
+    size = 1e5 * row_bytes(4)
+    free = type("Free", (), {"available": 2.0 * size, "free": size})
+    monkeypatch.setattr(budget.psutil, "virtual_memory", lambda: free)
+    monkeypatch.setattr(budget.psutil, "disk_usage", lambda _: free)
+    check_rows(scenario, 1, tmp_path)
+    with pytest.raises(InputError, match=r"record_rate = 1000 Hz, 2 runs together: 2e\+05 rows need about .* memory"):
+        check_rows(scenario, 2, tmp_path)
+    free.free = 0.9 * size
+    with pytest.raises(InputError, match=r"1e\+05 rows need about .* on disk and .* are free in"):
+        check_rows(scenario, 1, tmp_path / "a" / "b")
+
+
+def test_what_a_row_is_thought_to_need_is_what_it_needs() -> None:
+    """Within a factor of two: a row of the reference, whose law has most states."""
+    result = simulate(load_scenario("vc-c-floor", ["duration=0.1", "compare=[]", "engine=small-motion"]))
+    rows = result.dataset.sizes["time"]
+    assert 0.5 < result.dataset.nbytes / rows / row_bytes(4) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"actuators": {"isolator": {"valve_frequency": 9e7}}}, r"from valve_frequency, has 9e\+07 rad/s: a step of"),
+        ({"machine": {"mass": 1e-3}}, r"from machine\.mass and the isolators' stiffness"),
+    ],
+)
+def test_steps_that_nobody_meant_are_refused_by_the_fastest_part(table: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        simulate({**table, "duration": 0.01})
+
+
+def test_a_run_of_months_is_refused() -> None:
+    with pytest.raises(InputError, match=r"timestep = 1e-08 s: a step of 1e-08 s is 1e\+13 steps .* 1\.67e\+04 h"):
+        check_steps(parse_scenario({"duration": 1e5, "timestep": 1e-8}), 1e-8)
+    check_steps(parse_scenario({"duration": 1e5}), 1e-4)
+
+
+def test_the_fastest_part_of_the_default_machine_is_its_lightest() -> None:
+    assert "bulk_modulus, membrane_stiffness" in fastest_part(parse_scenario({}).plant)
+
+
+def test_a_period_too_short_for_the_clock_is_refused_and_no_other() -> None:
+    """It was lost before: the law of that period never ran."""
+    with pytest.raises(InputError, match=r"3\.33333e-08 s: must be zero or at least 1e-07 s"):
+        exact(1.0 / 3e7)
+    assert float(exact(1.0 / 30001.0)) == 1.0 / 30001.0

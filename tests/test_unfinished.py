@@ -1,0 +1,94 @@
+"""What is written stands beside its place until it is whole, and what is replaced until it has been."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ehamj.folders import new_folder
+from ehamj.unfinished import HELD, beside, clear_leftovers, remove_all
+
+ABANDON = """
+import os, sys
+from pathlib import Path
+from ehamj.folders import new_folder
+os.chdir(sys.argv[1])
+with new_folder(Path(sys.argv[2]) if len(sys.argv) > 2 else None, True) as (folder, target):
+    (target / "new").write_text("half")
+    os._exit(9)
+"""
+
+
+def abandoned(folder: Path, *wanted: str) -> None:
+    """A process that ends while it writes, as one that is killed."""
+    assert subprocess.run([sys.executable, "-c", ABANDON, str(folder), *wanted], check=False).returncode == 9
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_what_a_dead_process_left_is_cleared_by_the_next_and_its_number_is_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    abandoned(tmp_path)
+    assert len(names(tmp_path / "runs")) == 2
+    monkeypatch.chdir(tmp_path)
+    with new_folder(None, False) as (folder, target):
+        (target / "whole").touch()
+    assert folder == Path("runs/0001")
+    assert names(tmp_path / "runs") == ["0001"]
+
+
+def test_what_is_replaced_is_there_until_the_new_one_is(tmp_path: Path) -> None:
+    place = tmp_path / "result"
+    place.mkdir()
+    (place / "old").touch()
+    abandoned(tmp_path, "result")
+    assert names(place) == ["old"]
+    with pytest.raises(FileNotFoundError), new_folder(place, True) as (_, target):
+        (target / "nowhere" / "new").touch()
+    assert names(place) == ["old"]
+    with new_folder(place, True) as (_, target):
+        (target / "new").touch()
+    assert names(place) == ["new"]
+    assert names(tmp_path) == ["result"]
+
+
+def test_what_was_moved_aside_goes_back_where_nothing_replaced_it(tmp_path: Path) -> None:
+    """A process that is killed between two renames."""
+    aside = beside(tmp_path / "result", "replaced")
+    dead = aside.with_name(aside.name.replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    dead.mkdir()
+    (dead / "old").touch()
+    clear_leftovers(tmp_path)
+    assert names(tmp_path) == ["result"]
+    assert names(tmp_path / "result") == ["old"]
+
+
+def test_what_a_living_process_or_another_computer_has_begun_stays(tmp_path: Path) -> None:
+    mine = beside(tmp_path / "a.nc")
+    assert mine.suffix == ".nc"
+    theirs = mine.with_name(mine.name.replace("unfinished-", "unfinished-0000000").replace(mine.name[-14:], "x"))
+    for path in (mine, theirs):
+        path.touch()
+    clear_leftovers(tmp_path)
+    assert len(names(tmp_path)) == 2
+
+
+def test_a_process_that_ends_at_once_removes_what_it_has_begun(tmp_path: Path) -> None:
+    with new_folder(tmp_path / "result", False) as (_, target):
+        assert target in HELD
+        remove_all()
+        assert not target.exists()
+        target.mkdir()
+    assert not HELD
+
+
+def dead_process() -> int:
+    """The number of a process that is gone."""
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    return process.pid
