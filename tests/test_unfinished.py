@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ehamj.folders import new_folder
-from ehamj.unfinished import HELD, beside, clear_leftovers, remove_all
+from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove_all
 
 ABANDON = """
 import os, sys
@@ -92,3 +92,19 @@ def dead_process() -> int:
     process = subprocess.Popen([sys.executable, "-c", ""])
     process.wait()
     return process.pid
+
+
+def test_a_file_that_will_not_fit_is_refused_before_it_is_written(tmp_path: Path) -> None:
+    """A limit of the process's files stands for a full disk, which HDF5 does not survive."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    path = tmp_path / "result.nc"
+    check_room(path, 10**6)
+    assert not list(tmp_path.iterdir())
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10**7, before[1]))
+        with pytest.raises(OSError, match=r"File too large; 1\d+ bytes are needed"):
+            check_room(path, 10**8)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list(tmp_path.iterdir())

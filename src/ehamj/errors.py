@@ -11,3 +11,7 @@ class SimulationFailed(RuntimeError):
 
 class DerivedAnew(UserWarning):
     """A law was derived for a changed machine: it knows what it could not know of a machine within tolerances."""
+
+
+class Recompiled(UserWarning):
+    """Compiled code that was kept is damaged: it is compiled anew, which takes a while."""

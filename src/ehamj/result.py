@@ -22,7 +22,7 @@ from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.unfinished import HELD, beside, remove
+from ehamj.unfinished import HELD, beside, check_room, remove
 
 CONTROLLER_FILE = "controller.json"
 
@@ -147,6 +147,7 @@ class Result:
             with written_whole(folder / CONTROLLER_FILE) as path:
                 self.controller.save(path)
         with written_whole(folder / "result.nc") as path:
+            check_room(path, self.dataset.nbytes)
             # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
             self.dataset.to_netcdf(path, engine="h5netcdf")
         for name, text in texts.items():

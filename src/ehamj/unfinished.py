@@ -12,6 +12,9 @@ from zlib import crc32
 
 _NAME: Final = re.compile(r"\.(?P<place>.+)\.(?P<kind>unfinished|replaced)-(?P<host>[0-9a-f]{8})-(?P<process>\d+)-.*")
 
+MARGIN: Final = 2**20
+"""Beside the numbers of a file, for what says what they are [B]."""
+
 HELD: set[Path] = set()
 """What this process has begun and neither put in its place nor removed."""
 
@@ -19,6 +22,22 @@ HELD: set[Path] = set()
 def beside(path: Path, kind: Literal["unfinished", "replaced"] = "unfinished") -> Path:
     """A name beside ``path`` for what is to take its place, or for what gives its place up; of the same suffix."""
     return path.with_name(f".{path.name}.{kind}-{_host()}-{os.getpid()}-{os.urandom(4).hex()}{path.suffix}")
+
+
+def check_room(path: Path, size: int) -> None:
+    """Raise OSError unless a file of ``size`` bytes can be written at ``path``, which is not there before or after.
+
+    HDF5 ends the process where a disk gets full while it writes.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    try:
+        with path.open("wb") as file:
+            os.posix_fallocate(file.fileno(), 0, size + MARGIN)
+    except OSError as error:
+        raise OSError(error.errno, f"{error.strerror}; {size + MARGIN} bytes are needed", str(path.parent)) from error
+    finally:
+        path.unlink(missing_ok=True)
 
 
 def clear_leftovers(folder: Path) -> None:

@@ -1,17 +1,21 @@
 """Compiled code is kept by what it is, wherever its source lies, and by whichever thread compiles it."""
 
+import errno
 import os
 import shutil
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numba
+import pytest
 
 import ehamj.compiled
 from ehamj.compiled import kept, kernel
 from ehamj.compiled.told import telling
+from ehamj.errors import Recompiled
 
 SIMULATE = (
     "import ehamj, ehamj.compiled.kept as kept; "
@@ -89,3 +93,44 @@ def test_what_is_compiled_is_told_with_how_much_of_it_is_done() -> None:
         pass
     numba.njit(fourfold)(1)
     assert not seen  # nobody listens any more
+
+
+def _doubled(number: float) -> float:
+    return 2.0 * number
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of its own for compiled code."""
+    monkeypatch.setattr(kept, "folder", lambda: tmp_path)
+    return tmp_path
+
+
+def doubling() -> dict[str, list[Path]]:
+    """Double a number by compiled code, taken or made; and the files that it is kept in."""
+    one = kept.compiled(_doubled, numba.float64(numba.float64))
+    assert one(1.5) == 3.0
+    found = (kept.folder() or Path()).rglob("*.nb?")
+    return {"taken": list(one.stats.cache_hits), "files": sorted(found)}
+
+
+@pytest.mark.parametrize("damage", [lambda _: b"", lambda one: one[: len(one) // 2], lambda one: one[::-1]])
+@pytest.mark.parametrize("which", [0, 1])
+def test_kept_code_that_is_damaged_is_compiled_anew(place: Path, which: int, damage: Callable[[bytes], bytes]) -> None:
+    """Cut off or garbled: understood, it would do anything, the end of the process included."""
+    files = doubling()["files"]
+    assert len(files) == 2
+    assert doubling()["taken"]
+    files[which].write_bytes(damage(files[which].read_bytes()))
+    with pytest.warns(Recompiled, match=str(files[which])):
+        again = doubling()
+    assert not again["taken"]
+    assert doubling()["taken"]
+
+
+def test_code_that_cannot_be_kept_runs(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(kept.caching.IndexDataCacheFile, "_save_data", full)
+    assert not doubling()["taken"]

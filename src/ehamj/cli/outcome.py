@@ -12,18 +12,21 @@ from typing import Any, Final
 from rich.markup import escape
 
 from ehamj.cli.frame import app, log
-from ehamj.errors import DerivedAnew, InputError, SimulationFailed
+from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
 
 DONE: Final = 0
 BAD_INPUT: Final = 2
 FAILED: Final = 3
+TOLD: Final = (DerivedAnew, Recompiled)
+"""Warnings that a user is told as notes."""
 
 
 def exit_code() -> int:
     """Run the command that the command line asks for; what it ends with."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("always", DerivedAnew)
+            for kind in TOLD:
+                warnings.simplefilter("always", kind)
             warnings.showwarning = _noted
             app(prog_name="ehamj")  # also where another program runs it
     except (InputError, SimulationFailed) as error:
@@ -80,7 +83,7 @@ def _unforeseen(error: Exception) -> str:
 
 def _noted(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """A warning as a line on standard error; one that is not for the user as Python shows it."""
-    if issubclass(category, DerivedAnew):
+    if issubclass(category, TOLD):
         log.print(f"note: {message}", markup=False, highlight=False, soft_wrap=True)
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

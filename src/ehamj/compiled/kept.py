@@ -1,29 +1,38 @@
 """Where compiled code is kept between runs, so that only the first run waits for it.
 
 There is one folder per `ehamj.compiled.identity` of what was compiled, wherever its source lies. Where no folder can be
-written, everything still works, uncached.
+written, or its disk is full, everything still works, uncached. Each file ends with a digest of itself: one that is
+damaged is compiled anew.
 """
 
 import contextlib
 import gc
+import hashlib
+import io
 import os
 import tempfile
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 import numba
-from numba.core.caching import _CacheLocator
+from numba.core import caching
 from platformdirs import user_cache_path
 
 from ehamj.compiled import OPTIONS
 from ehamj.compiled.identity import identity
 from ehamj.compiled.told import as_one
+from ehamj.errors import Recompiled
 
 _one_at_a_time = threading.Lock()
 """Where Numba keeps its code is the process's setting: of two threads that set it, one would take it from the other."""
+
+
+FORMAT = 2
+"""Of the files: 2 with a digest at their end."""
 
 
 @cache
@@ -38,11 +47,11 @@ def folder() -> Path | None:
         return None
 
 
-class Locator(_CacheLocator):
+class Locator(caching._CacheLocator):
     """Tells Numba where the code of a function is kept: by what the function is, not by its file."""
 
     def __init__(self, function: Any) -> None:
-        self._stamp = identity(function)
+        self._stamp = f"{identity(function)}-{FORMAT}"
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Self:
@@ -58,17 +67,62 @@ class Locator(_CacheLocator):
         return ""
 
 
+class _Checked(caching.IndexDataCacheFile):
+    """Files of kept code of which none is understood that is not as it was written: what a damaged one would do is
+    anything."""
+
+    @contextlib.contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
+        with super()._open_for_write(filepath) as file, io.BytesIO() as content:
+            yield content
+            file.write(content.getvalue() + _digest(content.getvalue()))
+
+    def save(self, key: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save(key, data)
+
+    def _load_index(self) -> dict[Any, str]:
+        return super()._load_index() if _sound(Path(self._index_path)) else {}
+
+    def _load_data(self, name: str) -> Any:
+        if not _sound(Path(self._data_path(name))):
+            raise FileNotFoundError(name)  # Numba then compiles
+        return super()._load_data(name)
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _sound(path: Path) -> bool:
+    """Whether a file is as it was written, or not there; one that is not goes, with a warning."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
+    size = hashlib.sha256().digest_size
+    if content[-size:] == _digest(content[:-size]):
+        return True
+    warnings.warn(f"kept code was damaged and is compiled anew ({path})", Recompiled, stacklevel=2)
+    with contextlib.suppress(OSError):
+        path.unlink()
+    return False
+
+
 @contextlib.contextmanager
 def _located(function: Any) -> Iterator[bool]:
     """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
     with _one_at_a_time:
-        before = numba.config.CACHE_LOCATOR_CLASSES
+        before = numba.config.CACHE_LOCATOR_CLASSES, caching.IndexDataCacheFile
         try:
             numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"
+            caching.IndexDataCacheFile = _Checked
             with uncollected(), as_one(function):
                 yield folder() is not None
         finally:
-            numba.config.CACHE_LOCATOR_CLASSES = before
+            numba.config.CACHE_LOCATOR_CLASSES, caching.IndexDataCacheFile = before
 
 
 @contextlib.contextmanager
