@@ -21,7 +21,8 @@ from ehamj.control.instruments import Discrete, discretise
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, begun, numbers_of, paces_of, pressure_places, stated
+from ehamj.control.spools import positions
+from ehamj.control.stage import Inner, Stage, begun, numbers_of, paces_of, pressure_places, spool_numbers, stated
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -78,13 +79,23 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms)
+    tables = (
+        laws.table,
+        laws.rows,
+        laws.columns,
+        laws.inputs_of,
+        laws.pressures,
+        laws.strokes,
+        laws.positions,
+        sensing.terms,
+    )
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (
         *shapes,
         laws.converter,
         laws.valves.size,
         laws.learners.size,
+        laws.spools.size,
         laws.base,
         sensing.layout,
         sensing.order,
@@ -114,7 +125,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges", "valves", "learners")),
+        laws=lanes(laws, ("matrices", "ranges", "valves", "learners", "spools")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -129,7 +140,8 @@ def _made(
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     stage = (Stage.beside(parts, len(converter.learners)),) if converter.valves else ()
-    table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
+    inner = (Inner.of(converter.spools),) if converter.spools else ()
+    table, matrices, inputs_of, size = _laws((*parts, *inner, *stage), channels, timestep, functions, mounts)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
@@ -142,9 +154,12 @@ def _made(
     if stage and converter.learners:
         learners = paces_of(converter.learners, converter.valves, stage[0])
         of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
+    spools = spool_numbers(converter.spools)
+    of_spools = np.array([channels.index(name) for name in positions(converter.spools, converter.mounts)], np.int64)
     laws = Laws(
-        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, base
-    )
+        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, spools,
+        of_spools, base,
+    )  # fmt: skip
     memory = LawMemory.of(size, inputs_of.size, mounts, known.copy(), begun(converter.learners, learners))
     if converter.learners:
         first = int(table["states_at"][-1])
@@ -187,7 +202,7 @@ def _instruments(
 
 
 def _laws(
-    parts: "Sequence[Controller | PythonController | Stage]",
+    parts: "Sequence[Controller | PythonController | Stage | Inner]",
     channels: tuple[str, ...],
     timestep: float,
     functions: dict[int, Any],

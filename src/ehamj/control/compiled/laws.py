@@ -20,9 +20,10 @@ from numba import types
 
 from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
-from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.products import add_product, add_rows, advance_states, wanted
+from ehamj.control.compiled.spools import FOLLOWS, fed_back
 from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
@@ -73,7 +74,8 @@ class Laws(NamedTuple):
     """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
-    """A `LAW` per law; after them one more for the stage beside them, where there is one."""
+    """A `LAW` per law; after them one more for the loops about the spools, where there are, and last one for the stage
+    beside them, where there is one."""
     matrices: Any
     """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
     rows: Any
@@ -96,6 +98,10 @@ class Laws(NamedTuple):
     """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
     strokes: Any
     """Channels of the strokes that are read to learn."""
+    spools: Any
+    """What is known of each spool that is fed back (`ehamj.control.compiled.spools`); none: none is."""
+    positions: Any
+    """Channels of their positions."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -116,12 +122,14 @@ class LawMemory(NamedTuple):
     """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
+    spools: Any
+    """(valve·`FOLLOWS`)"""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
         """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered)
+        total, switching, stage, spools = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS, FOLLOWS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered, spools)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -205,60 +213,6 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
 
 
 @kernel
-def add_product(matrix_t, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for the flat transposed matrix.
-
-    Whole columns are added, one after the other, which vectorises without changing a rounding; four at a time, so that
-    the result is loaded and stored a quarter as often.
-    """
-    width, size, columns = len(lanes), result.size, vector.size // len(lanes)
-    whole = columns - columns % 4
-    for k in range(0, whole, 4):
-        first = matrix_t[k * size : (k + 1) * size]
-        second = matrix_t[(k + 1) * size : (k + 2) * size]
-        third = matrix_t[(k + 2) * size : (k + 3) * size]
-        fourth = matrix_t[(k + 3) * size : (k + 4) * size]
-        for lane in range(width):
-            a, b = vector[k * width + lane], vector[(k + 1) * width + lane]
-            c, d = vector[(k + 2) * width + lane], vector[(k + 3) * width + lane]
-            for i in range(lane, size, width):
-                result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
-    for k in range(whole, columns):
-        column = matrix_t[k * size : (k + 1) * size]
-        for lane in range(width):
-            factor = vector[k * width + lane]
-            for i in range(lane, size, width):
-                result[i] += column[i] * factor
-
-
-@kernel
-def wanted(Ct, Dt, state, measured, result, lanes):  # type: ignore[no-untyped-def]
-    """y = C x + D u."""
-    result[:] = 0.0
-    add_product(Ct, state, result, lanes)
-    add_product(Dt, measured, result, lanes)
-
-
-@kernel
-def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-untyped-def]
-    """x⁺ = A x + B u; ``scratch`` is as long as the state."""
-    scratch[:] = 0.0
-    add_product(At, state, scratch, lanes)
-    add_product(Bt, measured, scratch, lanes)
-    copy(scratch, state)
-
-
-@kernel
-def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
-    `add_product`, which adds the zeros too."""
-    rows, columns, matrices = laws.rows, laws.columns, laws.matrices  # once: looking into the tuple costs
-    for i in range(result.size // len(lanes)):
-        first = rows[at + i]
-        add_indexed(result, i, matrices, first, vector, 0, columns, rows[at + i + 1] - first, lanes)
-
-
-@kernel
 def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
     width, valves, values = len(lanes), memory.totals.size // 2, memory.values
@@ -286,9 +240,22 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
 
 @kernel
 def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
-    """Let every law that is due compute; returns what that means for the commands."""
-    answer, staged = NOT_DUE, laws.valves.size > 0
-    count = laws.table.size - staged
+    """Let every law that is due compute, then the loops about the spools; returns what that means for the commands."""
+    staged, fed = laws.valves.size > 0, laws.spools.size > 0
+    count = laws.table.size - staged - fed
+    answer = sample_laws(number, time, count, staged, laws, readings, memory, lanes)
+    if fed and answer != FAILED and number % laws.table[count].every == 0:
+        law = laws.table[count]
+        answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
+        place = queued(number, law, memory.totals.size // 2, lanes)
+        fed_back(faded(time, laws.converter), readings, laws, memory, count, place, lanes)
+    return answer
+
+
+@kernel
+def sample_laws(number, time, count, staged, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let every one of ``count`` laws that is due compute; returns what that means for the commands."""
+    answer = NOT_DUE
     for k in range(count):
         law = laws.table[k]
         if number % law.every == 0:
@@ -305,7 +272,7 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        stage = laws.table[count]
+        stage = laws.table[laws.table.size - 1]
         place = queued(number, stage, valves, lanes) if number % stage.every == 0 else -1
         linearised(share, readings, laws, memory, place, lanes)
     else:
