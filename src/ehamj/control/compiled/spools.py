@@ -6,8 +6,9 @@ q = e^(−h/τ) and a₁, a₀ of the known valve's poles, z² + a₁ z + a₀,
 
     e = r − T_m ṙ − p,    Δ = ω_c h/(1 − z⁻¹)·(1 + a₁ z⁻¹ + a₀ z⁻²)/(1 + a₁ + a₀)·((1 − q)/(1 − q z⁻¹))²·e/K_v,
 
-an integral behind the valve's inverse, is added to u. A valve as it is known has no error. The sum is held where the
-loop's own range, the converter or the spool's drive ends, and the error fades in as the commands do.
+an integral behind the valve's inverse, is added to u. A valve as it is known has no error, for the reference is driven
+no harder than its spool. The sum is held where the loop's own range or the converter ends, and the error fades in as
+the commands do.
 
 Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
 """
@@ -94,13 +95,13 @@ def follow(share, volts, limit, position, numbers, first, kept, at, lanes):  # t
     width = len(lanes)
     own, step = spool_known(numbers, first, lanes), spool_paces(numbers, first, lanes)
     state = spool_states(kept, at, lanes)
-    target = own.valve_gain * min(max(volts, -limit), limit)
+    away = own.valve_gain * min(max(volts, -limit), limit) - state.spool
+    most = own.drive_limit / (own.valve_frequency * own.valve_frequency)
+    target = state.spool + min(max(away, -most), most)
     error = share * (state.spool - own.lag * state.spool_rate - position)
     rolled = step.kept * state.rolled + (1.0 - step.kept) * error
     error = step.kept * state.error + (1.0 - step.kept) * rolled
-    total = state.sum
-    if abs(own.valve_frequency * own.valve_frequency * (target - state.spool)) < own.drive_limit:
-        total += step.now * error + step.last * state.error + step.before * state.last
+    total = state.sum + (step.now * error + step.last * state.error + step.before * state.last)
     total = min(max(total, max(-own.limit, min(-limit - volts, 0.0))), min(own.limit, max(limit - volts, 0.0)))
     kept[at] = (
         step.spool_from_spool * state.spool + step.spool_from_rate * state.spool_rate + step.spool_from_target * target
