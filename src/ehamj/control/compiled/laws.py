@@ -128,7 +128,7 @@ class LawMemory(NamedTuple):
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
     lines: Any
-    """Of each line that is followed for how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
+    """Of each line that is followed: how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int, lines: int, stage: tuple[Array, Array]) -> "LawMemory":
