@@ -32,6 +32,7 @@ class Stage(NamedTuple):
     """[s]"""
     states: int = 0
     inputs: tuple[str, ...] = ()
+    lines: tuple[Any, ...] = ()
 
     @classmethod
     def beside(cls, parts: Sequence[Any], learners: int) -> Self:
@@ -49,6 +50,7 @@ class Inner(NamedTuple):
     """[s]"""
     states: int = 0
     inputs: tuple[str, ...] = ()
+    lines: tuple[Any, ...] = ()
 
     @classmethod
     def of(cls, spools: Sequence[KnownSpool]) -> Self:

@@ -22,6 +22,7 @@ from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.lines import follow, turn
 from ehamj.control.compiled.products import add_product, add_rows, advance_states, wanted
 from ehamj.control.compiled.spools import FOLLOWS, fed_back
 from ehamj.control.compiled.stage import REMEMBERS, linearised
@@ -49,6 +50,11 @@ LAW: Final = np.dtype(
             "taken",
             "ring",
             "places",  # of the ring: as many samples as the delay is long, and one
+            # Lines that it follows: how many, which of `Laws.lines` is the first, where their frequencies lie in
+            # `LawMemory.values`.
+            "lines",
+            "line_at",
+            "frequencies",
         )
     ]
     # What of a step the delay is longer than its whole steps, and what of a switch there is seen at each stage:
@@ -98,6 +104,11 @@ class Laws(NamedTuple):
     """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
     strokes: Any
     """Channels of the strokes that are read to learn."""
+    lines: Any
+    """(line·`PLACES`): where of each line that a law follows the states lie in `LawMemory.values`, how many pairs they
+    are, and where in `LawMemory.lines` it keeps what it must."""
+    followed: Any
+    """(line·`FOLLOWED`)"""
     spools: Any
     """What is known of each spool that is fed back (`ehamj.control.compiled.spools`); none: none is."""
     positions: Any
@@ -124,15 +135,17 @@ class LawMemory(NamedTuple):
     """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
+    lines: Any
+    """Of each line that is followed: how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
     spools: Any
     """(valve·`FOLLOWS`)"""
 
     @classmethod
-    def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
-        """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, around, stage, spools = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS, FOLLOWS))
+    def of(cls, size: int, inputs: int, mounts: int, lines: int, stage: tuple[Array, Array]) -> "LawMemory":
+        """Memory of a size, with so many numbers of lines, and what a stage beside the laws knows and has gathered."""
+        total, switching, around, remembered, spools = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS, FOLLOWS))
         scratch = np.zeros(size), np.zeros(inputs), np.zeros(size)
-        return cls(*scratch, total, switching, around, stage, known, gathered, spools)
+        return cls(*scratch, total, switching, around, remembered, *stage, np.zeros(lines), spools)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -301,6 +314,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
         B = first + law.states * n
         inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
         windup = law.windup * width
+        if law.lines > 0:
+            turn(law, laws, memory, lanes)
         if law.rows >= 0:
             scratch[:] = 0.0
             add_rows(laws, law.rows, states, scratch, lanes)
@@ -312,6 +327,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
             advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
             if law.windup >= 0:
                 add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+        if law.lines > 0:
+            follow(share, law, laws, memory, lanes)
     place = queued(number, law, valves, lanes)
     for i in range(valves):
         values[law.taken * width + i] = lost[i]

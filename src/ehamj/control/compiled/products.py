@@ -1,4 +1,4 @@
-"""Products of the matrices of laws, whole or row by row, compiled.
+"""Matrices of laws times vectors, compiled: full ones by whole columns, those made of blocks row by row.
 
 Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
 """
