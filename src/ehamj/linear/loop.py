@@ -7,7 +7,7 @@ nothing through there (1e-4 of the loop gain). `ehamj.linear.sampled.opened_at_s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self, overload
+from typing import TYPE_CHECKING, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +17,13 @@ from ehamj.control import LinearController
 from ehamj.control.converter import check_mounts
 from ehamj.control.linearisation import made_good
 from ehamj.control.sensors import Sensors
+from ehamj.control.spools import followed
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plant.axes import CHAMBERS
 from ehamj.plant.plant import Plant
-from ehamj.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from ehamj.scenario.model import Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +36,14 @@ class Loop:
 
     @overload
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController) -> Self: ...
+    def of(cls, scenario: "Scenario", law: LinearController) -> Self: ...
 
     @overload
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None: ...
+    def of(cls, scenario: "Scenario", law: LinearController | None) -> Self | None: ...
 
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None:
+    def of(cls, scenario: "Scenario", law: LinearController | None) -> Self | None:
         """A law with a scenario's instruments and seed; None where there is no law."""
         if law is None:
             return None
@@ -53,7 +56,8 @@ class Loop:
 
 
 def linear_under(plant: Plant, law: LinearController | None, commands: ArrayLike | None = None) -> LinearModel:
-    """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves.
+    """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves,
+    and the loops about their spools.
 
     Args:
         plant: what is linearised.
@@ -63,7 +67,9 @@ def linear_under(plant: Plant, law: LinearController | None, commands: ArrayLike
     Raises:
         InputError: as `linear_model`.
     """
-    return linear_model(plant if law is None else made_good(plant, law.converter.valves), commands)
+    if law is not None:
+        plant = made_good(followed(plant, law.converter.spools), law.converter.valves)
+    return linear_model(plant, commands)
 
 
 def closed_at_rest(model: LinearModel) -> tuple[str, ...]:
