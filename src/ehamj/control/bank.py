@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.control.clock import common_divisor, exact
 from ehamj.control.converter import Converter, difference, reads
-from ehamj.control.law import UNSTABLE, Controller, read_table, stack
+from ehamj.control.law import UNSTABLE, Controller, check_keys, read_table, stack
 from ehamj.control.lines import Line
 from ehamj.errors import InputError
 
@@ -127,6 +127,7 @@ class ControllerBank:
         parts = table.get("parts")
         if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
             raise InputError("controller.parts: must be a list of laws")
+        check_keys("controller", table, ("parts",))
         return cls(tuple(Controller.from_dict(part) for part in parts))
 
     def _limited_radius(self) -> float:

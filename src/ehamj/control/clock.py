@@ -6,6 +6,9 @@ from fractions import Fraction
 
 from ehamj.errors import InputError
 
+SHORTEST = 1e-7
+"""Shortest period or delay that is followed [s]."""
+
 
 def exact(time: float) -> Fraction:
     """A time [s] as the fraction that was meant: 1e-4 is 1/10000.
@@ -13,9 +16,9 @@ def exact(time: float) -> Fraction:
     Raises:
         InputError: if it is so short that no such fraction is near.
     """
-    found = Fraction(time).limit_denominator(10**7)
+    found = Fraction(time).limit_denominator(round(1.0 / SHORTEST))
     if abs(found - Fraction(time)) > 1e-6 * abs(time):
-        raise InputError(f"a period or delay of {time:g} s: must be zero or at least 1e-07 s")
+        raise InputError(f"a period or delay of {time:g} s: must be zero or at least {SHORTEST:g} s")
     return found
 
 

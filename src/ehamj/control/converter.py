@@ -6,7 +6,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from ehamj.bounds import check_magnitude
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
+from ehamj.control.clock import SHORTEST
 from ehamj.control.learners import Learner, strokes
 from ehamj.control.spools import KnownSpool, positions
 from ehamj.control.valves import KnownValve, measured
@@ -44,10 +46,12 @@ class Converter:
 
     def __post_init__(self) -> None:
         _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
+        _plausible("voltage_limit", self.voltage_limit, "V")
         whole = self.bits is None or (isinstance(self.bits, int) and 2 <= self.bits <= 52)
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):
             _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
+            _plausible(name, getattr(self, name), "s")
         for name in ("valves", "learners", "spools"):
             each, count = getattr(self, name), len(self.mounts)
             _must(len(each) in (0, count), name, f"{len(each)} of them", f"one per mount, {count}, or none")
@@ -94,8 +98,13 @@ class Sampled(Converter):
                 check_channel(name, self.mounts)
             except UnknownChannelError as error:
                 raise InputError(f"controller.inputs: {error}") from error
-        _must(0.0 < self.period < np.inf, "period", self.period, "a positive number")
-        _must(self.delay is None or 0.0 <= self.delay < np.inf, "delay", self.delay, "zero or positive [s]")
+        again = [name for name in dict.fromkeys(self.inputs) if self.inputs.count(name) > 1]
+        if again:
+            raise InputError(f"controller.inputs: {again[0]!r} stands there twice; each channel must be there once")
+        _must(SHORTEST <= self.period < np.inf, "period", self.period, f"at least {SHORTEST:g} s")
+        _plausible("period", self.period, "s")
+        waits = "from zero to 1 s, or to one period where that is longer"
+        _must(self.delay is None or 0.0 <= self.delay <= max(1.0, self.period), "delay", self.delay, waits)
         super().__post_init__()
         twice = [name for name in self.measures if self.from_rest and name in self.inputs]
         if twice:
@@ -147,6 +156,14 @@ def difference(laws: Sequence[Converter], more: Sequence[str] = ()) -> tuple[str
             if getattr(law, name) != getattr(laws[0], name):
                 return name, getattr(laws[0], name), getattr(law, name)
     return None
+
+
+def _plausible(name: str, value: float, unit: str) -> None:
+    """Refuse a number that nothing of its unit has."""
+    try:
+        check_magnitude(value, unit)
+    except ValueError as error:
+        raise InputError(f"controller.{name} = {value}: {error}") from None
 
 
 def _must(good: Any, name: str, value: Any, be: str) -> None:

@@ -6,8 +6,9 @@ and range took from them (``applied − wanted``, the rounding left out, which i
 through ``anti_windup``.
 """
 
+import difflib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Literal, Self
@@ -30,6 +31,9 @@ from ehamj.plant.mounts import MOUNTS
 
 UNSTABLE = 1.0 + 1e-9
 """Spectral radius above which a law counts as unstable on its own; integrators are allowed."""
+
+LARGEST_ENTRY: Final = 1e30
+"""Magnitude of a matrix's entries beyond which products of them are lost."""
 
 KEYS: Final = {
     "inputs": "inputs", "period": "period_s", "delay": "delay_s", "voltage_limit": "voltage_limit_v", "bits": "bits",
@@ -193,6 +197,7 @@ class Controller(Sampled):
         missing = [KEYS[name] for name in NEEDED if KEYS[name] not in table]
         if missing:
             raise InputError(f"controller: {missing[0]} is missing; needed are {', '.join(KEYS[n] for n in NEEDED)}")
+        check_keys("controller", table, (*KEYS.values(), "outputs"))
         given = {name: table[key] for name, key in KEYS.items() if key in table}
         given["mounts"] = _mounts_of(table.get("outputs", list(valve_commands(MOUNTS))))
         try:
@@ -230,8 +235,23 @@ def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
     if matrix.shape == shape and not np.isfinite(matrix).all():
         at = tuple(int(k) for k in np.argwhere(~np.isfinite(matrix))[0])
         raise InputError(f"controller.{name}: entry {at} is {matrix[at]}; every entry must be finite")
+    if matrix.size and np.abs(matrix).max() > LARGEST_ENTRY:
+        raise InputError(f"controller.{name}: has entries beyond {LARGEST_ENTRY:g}; scale the law's states")
     matrix.flags.writeable = False
     return matrix
+
+
+def check_keys(where: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
+    """Refuse what stands in a law's file and means nothing there: with another key it may have been meant.
+
+    Raises:
+        InputError: which names the key and those that are known.
+    """
+    for key in table:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]!r}? " if near else ""
+            raise InputError(f"{where}.{key}: unknown key; {hint}allowed: {', '.join(known)}")
 
 
 def read_table(path: str | Path) -> dict[str, Any]:
