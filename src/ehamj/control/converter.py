@@ -46,7 +46,6 @@ class Converter:
 
     def __post_init__(self) -> None:
         _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
-        _plausible("voltage_limit", self.voltage_limit, "V")
         whole = self.bits is None or (isinstance(self.bits, int) and 2 <= self.bits <= 52)
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):

@@ -29,6 +29,8 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
     scenario, timestep = prepared.scenario, prepared.timestep
     if stopped.status != DONE:
         return _stopped(prepared, stopped, duration_of(dataset))
+    if lost := not_finite(dataset):
+        return lost
     if scenario.timestep == "auto" or all(follows(plant, timestep) for plant in plants(scenario)):
         return None
     whose = "" if not follows(scenario.plant, timestep) else " of the machine with its faults"
@@ -42,6 +44,19 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
         f"mode{whose}, and only voids in the oil kept the motion bounded. Kept to the end, marked incomplete; use "
         "timestep = 'auto' or a shorter one"
     )
+
+
+def not_finite(dataset: xr.Dataset) -> str | None:
+    """Where a channel has what is no number, in words; a sum tells sooner whether any has."""
+    for name, channel in dataset.data_vars.items():
+        if np.isfinite(channel.values.sum()) or np.isfinite(channel.values).all():
+            continue
+        row = int(np.argwhere(~np.isfinite(channel.values))[0][0])
+        return (
+            f"simulation failed at {float(dataset.time[row]):.6g} s: {name} is no longer finite. Kept to the end, "
+            "marked incomplete; smaller commands or gains may help"
+        )
+    return None
 
 
 def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
