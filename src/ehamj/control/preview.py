@@ -7,10 +7,10 @@ preview: what is wrong of τ matters only as far as F passes anything.
 
 F is the sum of Laguerre functions behind a low-pass that is least in
 
-    ∫ [ U (|1 − N|² + δ²) + R (|N|² + δ²) ] Φ df,   δ = 2πf τ·doubt·|F|
+    ∫ ( |1 + c/s|²·|1 − N|² + R·|N|² ) Φ df
 
-for a floor Φ that is flat over third octaves: U = |1 + c/s|² is the voltage that W = 1 − N takes, R weighs from f₀ on
-what remains, and δ is what a wrong speed adds to both.
+for a floor Φ that is flat over third octaves: the first is the voltage that W = 1 − N takes, R weighs from f₀ on what
+remains.
 """
 
 from collections.abc import Sequence
@@ -70,7 +70,7 @@ class Shape(NamedTuple):
 
 
 @cache
-def _best(times: tuple[float, ...], frequency: float, creep: float, doubt: float) -> tuple[Shape, Array]:
+def _best(times: tuple[float, ...], frequency: float, creep: float) -> tuple[Shape, Array]:
     """The shape that is least for all times [s] together, and the functions' shares for each, (time, function)."""
     f = frequency * np.geomspace(*SPAN, POINTS)
     s = np.asarray(1j * TWO_PI * f, complex)
@@ -82,7 +82,7 @@ def _best(times: tuple[float, ...], frequency: float, creep: float, doubt: float
         found = []
         for shape in shapes:
             own = shape.responses(s)
-            fits = [_shares(own, s, tau, volts, np.sqrt(weight) * kept, doubt) for tau in times]
+            fits = [_shares(own, s, tau, volts, np.sqrt(weight) * kept) for tau in times]
             left = max(float(np.mean(np.abs(own[first] @ shares) ** 2)) for shares, _ in fits)
             found.append((sum(cost for _, cost in fits), left, shape, np.array([shares for shares, _ in fits])))
         _, left, shape, shares = min(found, key=lambda one: one[0])
@@ -91,15 +91,12 @@ def _best(times: tuple[float, ...], frequency: float, creep: float, doubt: float
     return shape, shares
 
 
-def _shares(
-    own: ComplexArray, s: ComplexArray, tau: float, volts: Array, rest: Array, doubt: float
-) -> tuple[Array, float]:
+def _shares(own: ComplexArray, s: ComplexArray, tau: float, volts: Array, rest: Array) -> tuple[Array, float]:
     """Least squares for one time [s], and what is left. On points even over log f a flat floor weighs all alike."""
     led = np.exp(s * tau)[:, None] * own
-    off = np.abs(s) * tau * doubt
-    rows = [volts, rest, off * np.hypot(volts, rest), np.full(len(s), np.sqrt(NOISE))]
+    rows = [volts, rest, np.full(len(s), np.sqrt(NOISE))]
     matrix = np.vstack([row[:, None] * led for row in rows])
-    wanted = np.concatenate([volts, np.zeros(3 * len(s))])
+    wanted = np.concatenate([volts, np.zeros(2 * len(s))])
     matrix = np.vstack([matrix.real, matrix.imag])
     wanted = np.concatenate([wanted, np.zeros(wanted.size)])
     shares = np.asarray(np.linalg.lstsq(matrix, wanted, rcond=1e-10)[0], float)
@@ -116,7 +113,7 @@ def followed(plant: Plant, upstream: Upstream, frequency: float, weights: Array)
         weights: of each mount and axis in each output, (output, mount, axis).
     """
     times, which = np.unique(upstream.times(plant.positions), return_inverse=True)
-    shape, shares = _best(tuple(times.tolist()), frequency, creep(plant), upstream.doubt)
+    shape, shares = _best(tuple(times.tolist()), frequency, creep(plant))
     read = [axis for axis in range(len(AXES)) if np.any(weights[:, :, axis])]
     chains = [shape.block(weights[:, :, axis] @ shares[which]) for axis in read]
     return tuple(f"ground_velocity {UPSTREAM} {AXES[axis]}" for axis in read), joined(chains)

@@ -19,12 +19,6 @@ class Upstream(Settings):
     wave: Wave = Field(
         description="the wave that is expected; the law takes it from here, the floor moves as [ground] says"
     )
-    doubt: float = Field(
-        0.03,
-        ge=0,
-        le=1,
-        description="share by which the wave's speed may be off; the more, the less is taken from upstream [-]",
-    )
 
     def times(self, positions: ArrayLike) -> Array:
         """Time from the sensor to each of some ``positions`` (n, 3) [m], as is believed [s]."""
