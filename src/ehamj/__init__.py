@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from ehamj.errors import DerivedAnew as DerivedAnew
     from ehamj.errors import InputError as InputError
     from ehamj.errors import SimulationFailed as SimulationFailed
-    from ehamj.linear.machine import linearise as linearise
-    from ehamj.linear.seen import sampled_plant as sampled_plant
-    from ehamj.linear.statics import static_loads as static_loads
     from ehamj.result import Result as Result
     from ehamj.result import load_result as load_result
     from ehamj.run.many import simulate_many as simulate_many
@@ -38,6 +35,9 @@ if TYPE_CHECKING:
     from ehamj.scenario.load import parse_scenario as parse_scenario
     from ehamj.scenario.model import Scenario as Scenario
     from ehamj.studies.catalogue import study as study
+    from ehamj.views.linear import linearise as linearise
+    from ehamj.views.seen import sampled_plant as sampled_plant
+    from ehamj.views.statics import static_loads as static_loads
 
 _HOME: Final = {
     "Controller": "control",
@@ -48,15 +48,15 @@ _HOME: Final = {
     "Result": "result",
     "Scenario": "scenario.model",
     "SimulationFailed": "errors",
-    "linearise": "linear.machine",
+    "linearise": "views.linear",
     "load_controller": "control",
     "load_result": "result",
     "load_scenario": "scenario.load",
     "parse_scenario": "scenario.load",
-    "sampled_plant": "linear.seen",
+    "sampled_plant": "views.seen",
     "simulate": "run.simulate",
     "simulate_many": "run.many",
-    "static_loads": "linear.statics",
+    "static_loads": "views.statics",
     "study": "studies.catalogue",
 }
 """Where each name stands: its module is imported when the name is first used, so that nothing waits for the others."""

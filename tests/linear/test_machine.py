@@ -11,11 +11,12 @@ from oracles import linear, machine
 import ehamj
 from ehamj.control.channels import channel_names
 from ehamj.errors import InputError
-from ehamj.linear.machine import LinearModel, linear_model, linearise
+from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.linear.response import ground_response
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.views.linear import linearise
 
 DOFS = ("x", "y", "z", "rx", "ry", "rz")
 AXES = ("x", "y", "z")

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from oracles.exact import exact_response
 
-from ehamj.linear.machine import linear_model, linearise
+from ehamj.linear.machine import linear_model
 from ehamj.linear.plants import LinearPlant
 from ehamj.linear.refined import refined_response
 from ehamj.scenario.load import parse_scenario
+from ehamj.views.linear import linearise
 
 UNEQUAL: dict[str, Any] = {
     "machine": {"mass": 5200.0, "inertia": [2500.0, 3600.0, 4100.0], "cg": [0.12, -0.07, 0.9]},

@@ -11,7 +11,6 @@ import xarray as xr
 from lxml import html as lxml_html
 
 import ehamj
-from ehamj.linear.statics import static_loads
 from ehamj.pages import render
 from ehamj.report import report_page
 from ehamj.report.sections.attenuation import attenuation
@@ -25,6 +24,7 @@ from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.variation import DerivedAnew
+from ehamj.views.statics import static_loads
 
 FLOOR = {"kind": "broadband", "level": "VC-C", "axes": ["x", "y", "z"], "wave": {"speed": 200.0, "direction": 30.0}}
 THREE = {"nose": [0.9, 0.0], "tail-left": [-0.9, 0.6], "tail-right": [-0.9, -0.6]}

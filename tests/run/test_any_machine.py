@@ -15,11 +15,11 @@ from oracles import general, linear
 from scipy.interpolate import CubicHermiteSpline
 
 from ehamj.linear.machine import linear_model
-from ehamj.linear.statics import static_loads
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.views.statics import static_loads
 
 UP = (0.0, 0.0, 1.0)
 LEANING = {"cg": [0.05, -0.1, 0.9], "inertia": [[2100, 120, -80], [120, 2900, 60], [-80, 60, 3900]]}

@@ -8,11 +8,11 @@ import typer
 from ehamj.arrays import Array
 from ehamj.cli.frame import Command, Json, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
-from ehamj.linear.statics import GOALS, StaticLoads, static_loads
 from ehamj.pages.words import NEGLIGIBLE, number
 from ehamj.plant.axes import DOFS
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.load import load_scenario
+from ehamj.views.statics import GOALS, StaticLoads, static_loads
 
 ROUNDING = 1e-6
 """Share of the weight below which a load is none."""

@@ -17,7 +17,7 @@ from ehamj.control.compiled.learning import USED
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
-from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.instruments import OLDER, Discrete, discretise
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
@@ -78,7 +78,10 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms)
+    tables = (
+        laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms,
+        sensing.entries,
+    )  # fmt: skip
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (
         *shapes,
@@ -153,7 +156,10 @@ def _made(
     terms, weights = _terms(rows)
     resting = np.array(rests, float) * converter.from_rest
     order = filters.shape[1]
-    sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
+    entries = (filters != 0.0).any(axis=2).ravel()
+    sensing = Sensing(
+        layout, terms, weights.ravel(), order, filters.ravel(), entries, feedthrough, resting, *intact, *grid
+    )
     return DigitalLoop(
         laws, memory, sensing, Readings.of(sensing),
         sum(part.states for part in (*parts, *stage)), tuple(functions.values()), failures,
@@ -170,7 +176,8 @@ def _terms(rows: Array) -> tuple[Integers, Array]:
 def _instruments(
     channels: tuple[str, ...], sensors: Sensors, timestep: float
 ) -> tuple[Array, Array, tuple[Array, Array]]:
-    """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter."""
+    """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter; what
+    each remembers of its input comes last in all of them."""
     none = np.zeros(0)
     exact = Discrete(np.zeros((0, 0)), none, none, 1.0, none)
     found = [sensors.of(name) for name in channels]
@@ -179,8 +186,9 @@ def _instruments(
     filters = np.zeros((n + 3, n, len(channels)))
     for c, d in enumerate(discrete):
         own = d.A.shape[0]
-        filters[:own, :own, c] = d.A
-        filters[n, :own, c], filters[n + 1, :own, c], filters[n + 2, :own, c] = d.B, d.C, d.settled
+        at = [*range(own - OLDER), *range(n - OLDER, n)] if own else []
+        filters[np.ix_(at, at, [c])] = d.A[:, :, None]
+        filters[n, at, c], filters[n + 1, at, c], filters[n + 2, at, c] = d.B, d.C, d.settled
     ranges = np.array([np.inf if s is None else s.range for s in found], float)
     resolutions = np.array([0.0 if s is None else s.resolution for s in found], float)
     return filters, np.array([d.D for d in discrete], float), (ranges, resolutions)

@@ -7,7 +7,7 @@ nothing through there (1e-4 of the loop gain). `ehamj.linear.sampled.opened_at_s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self, overload
+from typing import TYPE_CHECKING, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,9 @@ from ehamj.control.sensors import Sensors
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plant.axes import CHAMBERS
 from ehamj.plant.plant import Plant
-from ehamj.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from ehamj.scenario.model import Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +35,14 @@ class Loop:
 
     @overload
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController) -> Self: ...
+    def of(cls, scenario: "Scenario", law: LinearController) -> Self: ...
 
     @overload
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None: ...
+    def of(cls, scenario: "Scenario", law: LinearController | None) -> Self | None: ...
 
     @classmethod
-    def of(cls, scenario: Scenario, law: LinearController | None) -> Self | None:
+    def of(cls, scenario: "Scenario", law: LinearController | None) -> Self | None:
         """A law with a scenario's instruments and seed; None where there is no law."""
         if law is None:
             return None

@@ -9,8 +9,8 @@ from ehamj.arrays import Array
 from ehamj.labels import table
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import modes
-from ehamj.linear.statics import loads_at
 from ehamj.plant.axes import DOFS
+from ehamj.views.statics import loads_at
 
 
 def static_forces(model: LinearModel) -> dict[str, Array]:

@@ -110,6 +110,8 @@ class LawMemory(NamedTuple):
     """(2·valve): wanted, and what fade and range take."""
     switching: Any
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
+    around: Any
+    """(2·valve): what all laws together command before and after a switch."""
     stage: Any
     """(valve·`REMEMBERS`)"""
     known: Any
@@ -120,8 +122,8 @@ class LawMemory(NamedTuple):
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
         """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered)
+        total, switching, around, stage = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS))
+        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, around, stage, known, gathered)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -168,16 +170,16 @@ def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-de
 
 
 @kernel
-def total_after(number, fraction, i, table, converter, values, size, lanes):  # type: ignore[no-untyped-def]
-    """Sum of what all laws command after a fraction of a step, of one valve and lane."""
-    total = 0.0
-    for k in range(table.size):
-        law = table[k]
-        place = law.held * len(lanes)
-        if 0.0 < law.fraction <= fraction and due(number, law):
-            place = waiting(number, law, size, lanes)
-        total += values[place + i]
-    return converted(total, converter.limit, converter.resolution)
+def sum_after(number, fraction, laws, values, result, lanes):  # type: ignore[no-untyped-def]
+    """What all laws together command after a fraction of a step, of every valve and lane."""
+    result[:] = 0.0
+    for law in laws.table:
+        moved = 0.0 < law.fraction <= fraction and due(number, law)
+        place = waiting(number, law, result.size, lanes) if moved else law.held * len(lanes)
+        for i in range(result.size):
+            result[i] += values[place + i]
+    for i in range(result.size):
+        result[i] = converted(result[i], laws.converter.limit, laws.converter.resolution)
 
 
 @kernel
@@ -187,18 +189,21 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
     Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
     """
     size, values, added = control.size, memory.values, memory.switching
-    table, converter, ranges, switching = laws.table, laws.converter, laws.ranges, laws.switching
-    for i in range(size):
-        control[i] = total_after(number, 0.0, i, table, converter, values, size, lanes)
-        added[i] = added[size + i] = added[2 * size + i] = 0.0
-    for j in range(switching.size):
-        law = table[switching[j]]
-        if due(number, law):
-            before = table[switching[j - 1]].fraction if j > 0 else 0.0
+    table, ranges, switching = laws.table, laws.ranges, laws.switching
+    now, then = memory.around[:size], memory.around[size:]
+    sum_after(number, 0.0, laws, values, control, lanes)
+    copy(control, now)
+    added[:] = 0.0
+    j = 0
+    while j < switching.size:
+        law, moved = table[switching[j]], False
+        while j < switching.size and table[switching[j]].fraction == law.fraction:  # they switch together
+            moved, j = moved or due(number, table[switching[j]]), j + 1
+        if moved:
+            sum_after(number, law.fraction, laws, values, then, lanes)
             for i in range(size):
-                now = total_after(number, before, i, table, converter, values, size, lanes)
-                then = total_after(number, law.fraction, i, table, converter, values, size, lanes)
-                rise = converted(then, ranges[i], 0.0) - converted(now, ranges[i], 0.0)
+                rise = converted(then[i], ranges[i], 0.0) - converted(now[i], ranges[i], 0.0)
+                now[i] = then[i]
                 added[i] += law.at_start * rise
                 added[size + i] += law.at_middle * rise
                 added[2 * size + i] += law.at_end * rise

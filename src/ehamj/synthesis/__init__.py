@@ -1,0 +1,1 @@
+"""Laws that are found on the linearised machine, under stated margins."""
