@@ -26,6 +26,8 @@ class Layout(NamedTuple):
     plate: int
     """Height of each plate [m]."""
     plate_velocity: int
+    edges: int
+    """Position of the metering edges of each valve, which its spool carries [mA]."""
     supply: int
     """Absolute pressure of the supply [Pa]."""
     upstream: int
@@ -35,7 +37,7 @@ class Layout(NamedTuple):
     @classmethod
     def of(cls, mounts: int) -> "Layout":
         """The layout for so many mounts."""
-        machine = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 2
+        machine = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 3
         sizes = (*machine, 1, len(AXES) * ORDERS)
         return cls(*(sum(sizes[:k]) for k in range(len(sizes) + 1)))
 
