@@ -89,7 +89,7 @@ app = typer.Typer(
     Begin with `ehamj run`: it simulates the shipped scenario *recorded* and writes numbers and a replay.
     `ehamj scenarios` lists what else ships; copy one, change a value, run it again.
     Results go to standard output (with `--json` one JSON object), progress and messages to standard error.
-    Exit codes: 0 done, 2 bad input, 3 the simulation failed.""",
+    Exit codes: 0 done, 2 bad input, 3 the simulation failed or a file could not be written, 130 interrupted.""",
 )
 
 
