@@ -17,6 +17,8 @@ from ehamj.control.valves import Known, KnownValve, chambers_of
 
 SETTLED = 3.0
 """Periods of the band's lower end after which its filters have forgotten: e^(−6π)."""
+LASTING = 0.5
+"""Time over which it is taken how much opening is wanted [s]."""
 SEEN = 1.0
 """Time over which the power of the flow is taken [s]."""
 
@@ -56,7 +58,7 @@ def _moves(own: Known, period: float) -> Moves:
     lag = _held(-1.0 / time**2, -2.0 / time, 1.0 / time**2, period)
     share = 1.0 / (natural * time) ** 2
     led = share, 1.0 - share, 2.0 * own.valve_damping / natural - 2.0 * time * share
-    return Moves._make([*spool, *lag, 2.0 * time, *led])
+    return Moves._make([*spool, *lag, 2.0 * time, *led, -math.expm1(-period / LASTING)])
 
 
 def _held(stiffness: float, damping: float, gain: float, period: float) -> list[float]:
