@@ -2,8 +2,8 @@
 
 At pressures at which the flow gain holds, and so slowly that the spool follows: w = A sin θ is wanted, the spool goes
 where the stage sends it, and of what the valve then gives the fundamental over A is N(A). Outside the overlap, where
-the law knows the valve, N is 1; across it the gain and the phase tell what the loop does. While little is wanted the spool
-keeps to its side of the overlap (`ehamj.control.compiled.opening.place_of`), the one that it begins on.
+the law knows the valve, N is 1; across it the gain and the phase tell what the loop does. While little is wanted the
+spool keeps to its side of the overlap (`ehamj.control.compiled.opening.place_of`), the one that it begins on.
 """
 
 from collections.abc import Mapping

@@ -17,6 +17,7 @@ from ehamj.control.compiled.learning import USED
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
+from ehamj.control.following import lines_of
 from ehamj.control.instruments import OLDER, Discrete, discretise
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
@@ -39,7 +40,8 @@ class DigitalLoop:
     sensing: Sensing
     readings: Readings
     states: int
-    """Of all laws; they come first in ``law_memory``."""
+    """Of all laws, frequencies of the lines that they follow, and what they learn; these come first in
+    ``law_memory``."""
     functions: tuple[Any, ...]
     """Python laws as C functions; kept alive here."""
     failures: list[Exception]
@@ -78,16 +80,15 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (
-        laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms,
-        sensing.entries,
-    )  # fmt: skip
+    names = ("table", "rows", "columns", "inputs_of", "pressures", "strokes", "lines")
+    tables = (*(getattr(laws, name) for name in names), sensing.terms, sensing.entries)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (
         *shapes,
         laws.converter,
         laws.valves.size,
         laws.learners.size,
+        laws.followed.size,
         laws.base,
         sensing.layout,
         sensing.order,
@@ -117,7 +118,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges", "valves", "learners")),
+        laws=lanes(laws, ("matrices", "ranges", "valves", "learners", "followed")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -133,6 +134,7 @@ def _made(
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     stage = (Stage.beside(parts, len(converter.learners)),) if converter.valves else ()
     table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
+    lines, followed, kept, frequencies = lines_of(parts, table)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
@@ -146,9 +148,12 @@ def _made(
         learners = paces_of(converter.learners, converter.valves, stage[0])
         of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
     laws = Laws(
-        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, base
-    )
-    memory = LawMemory.of(size, inputs_of.size, mounts, known.copy(), begun(converter.learners, learners))
+        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes,
+        lines, followed, base,
+    )  # fmt: skip
+    gathered = begun(converter.learners, learners)
+    memory = LawMemory.of(size, inputs_of.size, mounts, kept, (known.copy(), gathered))
+    memory.values[int(table["frequencies"][0]) if len(table) else 0 :][: frequencies.size] = frequencies
     if converter.learners:
         first = int(table["states_at"][-1])
         memory.values[first : first + USED * mounts] = stated(converter.learners)
@@ -162,7 +167,7 @@ def _made(
     )
     return DigitalLoop(
         laws, memory, sensing, Readings.of(sensing),
-        sum(part.states for part in (*parts, *stage)), tuple(functions.values()), failures,
+        sum(part.states for part in (*parts, *stage)) + frequencies.size, tuple(functions.values()), failures,
     )  # fmt: skip
 
 
@@ -205,12 +210,17 @@ def _laws(
     table = np.zeros(len(parts), LAW)
     matrices = Matrices()
     inputs_of: list[int] = []
-    states, size = 0, sum(part.states for part in parts)
+    states, size = 0, sum(part.states + len(part.lines) for part in parts)
+    count, frequencies = 0, sum(part.states for part in parts if not isinstance(part, Stage))
     for k, (law, part) in enumerate(zip(table, parts, strict=True)):
         law["states"], law["inputs"] = 0 if isinstance(part, Stage) else part.states, len(part.inputs)
         law["every"], (law["delay"], law["fraction"]) = round(part.period / timestep), _parts(part.latency, timestep)
         law["at_start"], law["at_middle"], law["at_end"] = step_shares(law["fraction"])
         law["states_at"], law["inputs_at"] = states, len(inputs_of)
+        law["lines"], law["line_at"], law["frequencies"] = len(part.lines), count, frequencies + count
+        count += len(part.lines)
+        if isinstance(part, Stage):
+            law["states_at"] = frequencies + count
         law["latest"], law["held"], law["taken"] = size + mounts * np.arange(3)
         law["ring"], law["places"] = size + 3 * mounts, law["delay"] // law["every"] + 1
         law["rows"] = law["windup"] = -1

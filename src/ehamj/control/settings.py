@@ -14,6 +14,7 @@ from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
 from ehamj.control.learning import Learning
 from ehamj.control.linearisation import NOTHING, Linearisation
+from ehamj.control.lines import Line
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.layout import MOTION_NAMES
@@ -130,6 +131,7 @@ class SampledSettings(ControlSettings):
         *,
         sensors: "Sensors",
         anti_windup: AntiWindup | Array,
+        lines: tuple[Line, ...] = (),
     ) -> Controller:
         """The law that a sampled ``block`` from ``inputs`` to the commands [V] becomes.
 
@@ -140,6 +142,7 @@ class SampledSettings(ControlSettings):
             plant: whose valves it commands.
             sensors: that measure what it reads.
             anti_windup: how its states learn what the valves did not get, or the matrix (states, valves).
+            lines: whose frequency it follows.
 
         Raises:
             InputError: if the law is unstable by itself, or while its commands are limited; if it samples too slowly
@@ -167,6 +170,7 @@ class SampledSettings(ControlSettings):
             fade=self.fade,
             from_rest=True,
             anti_windup=gain,
+            lines=lines,
             **self._known(plant, sensors),
         )
 

@@ -33,6 +33,7 @@ class Stage(NamedTuple):
     """[s]"""
     states: int = 0
     inputs: tuple[str, ...] = ()
+    lines: tuple[Any, ...] = ()
 
     @classmethod
     def beside(cls, parts: Sequence[Any], learners: int) -> Self:

@@ -20,9 +20,10 @@ from numba import types
 
 from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
-from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.lines import follow, turn
+from ehamj.control.compiled.products import add_product, add_rows, advance_states, wanted
 from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
@@ -48,6 +49,11 @@ LAW: Final = np.dtype(
             "taken",
             "ring",
             "places",  # of the ring: as many samples as the delay is long, and one
+            # Lines that it follows: how many, which of `Laws.lines` is the first, where their frequencies lie in
+            # `LawMemory.values`.
+            "lines",
+            "line_at",
+            "frequencies",
         )
     ]
     # What of a step the delay is longer than its whole steps, and what of a switch there is seen at each stage:
@@ -96,6 +102,11 @@ class Laws(NamedTuple):
     """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
     strokes: Any
     """Channels of the strokes that are read to learn."""
+    lines: Any
+    """(line·`PLACES`): where of each line that a law follows the states lie in `LawMemory.values`, how many pairs they
+    are, and where in `LawMemory.lines` it keeps what it must."""
+    followed: Any
+    """(line·`FOLLOWED`)"""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -118,12 +129,15 @@ class LawMemory(NamedTuple):
     """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
+    lines: Any
+    """Of each line that is followed: how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
 
     @classmethod
-    def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
-        """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, around, stage = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, around, stage, known, gathered)
+    def of(cls, size: int, inputs: int, mounts: int, lines: int, stage: tuple[Array, Array]) -> "LawMemory":
+        """Memory of a size, with so many numbers of lines, and what a stage beside the laws knows and has gathered."""
+        total, switching, around, remembered = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS))
+        values, inputs_of, scratch = np.zeros(size), np.zeros(inputs), np.zeros(size)
+        return cls(values, inputs_of, scratch, total, switching, around, remembered, *stage, np.zeros(lines))
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -210,60 +224,6 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
 
 
 @kernel
-def add_product(matrix_t, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for the flat transposed matrix.
-
-    Whole columns are added, one after the other, which vectorises without changing a rounding; four at a time, so that
-    the result is loaded and stored a quarter as often.
-    """
-    width, size, columns = len(lanes), result.size, vector.size // len(lanes)
-    whole = columns - columns % 4
-    for k in range(0, whole, 4):
-        first = matrix_t[k * size : (k + 1) * size]
-        second = matrix_t[(k + 1) * size : (k + 2) * size]
-        third = matrix_t[(k + 2) * size : (k + 3) * size]
-        fourth = matrix_t[(k + 3) * size : (k + 4) * size]
-        for lane in range(width):
-            a, b = vector[k * width + lane], vector[(k + 1) * width + lane]
-            c, d = vector[(k + 2) * width + lane], vector[(k + 3) * width + lane]
-            for i in range(lane, size, width):
-                result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
-    for k in range(whole, columns):
-        column = matrix_t[k * size : (k + 1) * size]
-        for lane in range(width):
-            factor = vector[k * width + lane]
-            for i in range(lane, size, width):
-                result[i] += column[i] * factor
-
-
-@kernel
-def wanted(Ct, Dt, state, measured, result, lanes):  # type: ignore[no-untyped-def]
-    """y = C x + D u."""
-    result[:] = 0.0
-    add_product(Ct, state, result, lanes)
-    add_product(Dt, measured, result, lanes)
-
-
-@kernel
-def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-untyped-def]
-    """x⁺ = A x + B u; ``scratch`` is as long as the state."""
-    scratch[:] = 0.0
-    add_product(At, state, scratch, lanes)
-    add_product(Bt, measured, scratch, lanes)
-    copy(scratch, state)
-
-
-@kernel
-def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
-    `add_product`, which adds the zeros too."""
-    rows, columns, matrices = laws.rows, laws.columns, laws.matrices  # once: looking into the tuple costs
-    for i in range(result.size // len(lanes)):
-        first = rows[at + i]
-        add_indexed(result, i, matrices, first, vector, 0, columns, rows[at + i + 1] - first, lanes)
-
-
-@kernel
 def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
     """Let one law compute its outputs; False where a Python law failed."""
     width, valves, values = len(lanes), memory.totals.size // 2, memory.values
@@ -333,6 +293,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
         B = first + law.states * n
         inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
         windup = law.windup * width
+        if law.lines > 0:
+            turn(law, laws, memory, lanes)
         if law.rows >= 0:
             scratch[:] = 0.0
             add_rows(laws, law.rows, states, scratch, lanes)
@@ -344,6 +306,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
             advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
             if law.windup >= 0:
                 add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+        if law.lines > 0:
+            follow(share, law, laws, memory, lanes)
     place = queued(number, law, valves, lanes)
     for i in range(valves):
         values[law.taken * width + i] = lost[i]
