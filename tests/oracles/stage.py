@@ -22,7 +22,7 @@ class PythonStage:
     def __post_init__(self) -> None:
         own = self.valve.numbers
         self.state, self.lag, self.lean, self.edges = np.zeros(2), np.zeros(2), 0.0, 0.0
-        self.level, self.place = 0.0, 0.0
+        self.level, self.place = 1.0, 0.0
         self.spool_moves = self._held(own.valve_frequency, own.valve_damping)
         self.lag_moves = self._held(1.0 / own.rolloff, 1.0)
 

@@ -19,6 +19,8 @@ SETTLED = 3.0
 """Periods of the band's lower end after which its filters have forgotten: e^(−6π)."""
 LASTING = 0.5
 """Time over which it is taken how much opening is wanted [s]."""
+AT_START = 1.0
+"""What is taken to have been wanted before the start, RMS [mA]: much."""
 SEEN = 1.0
 """Time over which the power of the flow is taken [s]."""
 

@@ -108,6 +108,7 @@ class Remembered(NamedTuple):
 
 
 REMEMBERS: Final = len(Remembered._fields)
+LEVEL: Final = Remembered._fields.index("level")
 
 
 @kernel
