@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.channels import ALONG, CROSS, SUPPLY, channel_row, quantity_of
+from ehamj.control.channels import ALONG, CROSS, SPOOLS, SUPPLY, channel_row, is_upstream, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
@@ -18,9 +18,11 @@ from ehamj.control.instruments import (
     Geophone,
     Instrument,
     PressureSensor,
+    SpoolSensor,
     StrokeSensor,
     randomness,
 )
+from ehamj.control.upstream import Upstream
 from ehamj.errors import InputError
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
@@ -36,16 +38,27 @@ class Sensors(Settings):
     inertial: Vibration | None = Field(None, description="of every foot_…, cg_… and machine_… channel")
     stroke: StrokeSensor | None = Field(None, description="of every stroke channel")
     pressure: PressureSensor | None = Field(None, description="of every …_pressure channel")
+    spool: SpoolSensor | None = Field(None, description="of every spool and edges channel, built into the valve")
+    upstream: Upstream | None = Field(
+        None,
+        description="a sensor in the floor that a wave reaches before the machine: laws told where isolation begins "
+        "(isolate_from) take from it what the machine follows; without: they have the floor below the mounts alone",
+    )
 
     def of(self, channel: str) -> Instrument | None:
         """The instrument that measures a channel, None where that is exact.
 
         Raises:
-            InputError: if the instrument there measures another quantity.
+            InputError: if the instrument there measures another quantity, or there is none upstream.
         """
         variable = channel.partition(" ")[0]
+        if is_upstream(channel) and self.upstream is None:
+            raise InputError(
+                f"controller.inputs: channel {channel!r}: no sensor stands upstream; state sensors.upstream.position "
+                "and the wave that it is there for, or do not read it"
+            )
         table = class_of(variable)
-        sensor: Instrument | None = getattr(self, table) if table else None
+        sensor: Instrument | None = getattr(self, table)
         if sensor is None:
             return None
         wanted = quantity_of(variable)
@@ -96,12 +109,14 @@ IDEAL = Sensors.stated()
 """Everything is measured exactly."""
 
 
-def class_of(variable: str) -> str | None:
-    """Table of [sensors] that a variable belongs to; the spool's own transducer is taken as exact."""
+def class_of(variable: str) -> str:
+    """Table of [sensors] that a variable belongs to."""
+    if variable in SPOOLS:
+        return "spool"
     if variable in ("chamber_pressure", "load_pressure", SUPPLY):
         return "pressure"
     first = variable.partition("_")[0]
-    return {"ground": "ground", "stroke": "stroke", "spool": None}.get(first, "inertial")
+    return {"ground": "ground", "stroke": "stroke"}.get(first, "inertial")
 
 
 def _cross_channels(channel: str) -> list[str]:

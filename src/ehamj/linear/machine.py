@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
 from ehamj.control import blocks
-from ehamj.control.channels import SUPPLY, channel_row
+from ehamj.control.channels import SUPPLY, channel_row, is_upstream
 from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
@@ -90,6 +90,8 @@ class LinearModel:
             return row
         if name.startswith("ground_acceleration"):
             raise InputError(f"output {name!r}: the ground's displacement and velocity are inputs of the linear model")
+        if is_upstream(name):
+            raise InputError(f"output {name!r}: the linear model has the ground below its mounts alone; read it there")
         try:
             return channel_row(name, self.plant)
         except ValueError as error:
@@ -190,6 +192,9 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, st
     D[layout.ground : layout.ground + size, n : n + size] = np.eye(size)
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
+    for mount, (name, actuator) in enumerate(zip(plant.mounts, plant.actuators, strict=True)):
+        # Within their play the edges do not follow small motion.
+        C[layout.edges + mount, at[f"spool {name}"]] = float(actuator.hysteresis == 0.0)
     if SUPPLY in at:
         C[layout.supply, at[SUPPLY]] = 1.0
     own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))
