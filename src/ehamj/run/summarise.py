@@ -12,6 +12,7 @@ from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
 from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
+from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import LoopMargins, Summary, Timing
@@ -22,7 +23,7 @@ from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
-from ehamj.run.learnt import learnt, unlearnt
+from ehamj.run.learnt import found_lines, learnt, unlearnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
@@ -62,7 +63,8 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
     beliefs, idle = _learnt(prepared, dataset)
-    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
+    lines = found_lines(dataset, prepared.controller)
+    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle, *beyond(lines)]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -81,6 +83,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
         learnt=beliefs,
+        followed=lines,
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,
