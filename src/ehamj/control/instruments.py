@@ -63,7 +63,7 @@ class Instrument(Parameters):
     """What every instrument has; a kind states its unit and defaults where its class is named."""
 
     measures: ClassVar[str]
-    """Quantity that the instrument measures: displacement, velocity, acceleration or pressure."""
+    """Quantity that the instrument measures: displacement, velocity, acceleration, pressure or position."""
 
     low: float
     high: Unlimited
@@ -173,6 +173,13 @@ class PressureSensor(Instrument, unit="Pa", noise=5.0, high=5000.0):
 
     measures: ClassVar[str] = "pressure"
     kind: Literal["pressure"] = "pressure"
+
+
+class SpoolSensor(Instrument, unit="mA", noise=3e-5, high=5000.0):
+    """Measures where a valve's spool stands, by a differential transformer (LVDT) that it moves."""
+
+    measures: ClassVar[str] = "position"
+    kind: Literal["position"] = "position"
 
 
 class Discrete(NamedTuple):

@@ -21,6 +21,7 @@ from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.learners import Learner
 from ehamj.control.lines import Line, check_lines
+from ehamj.control.spools import KnownSpool
 from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
@@ -33,7 +34,7 @@ UNSTABLE = 1.0 + 1e-9
 KEYS: Final = {
     "inputs": "inputs", "period": "period_s", "delay": "delay_s", "voltage_limit": "voltage_limit_v", "bits": "bits",
     "switch_on": "switch_on_s", "fade": "fade_s", "from_rest": "from_rest", "A": "A", "B": "B", "C": "C", "D": "D",
-    "anti_windup": "anti_windup", "valves": "valves", "learners": "learners", "lines": "lines",
+    "anti_windup": "anti_windup", "valves": "valves", "learners": "learners", "lines": "lines", "spools": "spools",
 }  # fmt: skip
 """Keys of a law's file by what they hold; `NEEDED` must be there."""
 NEEDED: Final = ("inputs", "period", *"ABCD")
@@ -178,11 +179,9 @@ class Controller(Sampled):
         """The law as plain data, see `from_dict`."""
         values = {key: getattr(self, name) for name, key in KEYS.items()}
         plain = {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
-        known = [valve.to_dict() for valve in self.valves]
-        learners = [learner.to_dict() for learner in self.learners]
-        own = {"inputs": list(self.inputs), "outputs": list(self.outputs), "valves": known, "learners": learners}
-        own["lines"] = [line.to_dict() for line in self.lines]
-        return plain | own
+        lists = ("valves", "learners", "lines", "spools")
+        known = {name: [one.to_dict() for one in getattr(self, name)] for name in lists}
+        return plain | {"inputs": list(self.inputs), "outputs": list(self.outputs)} | known
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Self:
@@ -200,6 +199,7 @@ class Controller(Sampled):
             given |= {name: list(given[name]) for name in "ABCD"}
             given["valves"] = tuple(map(KnownValve.from_dict, given.get("valves", ())))
             given["learners"] = tuple(map(Learner.from_dict, given.get("learners", ())))
+            given["spools"] = tuple(map(KnownSpool.from_dict, given.get("spools", ())))
             given["lines"] = tuple(map(Line.from_dict, given.get("lines", ())))
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:

@@ -22,7 +22,8 @@ from ehamj.control.instruments import OLDER, Discrete, discretise
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, begun, numbers_of, paces_of, pressure_places, stated
+from ehamj.control.spools import positions
+from ehamj.control.stage import Inner, Stage, begun, numbers_of, paces_of, pressure_places, spool_numbers, stated
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -80,7 +81,7 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    names = ("table", "rows", "columns", "inputs_of", "pressures", "strokes", "lines")
+    names = ("table", "rows", "columns", "inputs_of", "pressures", "strokes", "positions", "lines")
     tables = (*(getattr(laws, name) for name in names), sensing.terms, sensing.entries)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (
@@ -88,6 +89,7 @@ def structure(loop: DigitalLoop) -> Hashable:
         laws.converter,
         laws.valves.size,
         laws.learners.size,
+        laws.spools.size,
         laws.followed.size,
         laws.base,
         sensing.layout,
@@ -118,7 +120,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges", "valves", "learners", "followed")),
+        laws=lanes(laws, ("matrices", "ranges", "valves", "learners", "spools", "followed")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -133,7 +135,8 @@ def _made(
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     stage = (Stage.beside(parts, len(converter.learners)),) if converter.valves else ()
-    table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
+    inner = (Inner.of(converter.spools),) if converter.spools else ()
+    table, matrices, inputs_of, size = _laws((*parts, *inner, *stage), channels, timestep, functions, mounts)
     lines, followed, kept, frequencies = lines_of(parts, table)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
@@ -147,9 +150,11 @@ def _made(
     if stage and converter.learners:
         learners = paces_of(converter.learners, converter.valves, stage[0])
         of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
+    spools = spool_numbers(converter.spools)
+    of_spools = np.array([channels.index(name) for name in positions(converter.spools, converter.mounts)], np.int64)
     laws = Laws(
         table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes,
-        lines, followed, base,
+        lines, followed, spools, of_spools, base,
     )  # fmt: skip
     gathered = begun(converter.learners, learners)
     memory = LawMemory.of(size, inputs_of.size, mounts, kept, (known.copy(), gathered))
@@ -200,7 +205,7 @@ def _instruments(
 
 
 def _laws(
-    parts: "Sequence[Controller | PythonController | Stage]",
+    parts: "Sequence[Controller | PythonController | Stage | Inner]",
     channels: tuple[str, ...],
     timestep: float,
     functions: dict[int, Any],

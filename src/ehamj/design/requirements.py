@@ -7,6 +7,7 @@ from pydantic import Field
 
 from ehamj.control.linearisation import made_good
 from ehamj.control.settings import SampledSettings
+from ehamj.control.spools import followed
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
@@ -84,7 +85,11 @@ def machines_of(scenario: Scenario, variations: Variations | None = None) -> Mac
 
 
 def behind(scenario: Scenario) -> Plant:
-    """The plant behind the linearisation of its valves that a scenario's law is to have."""
+    """The plant behind what a scenario's law is to have of its valves: their linearisation, and the loops about their
+    spools."""
     control = scenario.control
-    own = control.linearisation if isinstance(control, SampledSettings) else None
-    return scenario.plant if own is None else made_good(scenario.plant, own.known(scenario.as_designed().plant))
+    if not isinstance(control, SampledSettings):
+        return scenario.plant
+    designed = scenario.as_designed()
+    known = control.known(designed.plant, designed.sensors)
+    return made_good(followed(scenario.plant, known["spools"]), known["valves"])

@@ -24,6 +24,7 @@ from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
 from ehamj.control.compiled.lines import follow, turn
 from ehamj.control.compiled.products import add_product, add_rows, advance_states, wanted
+from ehamj.control.compiled.spools import FOLLOWS, fed_back
 from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
@@ -79,7 +80,8 @@ class Laws(NamedTuple):
     """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
-    """A `LAW` per law; after them one more for the stage beside them, where there is one."""
+    """A `LAW` per law; after them one more for the loops about the spools, where there are, and last one for the stage
+    beside them, where there is one."""
     matrices: Any
     """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
     rows: Any
@@ -107,6 +109,10 @@ class Laws(NamedTuple):
     are, and where in `LawMemory.lines` it keeps what it must."""
     followed: Any
     """(line·`FOLLOWED`)"""
+    spools: Any
+    """What is known of each spool that is fed back (`ehamj.control.compiled.spools`); none: none is."""
+    positions: Any
+    """Channels of their positions."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -131,13 +137,15 @@ class LawMemory(NamedTuple):
     """(valve·`GATHERS`) to learn from."""
     lines: Any
     """Of each line that is followed: how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
+    spools: Any
+    """(valve·`FOLLOWS`)"""
 
     @classmethod
     def of(cls, size: int, inputs: int, mounts: int, lines: int, stage: tuple[Array, Array]) -> "LawMemory":
         """Memory of a size, with so many numbers of lines, and what a stage beside the laws knows and has gathered."""
-        total, switching, around, remembered = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS))
-        values, inputs_of, scratch = np.zeros(size), np.zeros(inputs), np.zeros(size)
-        return cls(values, inputs_of, scratch, total, switching, around, remembered, *stage, np.zeros(lines))
+        total, switching, around, remembered, spools = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS, FOLLOWS))
+        scratch = np.zeros(size), np.zeros(inputs), np.zeros(size)
+        return cls(*scratch, total, switching, around, remembered, *stage, np.zeros(lines), spools)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -251,9 +259,22 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
 
 @kernel
 def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
-    """Let every law that is due compute; returns what that means for the commands."""
-    answer, staged = NOT_DUE, laws.valves.size > 0
-    count = laws.table.size - staged
+    """Let every law that is due compute, then the loops about the spools; returns what that means for the commands."""
+    staged, fed = laws.valves.size > 0, laws.spools.size > 0
+    count = laws.table.size - staged - fed
+    answer = sample_laws(number, time, count, staged, laws, readings, memory, lanes)
+    if fed and answer != FAILED and number % laws.table[count].every == 0:
+        law = laws.table[count]
+        answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
+        place = queued(number, law, memory.totals.size // 2, lanes)
+        fed_back(faded(time, laws.converter), readings, laws, memory, count, place, lanes)
+    return answer
+
+
+@kernel
+def sample_laws(number, time, count, staged, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let every one of ``count`` laws that is due compute; returns what that means for the commands."""
+    answer = NOT_DUE
     for k in range(count):
         law = laws.table[k]
         if number % law.every == 0:
@@ -270,7 +291,7 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        stage = laws.table[count]
+        stage = laws.table[laws.table.size - 1]
         place = queued(number, stage, valves, lanes) if number % stage.every == 0 else -1
         linearised(share, readings, laws, memory, place, lanes)
     else:
