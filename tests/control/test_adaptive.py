@@ -258,7 +258,7 @@ def test_a_file_holds_it_and_a_sum_moves_its_states(tmp_path: Path) -> None:
     law.save(tmp_path / "law.json")
     read = Controller.load(tmp_path / "law.json")
     assert read.lines == law.lines
-    assert law.lines[0] == Line(0, 3, 24.5, 24.5 * 0.98, 24.5 * 1.02, 0.3, 3.0)
+    assert law.lines[0] == Line(0, 3, 24.5, 24.5 * 0.98, 24.5 * 1.02, 0.3, 1.0)
     assert [line.first for line in stack([law, law]).lines] == [0, 6, 12, 18]
 
 

@@ -10,7 +10,6 @@ from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
-from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
 from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
@@ -62,9 +61,9 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     if struck:
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
-    beliefs, idle = _learnt(prepared, dataset)
-    lines = found_lines(dataset, prepared.controller)
-    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle, *beyond(lines)]
+    found, idle = _learnt(prepared, dataset)
+    asked |= found
+    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -82,8 +81,6 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
-        learnt=beliefs,
-        followed=lines,
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,
@@ -99,13 +96,14 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     )
 
 
-def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[Beliefs, list[str]]:
-    """What its law has learnt in a run, and what must be said of mounts of which it learnt nothing."""
+def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[dict[str, Any], list[str]]:
+    """What its law has learnt in a run and where its lines were, and what must be said of mounts of which it learnt
+    nothing and of lines that may be elsewhere."""
     if prepared.controller is None:
         return {}, []
-    converter = prepared.controller.converter
+    converter, lines = prepared.controller.converter, found_lines(dataset, prepared.controller)
     beliefs = learnt(dataset, converter)
-    return beliefs, unlearnt(beliefs, converter)
+    return {"learnt": beliefs, "followed": lines}, [*unlearnt(beliefs, converter), *beyond(lines)]
 
 
 def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:
