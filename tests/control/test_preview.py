@@ -118,7 +118,7 @@ def volts(metres: float, share: Any = None) -> float:
 
 @pytest.mark.parametrize("begin", [2.0, 5.0, 12.0])
 def test_a_period_ahead_is_enough_for_26_db_and_no_phase(begin: float) -> None:
-    """In each third octave from there on; far below all of the floor is followed, with little phase (`yielding` has 54°)."""
+    """In each third octave from there on; far below all is followed, with little phase (`yielding` has 54°)."""
     metres = 1.0 * SPEED / begin
     for band in bands(begin, 100.0):
         inside = np.geomspace(*band.edges, 50)
