@@ -255,3 +255,9 @@ def test_faults_may_strike_it() -> None:
     found = simulate(made).dataset["measured"].sel(sensor="ground_velocity upstream z")
     assert np.any(found.sel(time=slice(0.03, 0.049)).values)
     assert not np.any(found.sel(time=slice(0.051, None)).values)
+
+
+def test_where_it_stands_and_what_is_believed_in_words() -> None:
+    sensor = scenario().sensors.upstream
+    assert sensor is not None
+    assert sensor.said == "at -20, 0, 0 m, for a wave towards 0° at 200 m/s"

@@ -33,7 +33,7 @@ POLES: Final = (0.4, 0.6, 0.9, 1.3)
 """Their pole over f₀: that is taken which is best."""
 ABOVE: Final = 4.0
 """Corner of the low-pass behind which they lie, over f₀."""
-REST: Final = 10.0 ** (-28.0 / 20.0)
+REST: Final = 10.0 ** (-29.0 / 20.0)
 """Share of the floor that may be left in the third octave at f₀."""
 WEIGHTS: Final = np.geomspace(300.0, 5_000.0, 8)
 """R at f₀: the least is taken with which no more is left; more than the last of them is not worth its voltage."""
