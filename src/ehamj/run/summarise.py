@@ -14,10 +14,11 @@ from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.summary import LoopMargins, Summary, Timing
+from ehamj.judge.summary import LoopMargins, PlaceMargins, Summary, Timing
 from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
+from ehamj.linear.spools import spool_margins
 from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
@@ -62,7 +63,10 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
     beliefs, idle = _learnt(prepared, dataset)
-    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
+    about, swings = loops_about_spools(scenario, prepared.law)
+    if about is not None:
+        asked["spools"] = about
+    said = [*told(struck), *prepared.notes, *doubts, *swings, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -103,6 +107,20 @@ def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[Beliefs, list[str]
     converter = prepared.controller.converter
     beliefs = learnt(dataset, converter)
     return beliefs, unlearnt(beliefs, converter)
+
+
+def loops_about_spools(scenario: Scenario, law: LinearController | None) -> tuple[PlaceMargins | None, list[str]]:
+    """Least margins of the loops about the spools, and what must be said of those that are unstable; None without."""
+    found = spool_margins(scenario.plant, law, scenario.sensors)
+    wild = [mount for mount, one in found.items() if one is None]
+    stable = [one for one in found.values() if one is not None]
+    said = [
+        f"the loop about the spool is unstable with the valves of {', '.join(wild)} as they are; lower "
+        "control.spool_feedback.crossing, or hold the law for these valves"
+    ] if wild else []  # fmt: skip
+    if not stable:
+        return None, said
+    return PlaceMargins.model_validate(min(stable, key=lambda one: one.disk).to_dict()), said
 
 
 def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:
