@@ -46,6 +46,8 @@ def brief(summary: Summary) -> dict[str, str]:
     found["margins"] = _margins(summary)
     if summary.spools is not None:
         found["spool feedback"] = _spools(summary.spools)
+    if summary.followed:
+        found["lines"] = ", ".join(line.words for line in summary.followed)
     found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
     return found | _rest(summary)
 

@@ -9,6 +9,7 @@ from ehamj.findings import Finding
 from ehamj.judge.faults import WHOLE, FaultFound, Phase
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.learnt import Beliefs
+from ehamj.judge.lines import FoundLine
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
 from ehamj.judge.worse import Worse
@@ -115,6 +116,8 @@ class Summary(Isolation, Head):
     """Margins of the loops about the spools, the worst of all valves (`ehamj.linear.spools`); None without."""
     learnt: Beliefs = Field(default_factory=dict)
     """What laws have learnt of each mount at the end; empty where they do not learn."""
+    followed: list[FoundLine] = Field(default_factory=list)
+    """Lines that laws follow, where they ended; empty where they follow none."""
     python_law: bool = False
     """Whether a Python function gave the commands, of which no margins are known."""
     timing: Timing
