@@ -59,8 +59,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     simulated = duration_of(dataset)
     asked: dict[str, Any] = {} if failure is None else {"failure": failure}
     struck = aftermath(prepared, driven.struck, dataset)
-    if struck:
-        asked["fault"] = struck
+    asked |= {"fault": struck} if struck else {}
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
     found, idle = _learnt(prepared, dataset)
     about, swings = loops_about_spools(scenario, prepared.law)
