@@ -80,13 +80,7 @@ def design_controller(
     wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
     scenario = load_scenario(source, overrides)
     given = scenario.control
-    own = given.kind if isinstance(given, DigitalSettings) else "combined"
-    if architecture not in (None, own, *DESIGNABLE, *SYNTHESES):
-        more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
-        raise InputError(
-            f"--architecture {architecture!r}: must be one of {', '.join((*DESIGNABLE, *SYNTHESES))}{more}"
-        )
-    kind = architecture or own
+    kind = _kind(given, architecture)
     if kind != given.kind:
         shared = given.shared if isinstance(given, DigitalSettings) else {}
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
@@ -106,6 +100,20 @@ def design_controller(
     progress("predicting what a run will show")
     limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
+
+
+def _kind(given: ControlSettings, architecture: str | None) -> str:
+    """What is designed for a scenario with a ``given`` control.
+
+    Raises:
+        InputError: if the ``architecture`` that is asked for cannot be.
+    """
+    own = given.kind if isinstance(given, DigitalSettings) else "combined"
+    if architecture in (None, own, *DESIGNABLE, *SYNTHESES):
+        return architecture or own
+    able = ", ".join((*DESIGNABLE, *SYNTHESES))
+    more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
+    raise InputError(f"--architecture {architecture!r}: must be one of {able}{more}")
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
