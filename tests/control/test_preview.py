@@ -20,7 +20,7 @@ from ehamj.linear.response import ground_response
 from ehamj.plant.axes import AXES
 from ehamj.run.many import simulate_many
 from ehamj.run.simulate import simulate
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed, parse_scenario
 from ehamj.scenario.model import Scenario
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def test_it_reads_the_floor_there_whatever_is_believed(engine: str, order: int) 
 
 
 def test_lanes_are_the_machines_alone() -> None:
-    """Two floors beside each other, with and without a sensor that a law reads, bit for bit."""
+    """Two floors beside each other, and one floor with sensors at two distances, bit for bit."""
     control = isolating("feedforward")
     wanted = [scenario(control=control, duration=0.03, seed=seed, engine="small-motion") for seed in (0, 1)]
     floors = [{"kind": "broadband", "level": "VC-C", "fade_in": 0.0, "wave": {"speed": speed}} for speed in (200, 190)]
@@ -84,6 +84,7 @@ def test_lanes_are_the_machines_alone() -> None:
         parse_scenario(one.model_dump(exclude_none=True) | {"ground": floor})
         for one, floor in zip(wanted, floors, strict=True)
     ]
+    wanted.append(changed(wanted[0], {"sensors.upstream.position": [-30.0, 0.0, 0.0]}))
     beside = simulate_many(wanted, threads=1)
     for one, run in zip(wanted, beside, strict=True):
         alone = simulate(one)
@@ -117,15 +118,15 @@ def volts(metres: float, share: Any = None) -> float:
 
 
 @pytest.mark.parametrize("begin", [2.0, 5.0, 12.0])
-def test_half_a_period_ahead_is_enough_for_26_db_and_no_phase(begin: float) -> None:
-    """In each third octave from there on; far below all of the floor is followed, with less than 6° of phase."""
+def test_a_period_ahead_is_enough_for_26_db_and_no_phase(begin: float) -> None:
+    """In each third octave from there on; far below all is followed, with little phase (`yielding` has 54°)."""
     metres = 1.0 * SPEED / begin
     for band in bands(begin, 100.0):
         inside = np.geomspace(*band.edges, 50)
         left = np.mean(np.abs(of_the_floor(metres, inside, begin)) ** 2)
         assert 10 * np.log10(left) < -26.0, band.name
     low = of_the_floor(metres, begin * np.geomspace(0.2, 0.4, 20), begin)
-    assert np.abs(np.angle(low, deg=True)).max() < 6.0
+    assert np.abs(np.angle(low, deg=True)).max() < 10.0
     np.testing.assert_allclose(np.abs(low), 1.0, rtol=0, atol=0.15)
 
 
@@ -255,3 +256,9 @@ def test_faults_may_strike_it() -> None:
     found = simulate(made).dataset["measured"].sel(sensor="ground_velocity upstream z")
     assert np.any(found.sel(time=slice(0.03, 0.049)).values)
     assert not np.any(found.sel(time=slice(0.051, None)).values)
+
+
+def test_where_it_stands_and_what_is_believed_in_words() -> None:
+    sensor = scenario().sensors.upstream
+    assert sensor is not None
+    assert sensor.said == "at -20, 0, 0 m, for a wave towards 0° at 200 m/s"

@@ -8,6 +8,7 @@ from typing import Final
 from markupsafe import Markup
 
 from ehamj.control.architectures.file import Law
+from ehamj.control.kinds import ARCHITECTURES
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, SYNTHESES
@@ -58,8 +59,9 @@ def design_controller(
     Args:
         source: scenario file or shipped name.
         overrides: as `load_scenario`.
-        architecture: one of `DESIGNABLE` or `SYNTHESES`; without, the scenario's own control where that can be
-            designed, else combined. Rate, delay and resolution are the scenario's controller's.
+        architecture: one of `DESIGNABLE` or `SYNTHESES`; without, the scenario's own where that is a digital law
+            (one without loops is judged as it is), else combined. Rate, delay and resolution are the scenario's
+            controller's.
         gain_margin: least gain margin [dB].
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
@@ -77,10 +79,8 @@ def design_controller(
             raise InputError(f"--{name} {value:g}: must be from {low:g} to {high:g}")
     wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
     scenario = load_scenario(source, overrides)
-    if architecture is not None and architecture not in (*DESIGNABLE, *SYNTHESES):
-        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join((*DESIGNABLE, *SYNTHESES))}")
     given = scenario.control
-    kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
+    kind = _kind(given, architecture)
     if kind != given.kind:
         shared = given.shared if isinstance(given, DigitalSettings) else {}
         begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
@@ -100,6 +100,20 @@ def design_controller(
     progress("predicting what a run will show")
     limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
     return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
+
+
+def _kind(given: ControlSettings, architecture: str | None) -> str:
+    """What is designed for a scenario with a ``given`` control.
+
+    Raises:
+        InputError: if the ``architecture`` that is asked for cannot be.
+    """
+    own = given.kind if isinstance(given, DigitalSettings) else "combined"
+    if architecture in (None, own, *DESIGNABLE, *SYNTHESES):
+        return architecture or own
+    able = ", ".join((*DESIGNABLE, *SYNTHESES))
+    more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
+    raise InputError(f"--architecture {architecture!r}: must be one of {able}{more}")
 
 
 def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
