@@ -10,8 +10,6 @@ from ehamj.control import LinearController
 from ehamj.control.describing import AMPLITUDES, across
 from ehamj.design.budget import Budget
 from ehamj.design.figures import budget_drawings, loop_drawings, plotted, valve_drawings
-from ehamj.design.requirements import Machines
-from ehamj.design.tuning import Design
 from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
@@ -22,6 +20,8 @@ from ehamj.pages.words import AXIS_NAMES, decibel
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
+from ehamj.synthesis.judged import Design
+from ehamj.synthesis.requirements import NOMINAL, Machines
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
@@ -48,7 +48,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
     if has_loop:
         spectra = loop_table(scenario, machines, design.law)
         tables = {"margins": margin_table(design), "loops": spectra}
-        drawings = loop_drawings(spectra) | plotted(scenario, machines["as designed"], design)
+        drawings = loop_drawings(spectra) | plotted(scenario, machines[NOMINAL], design)
     valves = valve_table(scenario, design.law)
     if valves is not None:
         tables, drawings = tables | {"valves": valves}, drawings | valve_drawings(valves)

@@ -10,13 +10,13 @@ from ehamj.control.sensors import Sensors
 from ehamj.design.budget import Budget
 from ehamj.design.figures import telling
 from ehamj.design.outcome import SHOWN
-from ehamj.design.tuning import Design
 from ehamj.isolator.actuator import Actuator
 from ehamj.judge.levels import SLAB
 from ehamj.pages import Page, Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, BAR, DASH, LITRE_PER_MINUTE, MICRO, decibel, exact, number, plain
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
+from ehamj.synthesis.judged import Design
 
 NANO: Final = 1e9
 HEADS: Final = {"z": "vertical z", "x": "along x", "y": "along y", "rx": "roll rx", "ry": "pitch ry", "rz": "yaw rz"}

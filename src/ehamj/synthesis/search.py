@@ -1,20 +1,23 @@
 """Synthesised laws under stated margins: loops as the weights give them, lowered motion by motion until these hold."""
 
-from collections.abc import Mapping
-from typing import Any, Final
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.settings import ControlSettings, DigitalSettings
-from ehamj.design.kinds import SYNTHESES
-from ehamj.design.motions import MotionWeights, SynthesisSettings
-from ehamj.design.requirements import Machines, Requirements
-from ehamj.design.tuning import Design, judged
+from ehamj.control import Controller
+from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
+from ehamj.linear.machine import LinearModel
 from ehamj.plant.levers import MOTIONS
-from ehamj.scenario.model import Scenario
-from ehamj.studies.outcome import Progress, silent
+from ehamj.plant.plant import Plant
+from ehamj.synthesis.judged import Design, Worst, judged
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of
+
+if TYPE_CHECKING:
+    from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
 
 LOWER: Final = 0.85
 """Factor on a loop whose gain or disk margin is too small, and on its bandwidth where its phase margin is."""
@@ -22,44 +25,77 @@ SLOWER: Final = 0.7
 """Factor on the integral of a loop whose phase margin is too small: a lower gain alone makes that smaller still."""
 TRIES: Final = 16
 
-Worst = tuple[float, float, float]
-"""Gain [dB], phase [deg] and disk margin."""
+
+@dataclass(frozen=True)
+class Found:
+    """A law that was found for a machine, and what it took."""
+
+    design: Design
+    nominal: LinearModel
+    """The machine, linearised."""
+    seconds: float
+    """That finding took [s]."""
+
+    @property
+    def settings(self) -> "SynthesisSettings":
+        """Whose weights leave the margins."""
+        return self.design.settings  # type: ignore[return-value]
+
+    @property
+    def law(self) -> Controller:
+        """What was found."""
+        return self.design.law.parts[0]
+
+
+def find(settings: "SynthesisSettings", plant: Plant, sensors: Sensors) -> Found:
+    """The law that settings find for a plant and instruments, under their own margins.
+
+    Raises:
+        InputError: as `synthesised`.
+    """
+    began = time.perf_counter()
+    valves = () if settings.linearisation is None else settings.linearisation.known(plant)
+    machines = machines_of(plant, settings.variations, valves)
+    design = synthesised(settings, plant, sensors, machines)
+    return Found(design, machines[NOMINAL], time.perf_counter() - began)
 
 
 def synthesised(
-    scenario: Scenario,
+    settings: "SynthesisSettings",
+    plant: Plant,
+    sensors: Sensors,
     machines: Machines,
-    settings: SynthesisSettings,
-    requirements: Requirements | None = None,
-    progress: Progress = silent,
+    progress: Callable[[str], None] = lambda words: None,
+    seed: int = 0,
 ) -> Design:
-    """The law of a synthesis that leaves the margins on a machine and all its variations.
+    """The law of a synthesis that leaves its margins on a machine and all its variations.
 
     Where a motion lacks gain or disk margin its loop is lowered, where it lacks phase its weights ask for less below a
     lower frequency, and the law is found anew.
 
     Args:
-        scenario: machine and instruments.
+        settings: weights to begin with, and margins.
+        plant: that the law is derived from.
+        sensors: that it reads.
         machines: the machine and its variations.
-        settings: weights to begin with.
-        requirements: margins.
         progress: called with what is tried.
+        seed: that draws the directions of misaligned instruments.
 
     Raises:
         InputError: if no law exists, or none leaves the margins.
     """
-    wanted = requirements or Requirements()
+    wanted = settings.margins
     failure = InputError("design: no law was found")
     best: tuple[float, str] = (-1.0, "")
     for turn in range(TRIES):
         progress(f"{settings.kind}, try {turn + 1} of at most {TRIES}")
         lacking: dict[str, Worst] = {}
         try:
-            law = settings.law(scenario, machines["as designed"])
+            law = settings.law(plant, sensors, machines[NOMINAL], seed)
         except InputError as error:
             failure = InputError(f"{error} (the {settings.kind} synthesis, try {turn + 1} of {TRIES})")
         else:
-            design = judged(settings, law, scenario, machines, wanted)
+            design = judged(settings, law, sensors, machines, wanted, seed)
             if design.meets:
                 return design
             lacking = {name: design.worst_of(name) for name in MOTIONS if not design.leaves(name)}
@@ -75,7 +111,7 @@ def synthesised(
     )
 
 
-def _eased(settings: SynthesisSettings, lacking: Mapping[str, Worst], wanted: Requirements) -> SynthesisSettings:
+def _eased(settings: "SynthesisSettings", lacking: Mapping[str, Worst], wanted: Requirements) -> "SynthesisSettings":
     """Weights that ask for less of the motions that lack margins; of all where none does by itself."""
     changed: dict[str, MotionWeights] = {}
     for name in lacking or MOTIONS:
@@ -101,12 +137,3 @@ def _nearest(design: Design, wanted: Requirements) -> tuple[float, str]:
             place = min(one.motions, key=lambda name: getattr(one.motions[name], what))
             found.append((float(share), f"leaves a {what} margin of {value:.3g}{unit} ({machine}, {place})"))
     return min(found)
-
-
-def beginning(kind: str, control: ControlSettings) -> SynthesisSettings:
-    """Settings of a synthesis that take clock, converter and feedforward from a scenario's control."""
-    given: dict[str, Any] = {}
-    if isinstance(control, DigitalSettings):
-        forward = [part for part in control.members if isinstance(part, FeedforwardSettings)]
-        given = {**control.clock, **({"feedforward": forward[0]} if forward else {})}
-    return SYNTHESES[kind].model_validate(given)
