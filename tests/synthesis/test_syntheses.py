@@ -308,8 +308,10 @@ def test_more_margin_is_bought_with_gain(machines: Machines) -> None:
     design = eased(begin, machines, Requirements(gain_margin=7.0))
     assert design.meets
     assert isinstance(design.settings, LqgSettings)
-    # Each motion had between 6 and 7 dB; 15 % less gain are 1.4 dB more.
-    assert [getattr(design.settings, motion).gain for motion in MOTIONS] == pytest.approx([0.85] * 3)
+    # Each motion had 6.3 to 6.6 dB, and is lowered by what it lacks, and by two per cent.
+    gains = [getattr(design.settings, motion).gain for motion in MOTIONS]
+    assert all(0.85 < gain < 0.95 for gain in gains), gains
+    assert min(design.worst_of(motion)[0] for motion in MOTIONS) < 7.3
 
 
 def test_margins_that_no_gain_leaves_are_refused(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,13 +8,14 @@ import xarray as xr
 
 from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
+from ehamj.findings import finite
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
 from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.summary import LoopMargins, Summary, Timing
+from ehamj.judge.summary import FoundLaw, Least, LoopMargins, Summary, Timing
 from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
@@ -28,6 +29,7 @@ from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
 from ehamj.run.why import worsened
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import unlike
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
 
@@ -57,8 +59,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
     asked: dict[str, Any] = {} if failure is None else {"failure": failure}
-    struck = aftermath(prepared, driven.struck, dataset)
-    if struck:
+    if struck := aftermath(prepared, driven.struck, dataset):
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
     beliefs, idle = _learnt(prepared, dataset)
@@ -80,6 +81,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
+        law=_found(prepared),
         learnt=beliefs,
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
@@ -93,6 +95,22 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         ),
         versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
         seed=scenario.seed,
+    )
+
+
+def _found(prepared: Prepared) -> FoundLaw | None:
+    """How the law was found, where it was found for the machine at hand."""
+    found, scenario = prepared.found, prepared.scenario
+    if found is None:
+        return None
+    least = (Least(margin=finite(margin), machine=machine) for margin, machine in found.design.least)
+    return FoundLaw(
+        kind=scenario.control.kind,
+        mass_kg=found.nominal.plant.machine.mass,
+        held=bool(unlike(scenario.nominal, scenario.installation)),
+        machines=len(found.design.reports),
+        seconds=found.seconds,
+        **dict(zip(("gain_db", "phase_deg", "disk"), least, strict=True)),
     )
 
 

@@ -19,8 +19,12 @@ from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machin
 if TYPE_CHECKING:
     from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
 
+BEYOND: Final = 0.98
+"""So much lower a loop is made than what it lacks of gain or disk margin asks for."""
 LOWER: Final = 0.85
-"""Factor on a loop whose gain or disk margin is too small, and on its bandwidth where its phase margin is."""
+"""Least factor on a loop in one try, and factor on the bandwidth of one whose phase margin is too small."""
+NOTHING: Final = (0.0, np.inf, 0.0)
+"""Margins of a motion that is not known to lack any, where all lack some together."""
 SLOWER: Final = 0.7
 """Factor on the integral of a loop whose phase margin is too small: a lower gain alone makes that smaller still."""
 TRIES: Final = 16
@@ -70,8 +74,8 @@ def synthesised(
 ) -> Design:
     """The law of a synthesis that leaves its margins on a machine and all its variations.
 
-    Where a motion lacks gain or disk margin its loop is lowered, where it lacks phase its weights ask for less below a
-    lower frequency, and the law is found anew.
+    Where a motion lacks gain or disk margin its loop is lowered by that, where it lacks phase its weights ask for less
+    below a lower frequency, and the law is found anew.
 
     Args:
         settings: weights to begin with, and margins.
@@ -106,8 +110,8 @@ def synthesised(
     raise InputError(
         f"design: no {settings.kind} law was found that leaves {wanted.gain_margin:g} dB, {wanted.phase_margin:g}° and "
         f"a disk margin of {wanted.disk_margin:g} on every machine, with loops lowered {TRIES - 1} times; the nearest "
-        f"{best[1]}. Ask for less (--gain-margin, --phase-margin, --disk-margin), or take --architecture combined, "
-        "whose crossings are tuned one by one"
+        f"{best[1]}. Ask for less (control.margins; --gain-margin, --phase-margin, --disk-margin of a design), or take "
+        "the combined law (--architecture combined), whose crossings are tuned one by one"
     )
 
 
@@ -116,10 +120,12 @@ def _eased(settings: "SynthesisSettings", lacking: Mapping[str, Worst], wanted: 
     changed: dict[str, MotionWeights] = {}
     for name in lacking or MOTIONS:
         own: MotionWeights = getattr(settings, name)
-        gain, phase, disk = lacking.get(name, (0.0, np.inf, 0.0))
+        gain, phase, disk = lacking.get(name, NOTHING)
         late, less = phase < wanted.phase_margin, {}
         if gain < wanted.gain_margin or (disk < wanted.disk_margin and not late):
-            less["gain"] = LOWER * own.gain
+            # A lower gain buys as much gain margin, and disk margin about in proportion.
+            short = min(10.0 ** ((gain - wanted.gain_margin) / 20.0), disk / max(wanted.disk_margin, 1e-9))
+            less["gain"] = own.gain * float(np.clip(BEYOND * short, LOWER, BEYOND))
         if late:
             less |= {"integral": SLOWER * own.integral, "bandwidth": LOWER * own.bandwidth}
         changed[name] = own.model_copy(update=less)
