@@ -116,8 +116,9 @@ class Evaluation:
 
     @Once
     def model(self) -> LinearModel | None:
-        """The linear machine as the law has it, behind the linearisation of its valves."""
-        if self.law is None or not self.law.converter.valves:
+        """The linear machine as the law has it, behind the linearisation of its valves and the loops about their
+        spools."""
+        if self.law is None or not (self.law.converter.valves or self.law.converter.spools):
             return self.machine.model
         with suppress(InputError):
             return linear_under(self.result.scenario.plant, self.law)

@@ -39,6 +39,7 @@ DIMENSIONS = {
     "relative": "relative motion, as named in the scenario",
     "sensor": "channel that the controller reads",
     "law_state": "number of the controller's state",
+    "line": "line that the controller follows, as stated [Hz]",
 }
 """Long name of each dimension beside ``time``."""
 
@@ -79,6 +80,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "external_force": (("dof",), "N (rx, ry, rz: N m)", "force on the machine itself, at its centre of gravity"),
     "measured": (("sensor",), "SI, as the channel", "what the controller last read of each channel"),
     "controller_state": (("law_state",), "1", "states of the controller"),
+    "line_frequency": (("line",), "Hz", "frequency that the law follows of each line"),
     "learnt_flow_gain": (("mount",), "1", "flow gain that the law has learnt, over the stated one"),
     "learnt_compliance": (("mount",), "1", "compliance of the oil that the law has learnt, over the stated one"),
     "learnt_overlap": (("mount",), "mA", "overlap of each edge that the law has learnt, more than stated"),

@@ -31,7 +31,7 @@ KEYS = {
     "lanes": {
         "lanes", "two_threads_over_one", "small_motion_two_threads_over_one", "small_motion_runs_two_threads_over_one",
     },
-    "controller": {"controlled", "step_over_step_without"},
+    "controller": {"controlled", "linearised_over_without", "step_over_step_without"},
     "growth": {"growth", "step_over_four_upright_mounts"},
     "stages": {"stages"},
 }  # fmt: skip

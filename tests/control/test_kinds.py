@@ -19,7 +19,11 @@ from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.synthesis.kinds import CONTROLS, STANDARD
 
-GIVEN: dict[str, dict[str, Any]] = {"resonant": {"lines": [25.0, 50.0]}, "levelling": {"time": 0.02}}
+GIVEN: dict[str, dict[str, Any]] = {
+    "resonant": {"lines": [25.0, 50.0]},
+    "adaptive": {"lines": [25.0, 50.0]},
+    "levelling": {"time": 0.02},
+}
 """What an architecture without defaults is given, and one that is too slow for a short run."""
 FLOOR = {"kind": "multisine", "frequencies": [20.0, 50.0], "velocities": [2e-6]}
 

@@ -243,6 +243,15 @@ def test_they_are_so_of_laws_that_switch_within_steps() -> None:
     assert_native_is_python(scenario(), ControllerBank(parts))
 
 
+def test_they_are_so_where_the_first_of_those_that_switch_together_is_seldom_due() -> None:
+    """At a step of 100 µs, every fifth of a slow law and every one of a fast one, at the same fraction."""
+    parts = (
+        from_the_machine(period=5e-4, delay=1.6e-4, seed=3, **WINDS_UP),
+        from_the_ground(period=1e-4, delay=1.6e-4, **WINDS_UP),
+    )
+    assert_native_is_python(scenario(), ControllerBank(parts))
+
+
 def test_they_are_so_without_states() -> None:
     assert_native_is_python(scenario(), proportional(2e4, bits=None))
 

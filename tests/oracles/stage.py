@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from ehamj.arrays import Array
 from ehamj.control import Controller, ControllerBank
 from ehamj.control.valves import KnownValve
+from oracles.spools import PythonSpool
 from oracles.stepped import STEP
 
 
@@ -94,15 +95,27 @@ class PythonStage:
         return float(led / own.valve_gain)
 
 
+Waiting = list[tuple[float, int, Array]]
+
+
+def _acted(step: int, waiting: Waiting, held: Array) -> Waiting:
+    """What still waits in a step; whose time has come is held."""
+    for moment, j, volts in sorted(waiting, key=lambda each: each[0]):
+        if moment <= step + 1e-6:
+            held[j] = volts
+    return [each for each in waiting if each[0] > step + 1e-6]
+
+
 def in_python(law: Controller | ControllerBank, readings: Array) -> Array:
     """Commands at the start of every step (step, valve), without rounding, from readings (step, channel)."""
     parts, converter = law.parts, law.converter
     valves, limit = converter.valves, converter.voltage_limit
     fastest = min(parts, key=lambda part: (part.period, part.latency))
     stages = [PythonStage(valve, fastest.period) for valve in valves]
-    states, latest = [np.zeros(part.states) for part in parts], np.zeros((len(parts), len(valves)))
-    waiting: list[tuple[float, int, Array]] = []
-    held, found = np.zeros((len(parts) + 1, len(valves))), []
+    states, latest = [np.zeros(part.states) for part in parts], np.zeros((len(parts), len(converter.mounts)))
+    waiting: Waiting = []
+    spools = [PythonSpool(spool, limit) for spool in converter.spools]
+    held, found = np.zeros((len(parts) + 2, len(converter.mounts))), []
     channels = list(law.reads)
     for k, row in enumerate(readings):
         reading = dict(zip(channels, row, strict=True))
@@ -111,8 +124,8 @@ def in_python(law: Controller | ControllerBank, readings: Array) -> Array:
         for j in due:
             latest[j] = parts[j].C @ states[j] + parts[j].D @ inputs[j]
         s = np.clip((k * STEP - converter.switch_on) / converter.fade, 0, 1) if converter.fade else 1.0
-        share, total, lost = 3 * s**2 - 2 * s**3, latest.sum(axis=0), np.zeros(len(valves))
-        more = np.zeros(len(valves))
+        share, total, more = 3 * s**2 - 2 * s**3, latest.sum(axis=0), np.zeros(len(latest[0]))
+        lost = np.zeros(len(more)) if stages else np.clip(share * total, -limit, limit) - total
         for i, stage in enumerate(stages):
             at = (reading.get(f"chamber_pressure {converter.mounts[i]} {n}", 0.0) for n in "12")
             own = stage.valve.numbers
@@ -129,9 +142,12 @@ def in_python(law: Controller | ControllerBank, readings: Array) -> Array:
             waiting.append((k + part.latency / STEP, j, share * latest[j]))
         if k % round(fastest.period / STEP) == 0:
             waiting.append((k + fastest.latency / STEP, len(parts), more))
-        for moment, j, volts in sorted(waiting, key=lambda each: each[0]):
-            if moment <= k + 1e-6:
-                held[j] = volts
-        waiting = [each for each in waiting if each[0] > k + 1e-6]
+        waiting = _acted(k, waiting, held)
+        if spools and k % round(spools[0].own.period / STEP) == 0:
+            closed = np.zeros(len(spools))
+            for i, one in enumerate(spools):
+                position = reading[f"{'edges' if one.own.edges else 'spool'} {converter.mounts[i]}"]
+                closed[i] = one.added(share, held[:-1, i].sum(), position)
+            waiting = _acted(k, [*waiting, (k + spools[0].own.delay / STEP, len(parts) + 1, closed)], held)
         found.append(np.clip(held.sum(axis=0), -limit, limit))
     return np.array(found)

@@ -1,4 +1,4 @@
-"""Under control: a shipped scenario, and what a large law, sensors and a force add to a step."""
+"""Under control: a shipped scenario, and what linearised valves, a large law, sensors and a force add to a step."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -20,6 +20,7 @@ from ehamj.scenario.model import Scenario
 
 SCENARIO: Final = "vc-c-floor"
 SLIDING: Final = "MuJoCo engine, sliding plates"
+SMALL: Final = "small-motion engine"
 STATES, INPUTS = 80, 24
 """Size of the large law, at 10 kHz."""
 
@@ -41,6 +42,14 @@ def _tables(figures: Mapping[str, Any]) -> list[Table]:
             {name: name for name in rates},
         ),
         Table.of(
+            f"What the linearisation of its valves adds to {SCENARIO}",
+            "A row is an engine; the time of a step with the stage and the sensors that it reads, over that of a step "
+            f"under the same law without (1: none), in turn; {LOWER}.",
+            "engine",
+            {"with over without [-]": figures["linearised_over_without"]},
+            {name: name for name in figures["linearised_over_without"]},
+        ),
+        Table.of(
             "What is added to a step of the MuJoCo engine",
             "A row is what a step has in addition, a sample in each; its time over that of a step without (1: none); "
             f"{LOWER}.",
@@ -57,7 +66,7 @@ def _tables(figures: Mapping[str, Any]) -> list[Table]:
 
 @part(
     "controller",
-    f"{SCENARIO} under control; what a large law, sensors and a force add to a step",
+    f"{SCENARIO} under control; what linearisation, a large law, sensors and a force add to a step",
     _panels,
     read=_tables,
 )
@@ -65,6 +74,7 @@ def controller(effort: Effort) -> Figures:
     """Stepping under control, with sliding and with tied plates, and what is added to a step."""
     return {
         "controlled": controlled(effort),
+        "linearised_over_without": linearised(effort),
         "step_over_step_without": {"sliding": additions(load_scenario("recorded"), effort)},
     }
 
@@ -79,9 +89,9 @@ def controlled(effort: Effort) -> Figures:
     works: dict[str, Callable[[], object]] = {
         SLIDING: Stepping(sliding),
         "MuJoCo engine, tied plates": Stepping(tied),
-        "small-motion engine": SideBySide([small]),
+        SMALL: SideBySide([small]),
     }
-    law, beside = small.controller(), f"small-motion engine, {LANES} lanes"
+    law, beside = small.controller(), f"{SMALL}, {LANES} lanes"
     works[beside] = SideBySide([small.model_copy(update={"seed": seed}) for seed in range(LANES)], law)
     times = medians(works, effort.repetitions)
     rates = {name: duration / seconds for name, seconds in times.items()}
@@ -90,6 +100,24 @@ def controlled(effort: Effort) -> Figures:
         "simulated_s_per_wall_s": rates,
         "rate_over_sliding": {name: rate / rates[SLIDING] for name, rate in rates.items()},
     }
+
+
+def linearised(effort: Effort) -> dict[str, float]:
+    """Time of a step of the scenario with the stage that linearises its valves over that without, by engine."""
+    base = [f"duration={effort.duration(0.4)}", "compare=[]"]
+    found = {}
+    for name, keys in {SLIDING: ["plates=sliding"], SMALL: ["engine=small-motion"]}.items():
+        plain, staged = (
+            load_scenario(SCENARIO, [*base, *keys, f"control.linearisation={on}"]) for on in ("false", "true")
+        )
+        works: dict[str, Callable[[], object]] = (
+            {"plain": SideBySide([plain]), "staged": SideBySide([staged])}
+            if name == SMALL
+            else {"plain": Stepping(plain), "staged": Stepping(staged)}
+        )
+        times = interleaved(works, 2 * effort.repetitions)
+        found[name] = float(np.median(times["staged"] / times["plain"]))
+    return found
 
 
 def additions(scenario: Scenario, effort: Effort) -> dict[str, float]:

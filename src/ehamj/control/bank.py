@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.control.clock import common_divisor, exact
 from ehamj.control.converter import Converter, difference, reads
 from ehamj.control.law import UNSTABLE, Controller, read_table, stack
+from ehamj.control.lines import Line
 from ehamj.errors import InputError
 
 LONGEST_PATTERN = 100_000
@@ -64,6 +65,11 @@ class ControllerBank:
         return tuple(dict.fromkeys(name for part in self.parts for name in part.inputs))
 
     @property
+    def lines(self) -> tuple[Line, ...]:
+        """Lines that its laws follow, each with its place in its own law."""
+        return tuple(line for part in self.parts for line in part.lines)
+
+    @property
     def reads(self) -> tuple[str, ...]:
         """Every channel that is measured, those of the stage before the converter last."""
         return reads(self.inputs, self.converter)
@@ -90,6 +96,10 @@ class ControllerBank:
     def scaled(self, factor: float) -> Self:
         """The bank with all its gains multiplied."""
         return replace(self, parts=tuple(part.scaled(factor) for part in self.parts))
+
+    def turned(self, end: Literal["low", "high"]) -> Self:
+        """The bank with all lines that its laws follow at the end of their ranges."""
+        return replace(self, parts=tuple(part.turned(end) for part in self.parts))
 
     def response(self, hertz: ArrayLike) -> NDArray[np.complex128]:
         """Command over measured channel, (frequency, valves, inputs), the sum of all laws (`Controller.response`)."""

@@ -28,7 +28,9 @@ CROSS: Final = ("across-1", "across-2")
 """Labels of the two at right angles to it (`cross_axes`); instruments that are out of line see them too."""
 SUPPLY: Final = "supply_pressure"
 """The channel of the supply, which all valves share."""
-STATIC = ("displacement", "pressure")
+SPOOLS: Final = ("edges", "spool")
+"""Channels of a valve's position: of its metering edges, and of the spool's driven end, which hysteresis parts."""
+STATIC = ("displacement", "pressure", "position")
 """Quantities that have a value at rest."""
 
 
@@ -45,7 +47,11 @@ def channel_names(mounts: tuple[str, ...] = MOUNTS) -> tuple[str, ...]:
         names += [f"foot_{motion} {mount} {axis}" for mount in mounts for axis in (*AXES, ALONG)]
         names += [f"cg_{motion} {axis}" for axis in AXES]
         names += [f"machine_{motion} {dof}" for dof in DOFS]
-    names += [f"{name} {mount}" for name in ("stroke", "stroke_velocity", "spool", "load_pressure") for mount in mounts]
+    names += [
+        f"{name} {mount}"
+        for name in ("stroke", "stroke_velocity", "spool", "edges", "load_pressure")
+        for mount in mounts
+    ]
     names += [f"chamber_pressure {mount} {chamber}" for mount in mounts for chamber in CHAMBERS]
     names.append(SUPPLY)
     return tuple(names)
@@ -106,6 +112,7 @@ def channel_row(name: str, plant: Plant) -> Array:
             **{ground[1] + k: -along[k] for k in range(len(AXES)) if along[k]},
         },
         "spool": {state["spool"]: 1.0},
+        "edges": {at.edges + mount: 1.0},
         "load_pressure": {state["pressure_1"]: 1.0, state["pressure_2"]: -1.0},
         "chamber_pressure": {state[f"pressure_{labels[-1]}"]: 1.0} if variable == "chamber_pressure" else {},
     }
@@ -160,5 +167,7 @@ class MountChannels(NamedTuple):
 
 
 def quantity_of(variable: str) -> str:
-    """Displacement, velocity, acceleration or pressure."""
+    """Displacement, velocity, acceleration, pressure, or a valve's position."""
+    if variable in SPOOLS:
+        return "position"
     return "displacement" if variable == "stroke" else variable.rpartition("_")[2]

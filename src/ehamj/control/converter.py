@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
 from ehamj.control.learners import Learner, strokes
+from ehamj.control.spools import KnownSpool, positions
 from ehamj.control.valves import KnownValve, measured
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
@@ -38,17 +39,23 @@ class Converter:
     learners: tuple[Learner, ...] = ()
     """What is known of each mount's isolator, of which it learns; none: nothing is learnt."""
 
+    spools: tuple[KnownSpool, ...] = ()
+    """What is known of each valve's spool, behind whose position a loop is closed; none: none is."""
+
     def __post_init__(self) -> None:
         _must(0.0 < self.voltage_limit < np.inf, "voltage_limit", self.voltage_limit, "a positive number")
         whole = self.bits is None or (isinstance(self.bits, int) and 2 <= self.bits <= 52)
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):
             _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
-        for name in ("valves", "learners"):
+        for name in ("valves", "learners", "spools"):
             each, count = getattr(self, name), len(self.mounts)
             _must(len(each) in (0, count), name, f"{len(each)} of them", f"one per mount, {count}, or none")
         if self.learners and not self.valves:
             raise InputError("controller.learners: learn of valves that are known; give controller.valves too")
+
+        if len({(one.period, one.delay) for one in self.spools}) > 1:
+            raise InputError("controller.spools: period or delay differs from one to another; all must have the same")
 
     @property
     def converter(self) -> "Converter":
@@ -62,8 +69,10 @@ class Converter:
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Channels that are read, as they are and not from rest, to make good what is known of the valves."""
-        return measured(self.valves, self.mounts, bool(self.learners))
+        """Channels that are read, as they are and not from rest, to make good what is known of the valves, and to feed
+        back their spools."""
+        known = measured(self.valves, self.mounts, bool(self.learners))
+        return (*known, *positions(self.spools, self.mounts))
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -90,9 +99,10 @@ class Sampled(Converter):
         super().__post_init__()
         twice = [name for name in self.measures if self.from_rest and name in self.inputs]
         if twice:
+            instead = "read load_pressure instead, or " if "pressure" in twice[0] else ""
             raise InputError(
                 f"controller.inputs: {twice[0]!r} counts from rest, and what is known of the valves takes it as it is; "
-                "read load_pressure instead, or set from_rest = false"
+                f"{instead}set from_rest = false"
             )
 
     @property

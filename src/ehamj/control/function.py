@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.control.converter import Sampled
+from ehamj.control.lines import Line
 from ehamj.errors import InputError
 
 LawFunction = Callable[[float, Array, Array], Any]
@@ -40,6 +41,11 @@ class PythonController(Sampled):
     def states(self) -> int:
         """A function's states are its own affair."""
         return 0
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """Lines that it follows are its own affair."""
+        return ()
 
     def wanted(self, time: float, measured: Array, limited: Array) -> Array:
         """The function's commands, checked, (valves,) [V].

@@ -63,7 +63,7 @@ class Instrument(Parameters):
     """What every instrument has; a kind states its unit and defaults where its class is named."""
 
     measures: ClassVar[str]
-    """Quantity that the instrument measures: displacement, velocity, acceleration or pressure."""
+    """Quantity that the instrument measures: displacement, velocity, acceleration, pressure or position."""
 
     low: float
     high: Unlimited
@@ -175,6 +175,13 @@ class PressureSensor(Instrument, unit="Pa", noise=5.0, high=5000.0):
     kind: Literal["pressure"] = "pressure"
 
 
+class SpoolSensor(Instrument, unit="mA", noise=3e-5, high=5000.0):
+    """Measures where a valve's spool stands, by a differential transformer (LVDT) that it moves."""
+
+    measures: ClassVar[str] = "position"
+    kind: Literal["position"] = "position"
+
+
 class Discrete(NamedTuple):
     """One sensor between integration steps: y = C x + D u, then x⁺ = A x + B u; it begins at x = ``settled``·u."""
 
@@ -187,13 +194,15 @@ class Discrete(NamedTuple):
 
 VALUES: Final = 4
 """Last values of a sensor's input, through which it is taken as a polynomial between steps."""
+OLDER: Final = VALUES - 2
+"""Of these, those that are states of the filter, and the last of them."""
 
 
 def discretise(instrument: Instrument, step: float) -> Discrete:
     """Exact for an input that is, between the last two steps [s], the cubic through its last four values."""
     whole = instrument.block()
     a, b, c, d = whole.A, whole.B[:, 0], whole.C[0], float(whole.D[0, 0])
-    n, older = a.shape[0], VALUES - 2
+    n = a.shape[0]
     if n == 0:
         return Discrete(a, b, c, d, b)
     # The input at the start of the last step, and its derivatives per step: a chain of integrators before the filter.
@@ -208,9 +217,9 @@ def discretise(instrument: Instrument, step: float) -> Discrete:
     now, settled = shares[:, 0], np.linalg.solve(-a, b)  # a has no pole at zero
     starts = settled if instrument.measures in STATIC else np.zeros(n)  # which have stood; others begin from nothing
     return Discrete(
-        np.block([[A, shares[:, 2:]], [np.zeros((older, n)), np.eye(older, k=-1)]]),
-        np.concatenate([A @ now + shares[:, 1], np.eye(older)[0]]),
-        np.concatenate([c, np.zeros(older)]),
+        np.block([[A, shares[:, 2:]], [np.zeros((OLDER, n)), np.eye(OLDER, k=-1)]]),
+        np.concatenate([A @ now + shares[:, 1], np.eye(OLDER)[0]]),
+        np.concatenate([c, np.zeros(OLDER)]),
         float(d + c @ now),
-        np.concatenate([starts - now, np.ones(older)]),
+        np.concatenate([starts - now, np.ones(OLDER)]),
     )

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_validator
 
+from ehamj.control.architectures.adaptive import AdaptiveSettings
 from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.levelling import LevellingSettings
 from ehamj.control.architectures.modal import ModalSettings
@@ -26,6 +27,7 @@ _LAWS: tuple[type[DigitalSettings], ...] = (
     SkyhookSettings,
     ModalSettings,
     ResonantSettings,
+    AdaptiveSettings,
     LevellingSettings,
 )
 for _law in _LAWS:

@@ -10,7 +10,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,8 @@ from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.learners import Learner
+from ehamj.control.lines import Line, check_lines
+from ehamj.control.spools import KnownSpool
 from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
@@ -32,7 +34,7 @@ UNSTABLE = 1.0 + 1e-9
 KEYS: Final = {
     "inputs": "inputs", "period": "period_s", "delay": "delay_s", "voltage_limit": "voltage_limit_v", "bits": "bits",
     "switch_on": "switch_on_s", "fade": "fade_s", "from_rest": "from_rest", "A": "A", "B": "B", "C": "C", "D": "D",
-    "anti_windup": "anti_windup", "valves": "valves", "learners": "learners",
+    "anti_windup": "anti_windup", "valves": "valves", "learners": "learners", "lines": "lines", "spools": "spools",
 }  # fmt: skip
 """Keys of a law's file by what they hold; `NEEDED` must be there."""
 NEEDED: Final = ("inputs", "period", *"ABCD")
@@ -61,6 +63,9 @@ class Controller(Sampled):
     period: float = 1e-4
     delay: float | None = None
     anti_windup: Array | None = field(default=None, repr=False, kw_only=True)
+    lines: tuple[Line, ...] = field(default=(), kw_only=True)
+    """Lines whose frequency it follows: pairs of its states turn with each, and take nothing in while commands fade or
+    are limited."""
 
     def __post_init__(self) -> None:
         n, p, valves = len(np.atleast_1d(self.A)), len(self.inputs), len(self.mounts)
@@ -75,6 +80,7 @@ class Controller(Sampled):
                 )
             object.__setattr__(self, name, matrix)
         super().__post_init__()
+        check_lines(self.lines, self.A, self.period)
         radius = float(np.abs(np.linalg.eigvals(self.A)).max()) if self.A.size else 0.0
         if radius > UNSTABLE:
             raise InputError(
@@ -141,6 +147,15 @@ class Controller(Sampled):
         windup = None if self.anti_windup is None or factor == 0.0 else self.anti_windup / factor
         return replace(self, C=factor * self.C, D=factor * self.D, anti_windup=windup)
 
+    def turned(self, end: Literal["low", "high"]) -> Self:
+        """The law with all lines that it follows at the end of their ranges."""
+        A, lines = self.A, []
+        for line in self.lines:
+            hertz = getattr(line, end)
+            A = line.turned(A, self.period, hertz)
+            lines.append(line._replace(frequency=hertz))
+        return replace(self, A=A, lines=tuple(lines))
+
     def at(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """C (z − A)⁻¹ B + D from sample to sample, (z, valves, inputs)."""
         return blocks.response(z, self.A, self.B, self.C, self.D)
@@ -164,10 +179,9 @@ class Controller(Sampled):
         """The law as plain data, see `from_dict`."""
         values = {key: getattr(self, name) for name, key in KEYS.items()}
         plain = {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
-        known = [valve.to_dict() for valve in self.valves]
-        learners = [learner.to_dict() for learner in self.learners]
-        own = {"inputs": list(self.inputs), "outputs": list(self.outputs), "valves": known, "learners": learners}
-        return plain | own
+        lists = ("valves", "learners", "lines", "spools")
+        known = {name: [one.to_dict() for one in getattr(self, name)] for name in lists}
+        return plain | {"inputs": list(self.inputs), "outputs": list(self.outputs)} | known
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Self:
@@ -185,6 +199,8 @@ class Controller(Sampled):
             given |= {name: list(given[name]) for name in "ABCD"}
             given["valves"] = tuple(map(KnownValve.from_dict, given.get("valves", ())))
             given["learners"] = tuple(map(Learner.from_dict, given.get("learners", ())))
+            given["spools"] = tuple(map(KnownSpool.from_dict, given.get("spools", ())))
+            given["lines"] = tuple(map(Line.from_dict, given.get("lines", ())))
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:
                     given[name] = float(given[name])
@@ -248,8 +264,9 @@ def stack(laws: Sequence[Controller]) -> Controller:
     A, B = np.zeros((n, n)), np.zeros((n, len(inputs)))
     C, D = np.zeros((valves, n)), np.zeros((valves, len(inputs)))
     windup = None if all(law.anti_windup is None for law in laws) else np.zeros((n, valves))
-    at = 0
+    at, lines = 0, []
     for law in laws:
+        lines += [line.moved(at) for line in law.lines]
         own = slice(at, at + law.states)
         if windup is not None and law.anti_windup is not None:
             windup[own] = law.anti_windup
@@ -258,7 +275,7 @@ def stack(laws: Sequence[Controller]) -> Controller:
         B[own, columns] = law.B
         D[:, columns] += law.D
         at += law.states
-    return replace(first, A=A, B=B, C=C, D=D, inputs=inputs, anti_windup=windup)
+    return replace(first, A=A, B=B, C=C, D=D, inputs=inputs, anti_windup=windup, lines=tuple(lines))
 
 
 def _mounts_of(outputs: Any) -> tuple[str, ...]:

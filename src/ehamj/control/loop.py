@@ -17,11 +17,13 @@ from ehamj.control.compiled.learning import USED
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.converter import Converter, check_mounts
-from ehamj.control.instruments import Discrete, discretise
+from ehamj.control.following import lines_of
+from ehamj.control.instruments import OLDER, Discrete, discretise
 from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
-from ehamj.control.stage import Stage, begun, numbers_of, paces_of, pressure_places, stated
+from ehamj.control.spools import positions
+from ehamj.control.stage import Inner, Stage, begun, numbers_of, paces_of, pressure_places, spool_numbers, stated
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -39,7 +41,8 @@ class DigitalLoop:
     sensing: Sensing
     readings: Readings
     states: int
-    """Of all laws; they come first in ``law_memory``."""
+    """Of all laws, frequencies of the lines that they follow, and what they learn; these come first in
+    ``law_memory``."""
     functions: tuple[Any, ...]
     """Python laws as C functions; kept alive here."""
     failures: list[Exception]
@@ -78,13 +81,16 @@ def make_loop(
 def structure(loop: DigitalLoop) -> Hashable:
     """What loops must have in common to run in the lanes of one block: all but numbers of matrices, sensors, memory."""
     laws, sensing = loop.laws, loop.sensing
-    tables = (laws.table, laws.rows, laws.columns, laws.inputs_of, laws.pressures, laws.strokes, sensing.terms)
+    names = ("table", "rows", "columns", "inputs_of", "pressures", "strokes", "positions", "lines")
+    tables = (*(getattr(laws, name) for name in names), sensing.terms, sensing.entries)
     shapes = tuple((table.shape, table.tobytes()) for table in tables)
     return (
         *shapes,
         laws.converter,
         laws.valves.size,
         laws.learners.size,
+        laws.spools.size,
+        laws.followed.size,
         laws.base,
         sensing.layout,
         sensing.order,
@@ -114,7 +120,7 @@ def stacked(loops: Sequence[DigitalLoop]) -> DigitalLoop:
     own = ("weights", "filters", "feedthrough", "zeroed", "gains", "offsets", "limits", "resolutions")
     return replace(
         first,
-        laws=lanes(laws, ("matrices", "ranges", "valves", "learners")),
+        laws=lanes(laws, ("matrices", "ranges", "valves", "learners", "spools", "followed")),
         law_memory=lanes([loop.law_memory for loop in loops], LawMemory._fields),
         sensing=lanes([loop.sensing for loop in loops], own),
         readings=lanes([loop.readings for loop in loops], Readings._fields),
@@ -129,7 +135,9 @@ def _made(
     mounts = ranges.size
     functions = {k: _function(p, failures, mounts) for k, p in enumerate(parts) if isinstance(p, PythonController)}
     stage = (Stage.beside(parts, len(converter.learners)),) if converter.valves else ()
-    table, matrices, inputs_of, size = _laws((*parts, *stage), channels, timestep, functions, mounts)
+    inner = (Inner.of(converter.spools),) if converter.spools else ()
+    table, matrices, inputs_of, size = _laws((*parts, *inner, *stage), channels, timestep, functions, mounts)
+    lines, followed, kept, frequencies = lines_of(parts, table)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
     rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
@@ -142,10 +150,15 @@ def _made(
     if stage and converter.learners:
         learners = paces_of(converter.learners, converter.valves, stage[0])
         of_strokes = np.array([channels.index(name) for name in strokes(converter.mounts)], np.int64)
+    spools = spool_numbers(converter.spools)
+    of_spools = np.array([channels.index(name) for name in positions(converter.spools, converter.mounts)], np.int64)
     laws = Laws(
-        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes, base
-    )
-    memory = LawMemory.of(size, inputs_of.size, mounts, known.copy(), begun(converter.learners, learners))
+        table, *matrices.tables, inputs_of, conversion, ranges, within, known, pressures, learners, of_strokes,
+        lines, followed, spools, of_spools, base,
+    )  # fmt: skip
+    gathered = begun(converter.learners, learners)
+    memory = LawMemory.of(size, inputs_of.size, mounts, kept, (known.copy(), gathered))
+    memory.values[int(table["frequencies"][0]) if len(table) else 0 :][: frequencies.size] = frequencies
     if converter.learners:
         first = int(table["states_at"][-1])
         memory.values[first : first + USED * mounts] = stated(converter.learners)
@@ -153,10 +166,13 @@ def _made(
     terms, weights = _terms(rows)
     resting = np.array(rests, float) * converter.from_rest
     order = filters.shape[1]
-    sensing = Sensing(layout, terms, weights.ravel(), order, filters.ravel(), feedthrough, resting, *intact, *grid)
+    entries = (filters != 0.0).any(axis=2).ravel()
+    sensing = Sensing(
+        layout, terms, weights.ravel(), order, filters.ravel(), entries, feedthrough, resting, *intact, *grid
+    )
     return DigitalLoop(
         laws, memory, sensing, Readings.of(sensing),
-        sum(part.states for part in (*parts, *stage)), tuple(functions.values()), failures,
+        sum(part.states for part in (*parts, *stage)) + frequencies.size, tuple(functions.values()), failures,
     )  # fmt: skip
 
 
@@ -170,7 +186,8 @@ def _terms(rows: Array) -> tuple[Integers, Array]:
 def _instruments(
     channels: tuple[str, ...], sensors: Sensors, timestep: float
 ) -> tuple[Array, Array, tuple[Array, Array]]:
-    """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter."""
+    """Filters, feedthrough, ranges and resolutions of all channels, filled up with nothing to the longest filter; what
+    each remembers of its input comes last in all of them."""
     none = np.zeros(0)
     exact = Discrete(np.zeros((0, 0)), none, none, 1.0, none)
     found = [sensors.of(name) for name in channels]
@@ -179,15 +196,16 @@ def _instruments(
     filters = np.zeros((n + 3, n, len(channels)))
     for c, d in enumerate(discrete):
         own = d.A.shape[0]
-        filters[:own, :own, c] = d.A
-        filters[n, :own, c], filters[n + 1, :own, c], filters[n + 2, :own, c] = d.B, d.C, d.settled
+        at = [*range(own - OLDER), *range(n - OLDER, n)] if own else []
+        filters[np.ix_(at, at, [c])] = d.A[:, :, None]
+        filters[n, at, c], filters[n + 1, at, c], filters[n + 2, at, c] = d.B, d.C, d.settled
     ranges = np.array([np.inf if s is None else s.range for s in found], float)
     resolutions = np.array([0.0 if s is None else s.resolution for s in found], float)
     return filters, np.array([d.D for d in discrete], float), (ranges, resolutions)
 
 
 def _laws(
-    parts: "Sequence[Controller | PythonController | Stage]",
+    parts: "Sequence[Controller | PythonController | Stage | Inner]",
     channels: tuple[str, ...],
     timestep: float,
     functions: dict[int, Any],
@@ -197,12 +215,17 @@ def _laws(
     table = np.zeros(len(parts), LAW)
     matrices = Matrices()
     inputs_of: list[int] = []
-    states, size = 0, sum(part.states for part in parts)
+    states, size = 0, sum(part.states + len(part.lines) for part in parts)
+    count, frequencies = 0, sum(part.states for part in parts if not isinstance(part, Stage))
     for k, (law, part) in enumerate(zip(table, parts, strict=True)):
         law["states"], law["inputs"] = 0 if isinstance(part, Stage) else part.states, len(part.inputs)
         law["every"], (law["delay"], law["fraction"]) = round(part.period / timestep), _parts(part.latency, timestep)
         law["at_start"], law["at_middle"], law["at_end"] = step_shares(law["fraction"])
         law["states_at"], law["inputs_at"] = states, len(inputs_of)
+        law["lines"], law["line_at"], law["frequencies"] = len(part.lines), count, frequencies + count
+        count += len(part.lines)
+        if isinstance(part, Stage):
+            law["states_at"] = frequencies + count
         law["latest"], law["held"], law["taken"] = size + mounts * np.arange(3)
         law["ring"], law["places"] = size + 3 * mounts, law["delay"] // law["every"] + 1
         law["rows"] = law["windup"] = -1

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.channels import ALONG, CROSS, SUPPLY, channel_row, quantity_of
+from ehamj.control.channels import ALONG, CROSS, SPOOLS, SUPPLY, channel_row, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
@@ -18,6 +18,7 @@ from ehamj.control.instruments import (
     Geophone,
     Instrument,
     PressureSensor,
+    SpoolSensor,
     StrokeSensor,
     randomness,
 )
@@ -36,6 +37,7 @@ class Sensors(Settings):
     inertial: Vibration | None = Field(None, description="of every foot_…, cg_… and machine_… channel")
     stroke: StrokeSensor | None = Field(None, description="of every stroke channel")
     pressure: PressureSensor | None = Field(None, description="of every …_pressure channel")
+    spool: SpoolSensor | None = Field(None, description="of every spool and edges channel, built into the valve")
 
     def of(self, channel: str) -> Instrument | None:
         """The instrument that measures a channel, None where that is exact.
@@ -45,7 +47,7 @@ class Sensors(Settings):
         """
         variable = channel.partition(" ")[0]
         table = class_of(variable)
-        sensor: Instrument | None = getattr(self, table) if table else None
+        sensor: Instrument | None = getattr(self, table)
         if sensor is None:
             return None
         wanted = quantity_of(variable)
@@ -96,12 +98,14 @@ IDEAL = Sensors.stated()
 """Everything is measured exactly."""
 
 
-def class_of(variable: str) -> str | None:
-    """Table of [sensors] that a variable belongs to; the spool's own transducer is taken as exact."""
+def class_of(variable: str) -> str:
+    """Table of [sensors] that a variable belongs to."""
+    if variable in SPOOLS:
+        return "spool"
     if variable in ("chamber_pressure", "load_pressure", SUPPLY):
         return "pressure"
     first = variable.partition("_")[0]
-    return {"ground": "ground", "stroke": "stroke", "spool": None}.get(first, "inertial")
+    return {"ground": "ground", "stroke": "stroke"}.get(first, "inertial")
 
 
 def _cross_channels(channel: str) -> list[str]:

@@ -14,6 +14,9 @@ from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
 from ehamj.control.learning import Learning
 from ehamj.control.linearisation import NOTHING, Linearisation
+from ehamj.control.lines import Line
+from ehamj.control.spool_feedback import SpoolFeedback
+from ehamj.control.spools import followed
 from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.layout import MOTION_NAMES
@@ -38,6 +41,7 @@ def _switched(given: Any) -> Any:
 
 
 Stage = Annotated[Linearisation | None, BeforeValidator(_switched, json_schema_input_type=Linearisation | bool | None)]
+Spools = Annotated[SpoolFeedback | None, BeforeValidator(_switched, json_schema_input_type=SpoolFeedback | bool | None)]
 
 
 class SwingsUpError(InputError):
@@ -90,6 +94,11 @@ class SampledSettings(ControlSettings):
     learning: Learning | None = Field(
         None, description="what is learnt of each isolator while the law runs; without: nothing"
     )
+    spool_feedback: Spools = Field(
+        None,
+        description="loop about the spool of each valve, whose position is measured ([sensors.spool]); linearisation "
+        "then leaves to it what it takes back; without, or false: none",
+    )
 
     @property
     def clock(self) -> dict[str, Any]:
@@ -106,11 +115,12 @@ class SampledSettings(ControlSettings):
         """Delay of computation and of the hold, half a sample, together [s]."""
         return (self.period if self.delay is None else self.delay) + 0.5 * self.period
 
-    def _known(self, plant: Plant, sensors: "Sensors") -> dict[str, Any]:
-        """What a law knows of a plant's valves, and learns of its isolators."""
+    def known(self, plant: Plant, sensors: "Sensors") -> dict[str, Any]:
+        """What a law knows of a plant's valves and their spools, and learns of its isolators."""
         learning = self.learning
         made_good = self.linearisation or (NOTHING if learning else None)
-        valves = () if made_good is None else made_good.known(plant)
+        spools = () if self.spool_feedback is None else self.spool_feedback.known(plant, sensors)
+        valves = () if made_good is None else made_good.known(followed(plant, spools))
         learners = () if learning is None else learning.learners(plant, valves, sensors)
         for one in learners:
             blocks = self.rate / one.samples(self.period, self.period if self.delay is None else self.delay)
@@ -120,7 +130,7 @@ class SampledSettings(ControlSettings):
                     f"oil is balanced at most with control.rate = {self.rate:g} Hz and its delays; lower it, or raise "
                     "control.rate"
                 )
-        return {"valves": valves, "learners": learners}
+        return {"valves": valves, "learners": learners, "spools": spools}
 
     def digital(
         self,
@@ -130,6 +140,7 @@ class SampledSettings(ControlSettings):
         *,
         sensors: "Sensors",
         anti_windup: AntiWindup | Array,
+        lines: tuple[Line, ...] = (),
     ) -> Controller:
         """The law that a sampled ``block`` from ``inputs`` to the commands [V] becomes.
 
@@ -140,6 +151,7 @@ class SampledSettings(ControlSettings):
             plant: whose valves it commands.
             sensors: that measure what it reads.
             anti_windup: how its states learn what the valves did not get, or the matrix (states, valves).
+            lines: whose frequency it follows.
 
         Raises:
             InputError: if the law is unstable by itself, or while its commands are limited; if it samples too slowly
@@ -167,7 +179,8 @@ class SampledSettings(ControlSettings):
             fade=self.fade,
             from_rest=True,
             anti_windup=gain,
-            **self._known(plant, sensors),
+            lines=lines,
+            **self.known(plant, sensors),
         )
 
 

@@ -13,6 +13,7 @@ from ehamj.control.channels import SUPPLY
 from ehamj.control.compiled.learning import FROZEN, GATHERS, USED, Paced
 from ehamj.control.compiled.stage import Moves
 from ehamj.control.learners import STATED, Learner
+from ehamj.control.spools import KnownSpool, kept, taps_of
 from ehamj.control.valves import Known, KnownValve, chambers_of
 
 SETTLED = 3.0
@@ -31,12 +32,36 @@ class Stage(NamedTuple):
     """[s]"""
     states: int = 0
     inputs: tuple[str, ...] = ()
+    lines: tuple[Any, ...] = ()
 
     @classmethod
     def beside(cls, parts: Sequence[Any], learners: int) -> Self:
         """Beside laws that have a period and a latency [s]; its states are what its ``learners`` have learnt."""
         fastest = min(parts, key=lambda part: (part.period, part.latency))
         return cls(fastest.period, fastest.latency, USED * learners)
+
+
+class Inner(NamedTuple):
+    """The loops about the spools as one more law."""
+
+    period: float
+    """[s]"""
+    latency: float
+    """[s]"""
+    states: int = 0
+    inputs: tuple[str, ...] = ()
+    lines: tuple[Any, ...] = ()
+
+    @classmethod
+    def of(cls, spools: Sequence[KnownSpool]) -> Self:
+        """Of spools of one period and delay [s]."""
+        return cls(spools[0].period, spools[0].delay)
+
+
+def spool_numbers(spools: Sequence[KnownSpool]) -> Array:
+    """What is known of spools, as the compiled loops take it, (valve·SPOOL)."""
+    rows = [(*own, *_valve_moves(own, own.period), kept(own), *taps_of(own)) for own in spools]
+    return np.array(rows, float).ravel()
 
 
 def numbers_of(valves: Sequence[KnownValve], period: float, voltage_limit: float) -> Array:
@@ -51,12 +76,18 @@ def numbers_of(valves: Sequence[KnownValve], period: float, voltage_limit: float
 
 def _moves(own: Known, period: float) -> Moves:
     """The stage's states from sample to sample, exact for what is held between."""
-    natural, time = own.valve_frequency, own.rolloff
-    spool = _held(-(natural**2), -2.0 * own.valve_damping * natural, natural**2, period)
+    natural, time, spool = own.valve_frequency, own.rolloff, _valve_moves(own, period)
     lag = _held(-1.0 / time**2, -2.0 / time, 1.0 / time**2, period)
     share = 1.0 / (natural * time) ** 2
     led = share, 1.0 - share, 2.0 * own.valve_damping / natural - 2.0 * time * share
     return Moves._make([*spool, *lag, 2.0 * time, *led])
+
+
+def _valve_moves(own: Known | KnownSpool, period: float) -> list[float]:
+    """The known valve's spool and its rate from sample to sample, its target held."""
+    return _held(
+        -(own.valve_frequency**2), -2.0 * own.valve_damping * own.valve_frequency, own.valve_frequency**2, period
+    )
 
 
 def _held(stiffness: float, damping: float, gain: float, period: float) -> list[float]:

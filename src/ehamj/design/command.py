@@ -7,7 +7,6 @@ from typing import Final
 
 from markupsafe import Markup
 
-from ehamj.control.linearisation import made_good
 from ehamj.control.settings import DigitalSettings
 from ehamj.design.budget import Budget, budget
 from ehamj.design.kinds import DESIGNABLE, beginning
@@ -22,7 +21,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 from ehamj.synthesis.judged import Design, judged
-from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, machines_of
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of
 from ehamj.synthesis.search import synthesised
 from ehamj.synthesis.settings import SynthesisSettings
 
@@ -101,13 +100,13 @@ def design_controller(
 
 def _machines(scenario: Scenario) -> Machines:
     """What the law must hold on, each behind what it makes good of the valves."""
-    control, plant = scenario.control, scenario.nominal.plant
+    control, nominal = scenario.control, scenario.nominal
     assert isinstance(control, DigitalSettings)
-    valves = () if control.linearisation is None else control.linearisation.known(plant)
+    known = control.known(nominal.plant, nominal.sensors)
     variations = control.variations if isinstance(control, SynthesisSettings) else Variations()
-    machines = machines_of(plant, variations, valves)
+    machines = machines_of(nominal.plant, variations, known)
     if control.designed_for is not None:  # the law is derived for a machine that differs from the one it runs on
-        machines[RUNS_ON] = linear_model(made_good(scenario.plant, valves))
+        machines[RUNS_ON] = linear_model(behind(scenario.plant, known))
     return machines
 
 

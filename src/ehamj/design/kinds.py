@@ -3,8 +3,8 @@
 from typing import Any, Final
 
 from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.settings import ControlSettings, DigitalSettings
-from ehamj.synthesis.kinds import STANDARD, SYNTHESES
+from ehamj.control.settings import SHARED, ControlSettings, DigitalSettings
+from ehamj.synthesis.kinds import STANDARD
 from ehamj.synthesis.settings import SynthesisSettings
 
 DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(one, DigitalSettings)}
@@ -12,13 +12,16 @@ DESIGNABLE: Final = {name: one for name, one in STANDARD.items() if isinstance(o
 
 
 def beginning(kind: str, control: ControlSettings) -> DigitalSettings:
-    """Settings of a kind that take clock, converter and held machine from a scenario's control; a synthesis also its
-    feedforward."""
+    """Settings of a kind that take clock, converter and held machine from a scenario's control; a synthesis also
+    what is stated of its feedforward."""
     begin = DESIGNABLE[kind]
     if not isinstance(control, DigitalSettings):
         return begin
     given: dict[str, Any] = dict(control.shared)
-    forward = [part for part in control.members if isinstance(part, FeedforwardSettings)]
-    if kind in SYNTHESES and (forward or isinstance(control, SynthesisSettings)):
-        given["feedforward"] = control.feedforward if isinstance(control, SynthesisSettings) else forward[0]
+    if isinstance(begin, SynthesisSettings):
+        forward = [part for part in control.members if isinstance(part, FeedforwardSettings)]
+        stated = forward[0] if forward else control.feedforward if isinstance(control, SynthesisSettings) else None
+        if stated is not None:  # what is stated of it, about the synthesis's own
+            own = {name: getattr(stated, name) for name in stated.model_fields_set.difference(SHARED, {"kind"})}
+            given["feedforward"] = begin.feedforward.model_copy(update=own)
     return begin.model_copy(update=given)

@@ -8,6 +8,7 @@ import xarray as xr
 
 from ehamj.control import LinearController
 from ehamj.control.describing import AMPLITUDES, across
+from ehamj.control.spools import followed
 from ehamj.design.budget import Budget
 from ehamj.design.figures import budget_drawings, loop_drawings, plotted, valve_drawings
 from ehamj.findings import finite
@@ -201,7 +202,8 @@ def loop_table(scenario: Scenario, machines: Machines, law: LinearController) ->
 def valve_table(scenario: Scenario, law: LinearController) -> xr.Dataset | None:
     """Gain and phase of a valve and of what linearises it over the amplitude of the wanted opening, by what the law
     believes of the overlap; of the first mount whose valve is not ideal. None where there is no such valve."""
-    for actuator, valve in zip(scenario.plant.actuators, law.converter.valves, strict=False):
+    own = followed(scenario.plant, law.converter.spools).actuators
+    for actuator, valve in zip(own, law.converter.valves, strict=False):
         if not actuator.passive and used_options(actuator):
             found = across(valve, actuator)
             values = np.array(list(found.values()))

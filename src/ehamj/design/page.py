@@ -19,6 +19,10 @@ from ehamj.studies.outcome import Outcome
 from ehamj.synthesis.judged import Design
 
 NANO: Final = 1e9
+NOISES: Final = {
+    "velocity": (NANO, "nm/s"), "displacement": (NANO, "nm"), "acceleration": (MICRO, "µm/s²"), "position": (1e3, "µA"),
+}  # fmt: skip
+"""Factor and unit in which the noise of an instrument is said, by what it measures; others in Pa."""
 HEADS: Final = {"z": "vertical z", "x": "along x", "y": "along y", "rx": "roll rx", "ry": "pitch ry", "rz": "yaw rz"}
 
 
@@ -85,9 +89,7 @@ def _sensors(sensors: Sensors) -> str:
         if one is None:
             found.append(f"{name} exact")
             continue
-        factor, unit = {"velocity": (NANO, "nm/s"), "displacement": (NANO, "nm"), "acceleration": (MICRO, "µm/s²")}.get(
-            one.measures, (1.0, "Pa")
-        )
+        factor, unit = NOISES.get(one.measures, (1.0, "Pa"))
         kind = f"{one.kind} of " if name in ("ground", "inertial") else ""
         found.append(f"{name} {kind}{number(factor * one.noise)} {unit}/√Hz")
     return ", ".join(found)

@@ -18,7 +18,7 @@ def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
     peak: dict[str, Any] = {}
     rms: dict[str, Any] = {}
     for name, variable in dataset.data_vars.items():
-        if not variable.size or name == "controller_state" or str(name).startswith("learnt_"):
+        if not variable.size or name in ("controller_state", "line_frequency") or str(name).startswith("learnt_"):
             continue
         # One channel after the other in memory: extremes and sums along them are several times as fast.
         about = np.array(variable.values.reshape(variable.shape[0], -1).T, float, order="C")

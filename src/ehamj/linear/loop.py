@@ -17,6 +17,7 @@ from ehamj.control import LinearController
 from ehamj.control.converter import check_mounts
 from ehamj.control.linearisation import made_good
 from ehamj.control.sensors import Sensors
+from ehamj.control.spools import followed
 from ehamj.linear.machine import LinearModel, linear_model
 from ehamj.plant.axes import CHAMBERS
 from ehamj.plant.plant import Plant
@@ -55,7 +56,8 @@ class Loop:
 
 
 def linear_under(plant: Plant, law: LinearController | None, commands: ArrayLike | None = None) -> LinearModel:
-    """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves.
+    """The machine linearised as a law has it: behind the stage that makes good what it knows of its valves,
+    and the loops about their spools.
 
     Args:
         plant: what is linearised.
@@ -65,7 +67,9 @@ def linear_under(plant: Plant, law: LinearController | None, commands: ArrayLike
     Raises:
         InputError: as `linear_model`.
     """
-    return linear_model(plant if law is None else made_good(plant, law.converter.valves), commands)
+    if law is not None:
+        plant = made_good(followed(plant, law.converter.spools), law.converter.valves)
+    return linear_model(plant, commands)
 
 
 def closed_at_rest(model: LinearModel) -> tuple[str, ...]:

@@ -190,6 +190,9 @@ def _signal_matrices(plant: Plant, states: Sequence[str], A: Array, B: Array, st
     D[layout.ground : layout.ground + size, n : n + size] = np.eye(size)
     for row, name in enumerate(f"{state} {mount}" for mount in plant.mounts for state in State._fields):
         C[layout.state + row, at[name]] = 1.0
+    for mount, (name, actuator) in enumerate(zip(plant.mounts, plant.actuators, strict=True)):
+        # Within their play the edges do not follow small motion.
+        C[layout.edges + mount, at[f"spool {name}"]] = float(actuator.hysteresis == 0.0)
     if SUPPLY in at:
         C[layout.supply, at[SUPPLY]] = 1.0
     own = plant.layout.rows if plant.plates == "tied" else np.zeros((n, len(DOFS)))

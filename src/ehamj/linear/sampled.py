@@ -95,7 +95,7 @@ def sampled_machine(
     law, valves = loop.law.parts[0], np.eye(len(model.commands))
     # A law that gives its states, and keeps them, to the valves: they are the commands.
     nothing = np.zeros((len(valves), len(law.inputs)))
-    held = replace(law, A=valves, B=nothing, C=valves, D=nothing, anti_windup=None)
+    held = replace(law, A=valves, B=nothing, C=valves, D=nothing, anti_windup=None, lines=())
     together = held if not beside else ControllerBank((*(_alike(other, held) for other in beside), held))
     machine = measured_machine(model, replace(loop, law=together), disturbances)
     places, matrix = _carried(machine, together.parts)

@@ -40,7 +40,7 @@ def _kind(state: str) -> str:
     words = state.split(" ")
     if words[:2] == ["controller", "sensor"]:  # of the size of what the instrument measures
         quantity = quantity_of(words[2])
-        return quantity if quantity in SIZES else "pressure"
+        return quantity if quantity in SIZES else "spool" if quantity == "position" else "pressure"
     if words[0] in SIZES or words[0] == "controller":
         return words[0]
     return "pressure" if "pressure" in words[0] else ""

@@ -235,6 +235,8 @@ def _advance() -> Any:
             if sampled or sensing.order > 0:
                 plates(machine, length, velocity)
                 gather(signals, sensing.layout, motion, machine.act, length, velocity, driving.known[k], 1.0 / h, alone)
+                for mount in range(machine.mounts.size):
+                    signals[sensing.layout.edges + mount] = machine.mounts[mount].metering
                 if machine.mounts.size > 0:
                     fed[0] = feed_from(machine, 0).supply_pressure
                     take(signals, sensing.layout.supply, fed, 0, 1.0, alone)

@@ -62,6 +62,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
         "relative": [relative.name for relative in scenario.relative],
         "sensor": law.reads if law is not None else (),
         "law_state": range(law.states) if law is not None else (),
+        "line": [line.frequency for line in law.lines] if law is not None else (),
     }
     return make_dataset(
         times, channels, {"title": scenario.name}, {name: along for name, along in labels.items() if len(along)}
@@ -69,10 +70,13 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
 
 
 def _of_the_law(law: AnyController, rows: Rows) -> Channels:
-    """States of the laws, and what they have learnt. Single precision: they are looked at, not calculated with, and may
-    be many."""
-    states, learnt = np.split(rows.states.astype(np.float32), [law.states], axis=1)
+    """States of the laws, frequencies that they follow, and what they have learnt. Single precision: they are looked
+    at, not calculated with, and may be many."""
+    own = law.states, law.states + len(law.lines)
+    states, frequencies, learnt = np.split(rows.states.astype(np.float32), own, axis=1)
     found: dict[str, Any] = {"controller_state": states} if states.size else {}
+    if frequencies.size:
+        found["line_frequency"] = frequencies
     if learnt.size:
         parts = learnt.reshape(len(learnt), -1, len(Learnt._fields))
         found |= {f"learnt_{name}": parts[:, :, k] for k, name in enumerate(Learnt._fields)}

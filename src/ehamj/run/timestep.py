@@ -61,6 +61,8 @@ def _periods(scenario: Scenario, controller: AnyController | None) -> dict[str, 
     for number, part in enumerate(parts, start=1):
         whose = "the controller's" if len(parts) == 1 else f"the controller's part {number}'s"
         periods[f"{whose} period"] = part.period
+    for spool in () if controller is None else controller.converter.spools[:1]:
+        periods["the period of control.spool_feedback"] = spool.period
     return periods
 
 

@@ -23,6 +23,7 @@ from ehamj.smallmotion.isolators import (
     COMMAND,
     DRAWN,
     INTO_1,
+    METERING,
     OWN,
     STATE,
     STROKE,
@@ -262,6 +263,8 @@ def compiled_advance() -> Any:
                 look(own, plates, scratch, motion, length, velocity, lanes)
                 known(given.floor, scratch.riding, inputs, lanes)
                 gather(signals, sensing.layout, motion, act, length, velocity, inputs, 1.0 / h, lanes)
+                for mount in range(mounts):
+                    take(signals, sensing.layout.edges + mount, own.blocks, (mount * BLOCK + METERING) * w, 1.0, lanes)
                 take(signals, sensing.layout.supply, own.blocks, SUPPLY * w, 1.0, lanes)
                 sample = number // laws.base - first_noise if sampled else -1
                 read_sensors(number, sample, sensing, noise, signals, readings, lanes)

@@ -30,12 +30,12 @@ class LqgSettings(SynthesisSettings):
     """LQG control of the machine's motions beside feedforward."""
 
     kind: Literal["lqg"] = "lqg"
-    heave: MotionWeights = MotionWeights.stated(bandwidth=94.4, integral=40.0, effort=0.00311, inside=0.0841)
+    heave: MotionWeights = MotionWeights.stated(bandwidth=94.4, integral=40.0, effort=0.00311, inside=0.0841, gain=0.9)
     roll: MotionWeights = MotionWeights.stated(
-        bandwidth=116.0, integral=37.2, effort=0.00789, inside=0.415, sway=0.656, doubt=0.514
+        bandwidth=116.0, integral=33.0, effort=0.00789, inside=0.415, sway=0.7, doubt=0.514, gain=0.95
     )
     pitch: MotionWeights = MotionWeights.stated(
-        bandwidth=144.0, integral=57.1, effort=0.0032, inside=0.0632, sway=0.732, doubt=0.127
+        bandwidth=144.0, integral=50.0, effort=0.0032, inside=0.0632, sway=0.732, doubt=0.127, gain=0.9
     )
 
     def loop(self, motion: Block, weights: MotionWeights, plant: Plant, sensors: Sensors) -> Block:

@@ -1,13 +1,13 @@
 """What a law must hold, and on which machines."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pydantic import Field
 
 from ehamj.control.linearisation import made_good
-from ehamj.control.valves import KnownValve
+from ehamj.control.spools import followed
 from ehamj.plant.bodies import Inertia, tensor_of, written_inertia
 from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
@@ -97,11 +97,17 @@ Machines = Mapping[str, "LinearModel"]
 """The linear models of a machine, `NOMINAL`, and of its variations, by name."""
 
 
+def behind(plant: Plant, known: Mapping[str, Any]) -> Plant:
+    """A plant behind what a law has of its valves (`SampledSettings.known`): their linearisation, and the loops about
+    their spools."""
+    return made_good(followed(plant, known["spools"]), known["valves"])
+
+
 def machines_of(
-    plant: Plant, variations: Variations | None = None, valves: Sequence[KnownValve] = ()
+    plant: Plant, variations: Variations | None = None, known: Mapping[str, Any] | None = None
 ) -> dict[str, "LinearModel"]:
-    """A plant and its variations, each linearised about its equilibrium, behind what makes its ``valves`` good."""
+    """A plant and its variations, each linearised about its equilibrium, behind what a law has of its valves."""
     from ehamj.linear.machine import linear_model
 
     found = (variations or Variations()).plants(plant)
-    return {name: linear_model(made_good(one, valves)) for name, one in found}
+    return {name: linear_model(one if known is None else behind(one, known)) for name, one in found}

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -58,8 +58,7 @@ def find(settings: "SynthesisSettings", plant: Plant, sensors: Sensors) -> Found
         InputError: as `synthesised`.
     """
     began = time.perf_counter()
-    valves = () if settings.linearisation is None else settings.linearisation.known(plant)
-    machines = machines_of(plant, settings.variations, valves)
+    machines = machines_of(plant, settings.variations, settings.known(plant, sensors))
     design = synthesised(settings, plant, sensors, machines)
     return Found(design, machines[NOMINAL], time.perf_counter() - began)
 
@@ -95,13 +94,13 @@ def synthesised(
         progress(f"{settings.kind}, try {turn + 1} of at most {TRIES}")
         lacking: dict[str, Worst] = {}
         try:
-            law = settings.law(plant, sensors, machines[NOMINAL], seed)
+            feedback = settings.feedback(plant, sensors, machines[NOMINAL], seed)
         except InputError as error:
             failure = InputError(f"{error} (the {settings.kind} synthesis, try {turn + 1} of {TRIES})")
         else:
-            design = judged(settings, law, sensors, machines, wanted, seed)
+            design = judged(settings, feedback, sensors, machines, wanted, seed)
             if design.meets:
-                return design
+                return replace(design, law=settings.with_feedforward(feedback, plant, sensors))
             lacking = {name: design.worst_of(name) for name in MOTIONS if not design.leaves(name)}
             best = max(best, _nearest(design, wanted))
         settings = _eased(settings, lacking, wanted)

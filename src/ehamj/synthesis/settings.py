@@ -61,10 +61,10 @@ class SynthesisSettings(DigitalSettings):
     margins: Requirements = Requirements.stated()
     variations: Variations = Variations.stated()
     feedforward: FeedforwardSettings = Field(
-        FeedforwardSettings.stated(),
+        FeedforwardSettings.stated(rolloff=1200.0, restore=0.03),
         description="feedforward of the ground's velocity beside the loops; gain = 0: none",
     )
-    blend: Blend = Blend.stated()
+    blend: Blend = Blend.stated(restore=0.03)
     warp: WarpBalance = WarpBalance.stated()
     isolate_from: NotNegative = Field(0.0, description=ISOLATE_FROM)
 
@@ -113,7 +113,7 @@ class SynthesisSettings(DigitalSettings):
         from ehamj.synthesis.search import find
 
         own = self.model_copy(update={"designed_for": None})
-        for settings, machine, instruments, known in _RECENT:
+        for settings, machine, instruments, known in tuple(_RECENT):  # threads may add to it
             if settings == own and machine == plant and instruments == sensors:
                 return known
         known = find(own, plant, sensors)
@@ -136,6 +136,10 @@ class SynthesisSettings(DigitalSettings):
         Raises:
             InputError: if no law exists for these weights, it is unstable by itself, or the mounts drive other motions.
         """
+        return self.with_feedforward(self.feedback(plant, sensors, model, seed), plant, sensors)
+
+    def feedback(self, plant: Plant, sensors: Sensors, model: "LinearModel", seed: int = 0) -> Controller:
+        """The loops of `law` alone, which are all that margins are of."""
         from ehamj.synthesis.plants import motion_plants
 
         more = [motion for motion in plant.layout.motions if motion not in MOTIONS]
@@ -147,17 +151,21 @@ class SynthesisSettings(DigitalSettings):
         plants = motion_plants(model, self, plant, sensors, self.plant_order, seed).items()
         loops = {name: self.loop(own, getattr(self, name), plant, sensors).sampled(self.period) for name, own in plants}
         try:
-            laws = [self.modal().with_loops(plant, sensors, loops)]
+            return self.modal().with_loops(plant, sensors, loops)
         except SwingsUpError as error:
             raise InputError(
                 "design: loops were found that would swing up while commands are limited, since they lean on the "
                 "machine's sway, which the model of what the valves lost does not have; less gain helps"
             ) from error
-        if self.feedforward.gain:
-            forward = self.feedforward.model_copy(update=self.clock)
-            isolating = forward.isolating_from(self.isolate_from) if self.isolate_from else forward
-            laws.append(isolating.controller(plant, sensors))
-        return stack(laws)
+
+    def with_feedforward(self, feedback: Controller, plant: Plant, sensors: Sensors) -> Controller:
+        """The loops with the feedforward beside them."""
+        if not self.feedforward.gain:
+            return feedback
+        forward = self.feedforward.model_copy(update=self.clock)
+        if self.isolate_from:
+            forward = forward.isolating_from(self.isolate_from)
+        return stack([feedback, forward.controller(plant, sensors)])
 
     def noise_over_floor(self, weights: MotionWeights, sensors: Sensors) -> float:
         """r: the inertial instruments' noise over the floor's motion in the third-octave at the bandwidth [-]."""

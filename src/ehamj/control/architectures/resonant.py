@@ -5,59 +5,118 @@ For each line a resonator on the velocities of heave, roll and pitch, and of wha
     ẋ_p = −g·2ζω·(s cos φ − ω sin φ)/(s² + 2ζωs + ω²)·v,
 
 whose loop gain at its line is g, and whose phase φ takes back the lag of instrument, computation, hold and valve there.
-Beside a broadband loop (`ehamj.control.architectures.modal`) φ also takes back the turn of that loop's sensitivity.
+Beside a broadband loop (`ehamj.control.architectures.modal`) φ also takes back the turn of that loop's sensitivity, and
+its gain is that over what the loop leaves. `ehamj.control.architectures.adaptive` has the same resonators.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.channels import MountChannels
 from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import creep, instrument_poles, valve_poles, volts
 from ehamj.control.law import Controller
+from ehamj.control.lines import Line
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup
+from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.plant.layout import MOTION_NAMES
 from ehamj.plant.plant import Plant
 from ehamj.settings import Positive
 
+if TYPE_CHECKING:
+    Motion = str
+else:
+    Motion = Literal[tuple(MOTION_NAMES.values())]
 
-class ResonantSettings(DigitalSettings):
-    """Resonators at given lines."""
 
-    kind: Literal["resonant"] = "resonant"
+class Resonance(NamedTuple):
+    """How strong and how wide a resonator is."""
+
+    gain: float
+    """Loop gain at its line [-]."""
+    damping: float
+    """ζ [-]."""
+
+
+class LineSettings(DigitalSettings):
+    """Resonators at lines: what an architecture of them has."""
+
     lines: tuple[Positive, ...] = Field(description="frequencies of the lines [Hz]", min_length=1)
-    gain: Positive = Field(3.0, description="loop gain at each line [-]; 3 attenuates by 12 dB")
-    bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
+    motions: tuple[Motion, ...] | None = Field(
+        None, description="motions that are held still at the lines; without: all that the mounts drive", min_length=1
+    )
+
+    @field_validator("lines", "motions")
+    @classmethod
+    def _once(cls, given: "tuple[float | str, ...] | None") -> "tuple[float | str, ...] | None":
+        twice = [one for k, one in enumerate(given or ()) if given and one in given[:k]]
+        if twice:
+            raise ValueError(f"{twice[0]} is there twice; each must be there once")
+        return given
+
+    @abstractmethod
+    def resonance(self, line: float) -> Resonance:
+        """The resonators of a ``line`` [Hz]."""
+
+    def followed(self, pairs: int) -> tuple[Line, ...]:
+        """Lines that the law follows, where each has so many ``pairs`` of states; none: it stays where it is."""
+        return ()
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         return self.beside((), plant, sensors)
 
     def beside(self, others: Sequence[DigitalSettings], plant: Plant, sensors: Sensors) -> Controller:
-        """The law with the phases that it needs beside others."""
+        """The law with the phases that it needs beside others.
+
+        Raises:
+            InputError: if a line is not below half the sampling rate, or the mounts do not drive a motion.
+        """
         inputs, layout = MountChannels.of(plant).feet, plant.obeying.central
+        half = 0.5 * self.rate
+        if (high := max(self.lines)) >= half:
+            raise InputError(f"control.lines: {high:g} Hz must be below half of control.rate, {half:g} Hz")
+        own = self._driven(layout.motions)
         actuator, sensor = plant.obeying.actuators[0], sensors.of(inputs[0])
-        loops = []
-        for k, motion in enumerate(layout.motions):
-            slow = creep(plant, layout.spread[:, k])
-            answers = [self._answer(line, motion, actuator, slow, sensor, others) for line in self.lines]
-            loops.append(added([self._resonator(*one) for one in zip(self.lines, answers, strict=True)]))
-        law = beside(loops).between(layout.fit, volts(plant) @ layout.spread)
-        return self.digital(law.sampled(self.period), inputs, plant, sensors=sensors, anti_windup=AntiWindup.NONE)
+        slow = [creep(plant, layout.spread[:, k]) for k in own]
+        of_lines = []
+        for line in self.lines:
+            answers = [
+                self._answer(line, layout.motions[k], actuator, c, sensor, others)
+                for k, c in zip(own, slow, strict=True)
+            ]
+            of_lines.append(beside([_resonator(line, answer, self.resonance(line)) for answer in answers]))
+        spread = layout.spread[:, own]
+        size = np.sqrt((spread**2).mean(axis=0))  # states are velocities of the pistons, whatever the motion
+        law = added([one.between(size[:, None] * layout.fit[own], volts(plant) @ spread / size) for one in of_lines])
+        return self.digital(
+            law.held(self.period), inputs, plant, sensors=sensors, anti_windup=AntiWindup.NONE,
+            lines=self.followed(len(own)),
+        )  # fmt: skip
+
+    def _driven(self, motions: Sequence[str]) -> list[int]:
+        """Numbers of the motions that are held still, among those that the mounts drive."""
+        wanted = motions if self.motions is None else self.motions
+        if other := [name for name in wanted if name not in motions]:
+            raise InputError(f"control.motions: the mounts do not drive {other[0]}; they drive {', '.join(motions)}")
+        return [motions.index(name) for name in wanted]
 
     def _answer(
         self, line: float, motion: str, actuator: Actuator, creep: float, sensor: Instrument | None,
         others: Sequence[DigitalSettings],
     ) -> complex:  # fmt: skip
-        """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with broadband loops closed."""
+        """Measured velocity at ``line`` [Hz] over the piston velocity asked for, with broadband loops closed; half a
+        sample of the lag is that of the resonator, which takes its readings as held."""
         s = 2j * np.pi * line
         poles = valve_poles(actuator)
-        lag = np.exp(-s * self.hold) * np.prod(poles) / np.prod(s - poles)
+        lag = np.exp(-s * (self.hold + 0.5 * self.period)) * np.prod(poles) / np.prod(s - poles)
         slow, fast = instrument_poles(sensor)
         lag *= np.prod(fast) / np.prod(fast - s) if fast.size else 1.0
         plain = lag * s / (s + creep)
@@ -66,11 +125,24 @@ class ResonantSettings(DigitalSettings):
             return complex(plain * (s**slow.size / np.prod(s - slow) if slow.size else 1.0))
         return complex(plain / (1.0 - asked / s * plain))
 
-    def _resonator(self, line: float, answer: complex) -> Block:
-        """Piston velocity [m/s] over velocity [m/s]."""
-        omega, zeta = TWO_PI * line, self.bandwidth
-        wanted = -self.gain / answer
-        A = omega * np.array([[0.0, 1.0], [-1.0, -2.0 * zeta]])
-        # At its line, 2ζω s/(s² + 2ζωs + ω²) is one, and 2ζω·ω/(…) is −j.
-        C = 2.0 * zeta * np.array([[-wanted.imag, wanted.real]])
-        return Block(A, np.array([[0.0], [omega]]), C, np.zeros((1, 1)))
+
+class ResonantSettings(LineSettings):
+    """Resonators at given lines."""
+
+    kind: Literal["resonant"] = "resonant"
+    gain: Positive = Field(3.0, description="loop gain at each line [-]; 3 attenuates by 12 dB")
+    bandwidth: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.005, description="damping ratio of each resonator [-]")
+
+    def resonance(self, line: float) -> Resonance:
+        return Resonance(self.gain, self.bandwidth)
+
+
+def _resonator(line: float, answer: complex, own: Resonance) -> Block:
+    """Piston velocity [m/s] over velocity [m/s], as Re x of ẋ = (−σ + jω_d) x + β v: a pair of states that turns."""
+    omega = TWO_PI * line
+    decay, turn = own.damping * omega, omega * np.sqrt(1.0 - own.damping**2)
+    # At s = jω, half of β/(s + σ − jω_d) + β*/(s + σ + jω_d) is −g over the answer.
+    wanted, near, far = -own.gain / answer, 0.5 / (decay + 1j * (omega - turn)), 0.5 / (decay + 1j * (omega + turn))
+    beta = (near.conjugate() * wanted - far * wanted.conjugate()) / (abs(near) ** 2 - abs(far) ** 2)
+    A = np.array([[-decay, -turn], [turn, -decay]])
+    return Block(A, np.array([[beta.real], [beta.imag]]), np.array([[1.0, 0.0]]), np.zeros((1, 1)))

@@ -20,9 +20,11 @@ from numba import types
 
 from ehamj.arrays import Array
 from ehamj.compiled import copy, kernel
-from ehamj.compiled.lanes import add_indexed
 from ehamj.compiled.native import c_function
 from ehamj.control.compiled.converter import Conversion, converted, faded, taken
+from ehamj.control.compiled.lines import follow, turn
+from ehamj.control.compiled.products import add_product, add_rows, advance_states, wanted
+from ehamj.control.compiled.spools import FOLLOWS, fed_back
 from ehamj.control.compiled.stage import REMEMBERS, linearised
 
 LAW: Final = np.dtype(
@@ -48,6 +50,11 @@ LAW: Final = np.dtype(
             "taken",
             "ring",
             "places",  # of the ring: as many samples as the delay is long, and one
+            # Lines that it follows: how many, which of `Laws.lines` is the first, where their frequencies lie in
+            # `LawMemory.values`.
+            "lines",
+            "line_at",
+            "frequencies",
         )
     ]
     # What of a step the delay is longer than its whole steps, and what of a switch there is seen at each stage:
@@ -73,7 +80,8 @@ class Laws(NamedTuple):
     """The laws that run side by side; of a block of machines the matrices and ranges are each lane's own."""
 
     table: Any
-    """A `LAW` per law; after them one more for the stage beside them, where there is one."""
+    """A `LAW` per law; after them one more for the loops about the spools, where there are, and last one for the stage
+    beside them, where there is one."""
     matrices: Any
     """A, B, C, D and anti-windup of every law, each transposed and flat; or row by row what is not zero."""
     rows: Any
@@ -96,6 +104,15 @@ class Laws(NamedTuple):
     """What is known of each mount that learns (`ehamj.control.compiled.learning`); none: nothing is learnt."""
     strokes: Any
     """Channels of the strokes that are read to learn."""
+    lines: Any
+    """(line·`PLACES`): where of each line that a law follows the states lie in `LawMemory.values`, how many pairs they
+    are, and where in `LawMemory.lines` it keeps what it must."""
+    followed: Any
+    """(line·`FOLLOWED`)"""
+    spools: Any
+    """What is known of each spool that is fed back (`ehamj.control.compiled.spools`); none: none is."""
+    positions: Any
+    """Channels of their positions."""
     base: int
     """Steps of which all periods are multiples; 0: no controller."""
 
@@ -110,18 +127,25 @@ class LawMemory(NamedTuple):
     """(2·valve): wanted, and what fade and range take."""
     switching: Any
     """(3·valve): what switches within the present step add at its start, middle and end, within the valves' ranges."""
+    around: Any
+    """(2·valve): what all laws together command before and after a switch."""
     stage: Any
     """(valve·`REMEMBERS`)"""
     known: Any
     """What the stage knows of each valve now: `Laws.valves`, with what was learnt since."""
     gathered: Any
     """(valve·`GATHERS`) to learn from."""
+    lines: Any
+    """Of each line that is followed: how long it is to stand still, and what is kept of its pairs (1 + pair·`KEPT`)."""
+    spools: Any
+    """(valve·`FOLLOWS`)"""
 
     @classmethod
-    def of(cls, size: int, inputs: int, mounts: int, known: Array, gathered: Array) -> "LawMemory":
-        """Memory of a size, with what a stage beside the laws begins with."""
-        total, switching, stage = (np.zeros(n * mounts) for n in (2, 3, REMEMBERS))
-        return cls(np.zeros(size), np.zeros(inputs), np.zeros(size), total, switching, stage, known, gathered)
+    def of(cls, size: int, inputs: int, mounts: int, lines: int, stage: tuple[Array, Array]) -> "LawMemory":
+        """Memory of a size, with so many numbers of lines, and what a stage beside the laws knows and has gathered."""
+        total, switching, around, remembered, spools = (np.zeros(n * mounts) for n in (2, 3, 2, REMEMBERS, FOLLOWS))
+        scratch = np.zeros(size), np.zeros(inputs), np.zeros(size)
+        return cls(*scratch, total, switching, around, remembered, *stage, np.zeros(lines), spools)
 
 
 call_law = c_function(types.int32, types.float64, types.intp, types.intp, types.intp)
@@ -168,16 +192,16 @@ def release(number, laws, memory, control, lanes):  # type: ignore[no-untyped-de
 
 
 @kernel
-def total_after(number, fraction, i, table, converter, values, size, lanes):  # type: ignore[no-untyped-def]
-    """Sum of what all laws command after a fraction of a step, of one valve and lane."""
-    total = 0.0
-    for k in range(table.size):
-        law = table[k]
-        place = law.held * len(lanes)
-        if 0.0 < law.fraction <= fraction and due(number, law):
-            place = waiting(number, law, size, lanes)
-        total += values[place + i]
-    return converted(total, converter.limit, converter.resolution)
+def sum_after(number, fraction, laws, values, result, lanes):  # type: ignore[no-untyped-def]
+    """What all laws together command after a fraction of a step, of every valve and lane."""
+    result[:] = 0.0
+    for law in laws.table:
+        moved = 0.0 < law.fraction <= fraction and due(number, law)
+        place = waiting(number, law, result.size, lanes) if moved else law.held * len(lanes)
+        for i in range(result.size):
+            result[i] += values[place + i]
+    for i in range(result.size):
+        result[i] = converted(result[i], laws.converter.limit, laws.converter.resolution)
 
 
 @kernel
@@ -187,75 +211,24 @@ def convert_held(number, laws, memory, control, lanes):  # type: ignore[no-untyp
     Outputs of this very step that a sample has yet to give may be in what is added: it is found again after that.
     """
     size, values, added = control.size, memory.values, memory.switching
-    table, converter, ranges, switching = laws.table, laws.converter, laws.ranges, laws.switching
-    for i in range(size):
-        control[i] = total_after(number, 0.0, i, table, converter, values, size, lanes)
-        added[i] = added[size + i] = added[2 * size + i] = 0.0
-    for j in range(switching.size):
-        law = table[switching[j]]
-        if due(number, law):
-            before = table[switching[j - 1]].fraction if j > 0 else 0.0
+    table, ranges, switching = laws.table, laws.ranges, laws.switching
+    now, then = memory.around[:size], memory.around[size:]
+    sum_after(number, 0.0, laws, values, control, lanes)
+    copy(control, now)
+    added[:] = 0.0
+    j = 0
+    while j < switching.size:
+        law, moved = table[switching[j]], False
+        while j < switching.size and table[switching[j]].fraction == law.fraction:  # they switch together
+            moved, j = moved or due(number, table[switching[j]]), j + 1
+        if moved:
+            sum_after(number, law.fraction, laws, values, then, lanes)
             for i in range(size):
-                now = total_after(number, before, i, table, converter, values, size, lanes)
-                then = total_after(number, law.fraction, i, table, converter, values, size, lanes)
-                rise = converted(then, ranges[i], 0.0) - converted(now, ranges[i], 0.0)
+                rise = converted(then[i], ranges[i], 0.0) - converted(now[i], ranges[i], 0.0)
+                now[i] = then[i]
                 added[i] += law.at_start * rise
                 added[size + i] += law.at_middle * rise
                 added[2 * size + i] += law.at_end * rise
-
-
-@kernel
-def add_product(matrix_t, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for the flat transposed matrix.
-
-    Whole columns are added, one after the other, which vectorises without changing a rounding; four at a time, so that
-    the result is loaded and stored a quarter as often.
-    """
-    width, size, columns = len(lanes), result.size, vector.size // len(lanes)
-    whole = columns - columns % 4
-    for k in range(0, whole, 4):
-        first = matrix_t[k * size : (k + 1) * size]
-        second = matrix_t[(k + 1) * size : (k + 2) * size]
-        third = matrix_t[(k + 2) * size : (k + 3) * size]
-        fourth = matrix_t[(k + 3) * size : (k + 4) * size]
-        for lane in range(width):
-            a, b = vector[k * width + lane], vector[(k + 1) * width + lane]
-            c, d = vector[(k + 2) * width + lane], vector[(k + 3) * width + lane]
-            for i in range(lane, size, width):
-                result[i] = (((result[i] + first[i] * a) + second[i] * b) + third[i] * c) + fourth[i] * d
-    for k in range(whole, columns):
-        column = matrix_t[k * size : (k + 1) * size]
-        for lane in range(width):
-            factor = vector[k * width + lane]
-            for i in range(lane, size, width):
-                result[i] += column[i] * factor
-
-
-@kernel
-def wanted(Ct, Dt, state, measured, result, lanes):  # type: ignore[no-untyped-def]
-    """y = C x + D u."""
-    result[:] = 0.0
-    add_product(Ct, state, result, lanes)
-    add_product(Dt, measured, result, lanes)
-
-
-@kernel
-def advance_states(At, Bt, state, measured, scratch, lanes):  # type: ignore[no-untyped-def]
-    """x⁺ = A x + B u; ``scratch`` is as long as the state."""
-    scratch[:] = 0.0
-    add_product(At, state, scratch, lanes)
-    add_product(Bt, measured, scratch, lanes)
-    copy(scratch, state)
-
-
-@kernel
-def add_rows(laws, at, vector, result, lanes):  # type: ignore[no-untyped-def]
-    """result += matrix·vector, for a matrix whose rows begin at a place of ``laws.rows``; bits are those of
-    `add_product`, which adds the zeros too."""
-    rows, columns, matrices = laws.rows, laws.columns, laws.matrices  # once: looking into the tuple costs
-    for i in range(result.size // len(lanes)):
-        first = rows[at + i]
-        add_indexed(result, i, matrices, first, vector, 0, columns, rows[at + i + 1] - first, lanes)
 
 
 @kernel
@@ -286,9 +259,22 @@ def compute(time, law, laws, readings, memory, lanes):  # type: ignore[no-untype
 
 @kernel
 def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
-    """Let every law that is due compute; returns what that means for the commands."""
-    answer, staged = NOT_DUE, laws.valves.size > 0
-    count = laws.table.size - staged
+    """Let every law that is due compute, then the loops about the spools; returns what that means for the commands."""
+    staged, fed = laws.valves.size > 0, laws.spools.size > 0
+    count = laws.table.size - staged - fed
+    answer = sample_laws(number, time, count, staged, laws, readings, memory, lanes)
+    if fed and answer != FAILED and number % laws.table[count].every == 0:
+        law = laws.table[count]
+        answer = max(answer, AT_ONCE if law.delay == 0 else WAITS)
+        place = queued(number, law, memory.totals.size // 2, lanes)
+        fed_back(faded(time, laws.converter), readings, laws, memory, count, place, lanes)
+    return answer
+
+
+@kernel
+def sample_laws(number, time, count, staged, laws, readings, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let every one of ``count`` laws that is due compute; returns what that means for the commands."""
+    answer = NOT_DUE
     for k in range(count):
         law = laws.table[k]
         if number % law.every == 0:
@@ -305,7 +291,7 @@ def take_sample(number, time, laws, readings, memory, lanes):  # type: ignore[no
             total[i] += memory.values[laws.table[k].latest * len(lanes) + i]
     share = faded(time, laws.converter)
     if staged:
-        stage = laws.table[count]
+        stage = laws.table[laws.table.size - 1]
         place = queued(number, stage, valves, lanes) if number % stage.every == 0 else -1
         linearised(share, readings, laws, memory, place, lanes)
     else:
@@ -328,6 +314,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
         B = first + law.states * n
         inputs, scratch = memory.measured[at : at + p], memory.scratch[:n]
         windup = law.windup * width
+        if law.lines > 0:
+            turn(law, laws, memory, lanes)
         if law.rows >= 0:
             scratch[:] = 0.0
             add_rows(laws, law.rows, states, scratch, lanes)
@@ -339,6 +327,8 @@ def finish_sample(number, share, law, laws, memory, lanes):  # type: ignore[no-u
             advance_states(matrices[first:B], matrices[B : B + law.states * p], states, inputs, scratch, lanes)
             if law.windup >= 0:
                 add_product(matrices[windup : windup + law.states * valves], lost, states, lanes)
+        if law.lines > 0:
+            follow(share, law, laws, memory, lanes)
     place = queued(number, law, valves, lanes)
     for i in range(valves):
         values[law.taken * width + i] = lost[i]

@@ -24,6 +24,8 @@ class Sensing(NamedTuple):
     """States n of the longest filter; 0: none filters."""
     filters: Any
     """((n + 3)·n·channel): A row by row, then B, C and the resting state of every filter."""
+    entries: Any
+    """((n + 3)·n): whether an entry of these is other than zero in any channel; the rest is passed over."""
     feedthrough: Any
     zeroed: Any
     """One for a channel that counts from its value at the start, zero for the others."""
@@ -59,30 +61,28 @@ class Readings(NamedTuple):
 
 
 @kernel
-def filter_row(filters, row, n, states, result):  # type: ignore[no-untyped-def]
+def filter_row(own, row, states, result):  # type: ignore[no-untyped-def]
     """result += a row of every filter times its states."""
-    size = result.size
+    size, n, filters, entries = result.size, own.order, own.filters, own.entries
     for j in range(n):
-        entries, own = filters[(row * n + j) * size : (row * n + j + 1) * size], states[j * size : (j + 1) * size]
-        for c in range(size):
-            result[c] += entries[c] * own[c]
+        if entries[row * n + j]:
+            factors, state = filters[(row * n + j) * size : (row * n + j + 1) * size], states[j * size : (j + 1) * size]
+            for c in range(size):
+                result[c] += factors[c] * state[c]
 
 
 @kernel
-def filter_readings(filters, n, feedthrough, raw, states, analogue, scratch):  # type: ignore[no-untyped-def]
-    """One step of every sensor's filter: analogue readings, then the states at the next step.
-
-    ``filters`` ((n + 3)·n·channels) holds A row by row, then B, C and the resting state; ``states`` (n·channels).
-    """
-    size = raw.size
+def filter_readings(own, raw, states, analogue, scratch):  # type: ignore[no-untyped-def]
+    """One step of every sensor's filter: analogue readings, then the states (n·channels) at the next step."""
+    size, n, filters, feedthrough = raw.size, own.order, own.filters, own.feedthrough
     for c in range(size):
         analogue[c] = feedthrough[c] * raw[c]
-    filter_row(filters, n + 1, n, states, analogue)
+    filter_row(own, n + 1, states, analogue)
     for i in range(n):
-        entries, row = filters[(n * n + i) * size : (n * n + i + 1) * size], scratch[i * size : (i + 1) * size]
+        factors, row = filters[(n * n + i) * size : (n * n + i + 1) * size], scratch[i * size : (i + 1) * size]
         for c in range(size):
-            row[c] = entries[c] * raw[c]
-        filter_row(filters, i, n, states, row)
+            row[c] = factors[c] * raw[c]
+        filter_row(own, i, states, row)
     copy(scratch, states)
 
 
@@ -130,7 +130,7 @@ def read_sensors(number, sample, own, noise, signals, memory, lanes):  # type: i
     if own.order > 0:
         if number == 0:
             settle_filters(own.filters, own.order, raw, memory.filters)
-        filter_readings(own.filters, own.order, own.feedthrough, raw, memory.filters, analogue, memory.scratch)
+        filter_readings(own, raw, memory.filters, analogue, memory.scratch)
     else:
         copy(raw, analogue)
     if sample >= 0:

@@ -26,6 +26,8 @@ class Layout(NamedTuple):
     plate: int
     """Height of each plate [m]."""
     plate_velocity: int
+    edges: int
+    """Position of the metering edges of each valve, which its spool carries [mA]."""
     supply: int
     """Absolute pressure of the supply [Pa]."""
     size: int
@@ -33,7 +35,7 @@ class Layout(NamedTuple):
     @classmethod
     def of(cls, mounts: int) -> "Layout":
         """The layout for so many mounts."""
-        sizes = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 2 + (1,)
+        sizes = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 3 + (1,)
         return cls(*(sum(sizes[:k]) for k in range(len(sizes) + 1)))
 
 
