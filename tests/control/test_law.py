@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from ehamj.control import Controller
-from ehamj.control.channels import channel_names
+from ehamj.control.channels import channel_names, is_upstream
 from ehamj.control.law import stack
 from ehamj.control.sensors import IDEAL
 from ehamj.control.windup import anti_windup_gain, limited_radius
@@ -139,7 +139,11 @@ def test_without_a_stated_delay_a_command_comes_one_period_after_its_sample() ->
 # --- channels -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("names", [(), STROKES[:2], channel_names()], ids=["none", "two", "all"])
+BELOW = tuple(name for name in channel_names() if not is_upstream(name))
+"""Upstream a sensor must stand first (`tests/control/test_preview.py`)."""
+
+
+@pytest.mark.parametrize("names", [(), STROKES[:2], BELOW], ids=["none", "two", "all"])
 def test_every_channel_can_be_measured(names: tuple[str, ...]) -> None:
     p = len(names)
     made = law(B=np.zeros((1, p)), D=np.zeros((4, p)), inputs=tuple(names))

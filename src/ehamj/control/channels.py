@@ -28,6 +28,8 @@ CROSS: Final = ("across-1", "across-2")
 """Labels of the two at right angles to it (`cross_axes`); instruments that are out of line see them too."""
 SUPPLY: Final = "supply_pressure"
 """The channel of the supply, which all valves share."""
+UPSTREAM: Final = "upstream"
+"""In a mount's place in a ground_… channel: where the sensor stands that a wave reaches before the machine."""
 SPOOLS: Final = ("edges", "spool")
 """Channels of a valve's position: of its metering edges, and of the spool's driven end, which hysteresis parts."""
 STATIC = ("displacement", "pressure", "position")
@@ -44,6 +46,7 @@ def channel_names(mounts: tuple[str, ...] = MOUNTS) -> tuple[str, ...]:
     names = []
     for motion in _MOTIONS:
         names += [f"ground_{motion} {mount} {axis}" for mount in mounts for axis in (*AXES, ALONG)]
+        names += [f"ground_{motion} {UPSTREAM} {axis}" for axis in AXES]
         names += [f"foot_{motion} {mount} {axis}" for mount in mounts for axis in (*AXES, ALONG)]
         names += [f"cg_{motion} {axis}" for axis in AXES]
         names += [f"machine_{motion} {dof}" for dof in DOFS]
@@ -88,6 +91,9 @@ def channel_row(name: str, plant: Plant) -> Array:
         return row
     variable, *labels = name.split(" ")
     what, _, motion = variable.rpartition("_")
+    if what == "ground" and labels[0] == UPSTREAM:
+        row[at.upstream + len(AXES) * _MOTIONS.index(motion) + AXES.index(labels[1])] = 1.0
+        return row
     mount = plant.mounts.index(labels[0]) if labels[0] in plant.mounts else 0
     ground = [first + len(AXES) * mount for first in (at.ground, at.ground_velocity, at.ground_acceleration)]
     along, axes = np.array(plant.directions[mount]), slice(0, len(AXES))
@@ -164,6 +170,11 @@ class MountChannels(NamedTuple):
         ]
         names.append("load_pressure {}")
         return cls(*(tuple(map(name.format, own.mounts, axes)) for name in names))
+
+
+def is_upstream(name: str) -> bool:
+    """Whether a channel is the ground's motion upstream, and not below a mount."""
+    return name.startswith("ground_") and name.split(" ")[1] == UPSTREAM
 
 
 def quantity_of(variable: str) -> str:

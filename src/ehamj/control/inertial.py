@@ -19,7 +19,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from ehamj.control.blocks import TWO_PI, Block, added, beside, pair
+from ehamj.control.blocks import TWO_PI, Block, added, beside, joined, pair
 from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import instrument_poles, restoring
 from ehamj.control.lowend import yielding
@@ -89,6 +89,13 @@ class Blend(Settings):
             return full
         followed = moved.then(yielding(isolate_from)).times(-1.0)
         return added([full, followed.between([[0.0, 0.0, 1.0]], [[1.0]])])
+
+    def seeing(self, foot: Instrument | None, ground: Instrument | None, isolate_from: float, upstream: bool) -> Block:
+        """`block`; with a sensor ``upstream`` and isolation that begins somewhere it has one input more, the velocity
+        [m/s] that the machine follows (`ehamj.control.preview`)."""
+        if not (upstream and isolate_from):
+            return self.block(foot, ground, isolate_from)
+        return joined([self.block(foot, ground), self.ground(ground).times(-1.0)])
 
     def ground(self, sensor: Instrument | None) -> Block:
         """Displacement of the ground [m] from its measured velocity [m/s], above ``restore``."""

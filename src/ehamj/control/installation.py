@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from ehamj.control.channels import UPSTREAM
 from ehamj.control.sensors import Sensors
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import Isolator
@@ -62,6 +63,10 @@ class Installation(Settings):
                     f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
                     f"[actuators.NAME]: {', '.join(self.actuators)}"
                 )
+        if self.sensors.upstream is not None:
+            if UPSTREAM in names:
+                raise ValueError(f"mount {UPSTREAM}: bears the name of the sensor upstream; name the mount otherwise")
+            self.sensors.upstream.check(self.plant.mounts, self.plant.positions)
         check_standing(self.plant, gravity=False)
         if set(names) != set(MOUNTS) or any(mount.along != UP for mount in self.mount):
             return self

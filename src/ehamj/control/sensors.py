@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from ehamj.arrays import Array
-from ehamj.control.channels import ALONG, CROSS, SPOOLS, SUPPLY, channel_row, quantity_of
+from ehamj.control.channels import ALONG, CROSS, SPOOLS, SUPPLY, channel_row, is_upstream, quantity_of
 from ehamj.control.compiled.signals import Layout
 from ehamj.control.instruments import (
     ALIGNMENT,
@@ -22,6 +22,7 @@ from ehamj.control.instruments import (
     StrokeSensor,
     randomness,
 )
+from ehamj.control.upstream import Upstream
 from ehamj.errors import InputError
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
@@ -38,14 +39,24 @@ class Sensors(Settings):
     stroke: StrokeSensor | None = Field(None, description="of every stroke channel")
     pressure: PressureSensor | None = Field(None, description="of every …_pressure channel")
     spool: SpoolSensor | None = Field(None, description="of every spool and edges channel, built into the valve")
+    upstream: Upstream | None = Field(
+        None,
+        description="a sensor in the floor that a wave reaches before the machine: laws told where isolation begins "
+        "(isolate_from) take from it what the machine follows; without: they have the floor below the mounts alone",
+    )
 
     def of(self, channel: str) -> Instrument | None:
         """The instrument that measures a channel, None where that is exact.
 
         Raises:
-            InputError: if the instrument there measures another quantity.
+            InputError: if the instrument there measures another quantity, or there is none upstream.
         """
         variable = channel.partition(" ")[0]
+        if is_upstream(channel) and self.upstream is None:
+            raise InputError(
+                f"controller.inputs: channel {channel!r}: no sensor stands upstream; state sensors.upstream.position "
+                "and the wave that it is there for, or do not read it"
+            )
         table = class_of(variable)
         sensor: Instrument | None = getattr(self, table)
         if sensor is None:

@@ -129,7 +129,7 @@ def predicted(
         duration: of the run [s].
     """
     loop, course = Loop.of(scenario, law), Course.of(scenario, duration)
-    sampled = motion.sample(course.time)
+    sampled = motion.sample(course.time).below(len(model.plant.mounts))
     displacement = course.spectrum(sampled.displacement.reshape(course.run, -1))
     closed = Closed(model, loop, course)
     by_floor = closed.ground(displacement)

@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from ehamj.control.channels import channel_names, check_channel
+from ehamj.control.channels import channel_names, check_channel, is_upstream
 from ehamj.control.sensors import Sensors, class_of
 from ehamj.faults.fault import FaultSettings
 from ehamj.plant.mounts import MOUNTS
@@ -48,6 +48,8 @@ class SensorFault(FaultSettings):
     def named_mounts(self) -> Iterator[tuple[str, str]]:
         yield from super().named_mounts()
         variable, *labels = self.sensor.split(" ")
+        if labels and is_upstream(self.sensor):
+            return
         # Only where a name of a mount is missing for a channel: else what is wrong is the channel.
         if labels and " ".join((variable, MOUNTS[0], *labels[1:])) in channel_names():
             yield "sensor", labels[0]

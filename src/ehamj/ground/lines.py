@@ -216,7 +216,8 @@ class RandomGround(GroundSettings):
             own: tuple[Signal, ...] = lines if envelope is None else tuple(Product(line, envelope) for line in lines)
             signals[axis] = own[0] if self.coherence is None else own
         if self.coherence is not None:
-            notes = (*notes, _stated(self.coherence, start.positions))
+            mounts = start.positions[: len(start.mounts)]
+            notes = (*notes, _stated(self.coherence, mounts))
         return spread(start, signals, self.wave, self.fade_in, notes=notes, usable_to=usable_to)
 
 

@@ -14,11 +14,16 @@ from ehamj.signals import Array, Signal
 
 
 class GroundSample(NamedTuple):
-    """Motion of the ground below each mount, shape (n, mount, axis): [m], [m/s], [m/s²]."""
+    """Motion of the ground below each mount, and upstream behind them where a sensor stands there, shape
+    (n, mount, axis): [m], [m/s], [m/s²]."""
 
     displacement: Array
     velocity: Array
     acceleration: Array
+
+    def below(self, mounts: int) -> "GroundSample":
+        """The motion below so many mounts alone."""
+        return GroundSample(*(part[:, :mounts] for part in self))
 
 
 class Motion(Protocol):
@@ -56,10 +61,12 @@ class Start:
     mounts: tuple[str, ...]
     """Their names."""
     positions: Array
-    """Mount positions x, y, z, shape (mount, 3) [m]."""
+    """Mount positions x, y, z, shape (mount, 3) [m]; where a sensor stands upstream, last."""
     duration: float
     """Simulated time that the motion must cover [s]."""
     seed: int
+    upstream: bool = False
+    """Whether the last position is that of a sensor upstream, which is no mount."""
     part: tuple[int, ...] = ()
     """Number of the part of a combined ground, so that random parts differ."""
 

@@ -23,7 +23,7 @@ class Floors:
 
     def motion(self, ground: GroundSettings, start: Start) -> Motion:
         """The ground's motion; raises as `GroundSettings.motion` does."""
-        key = (ground, start.mounts, start.positions.tobytes(), start.duration, start.seed, start.part)
+        key = (ground, start.mounts, start.positions.tobytes(), start.duration, start.seed, start.upstream, start.part)
         with self._lock:  # who comes second waits for the first, and has it built already
             found = next((floor for known, floor in self._known if known == key), None)
             if found is None:

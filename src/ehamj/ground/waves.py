@@ -124,8 +124,13 @@ def spread(
         usable_from: likewise.
 
     Raises:
-        ValueError: if a wave is asked to carry rotations.
+        ValueError: if a wave is asked to carry rotations; if a sensor stands upstream of a floor that passes as none.
     """
+    if wave is None and start.upstream:
+        raise ValueError(
+            "sensors.upstream: this floor comes from no known side; give it a wave (ground.wave = { speed = 200.0 }, "
+            "which a recorded floor cannot have), or leave sensors.upstream out"
+        )
     one = {dof: signal for dof, signal in signals.items() if not isinstance(signal, tuple)}
     if wave is None and len(one) == len(signals):
         moved = {dof: faded(signal, fade_in, begin or 0.0) for dof, signal in one.items()}

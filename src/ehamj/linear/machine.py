@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
 from ehamj.control import blocks
-from ehamj.control.channels import SUPPLY, channel_row
+from ehamj.control.channels import SUPPLY, channel_row, is_upstream
 from ehamj.control.compiled.signals import Layout
 from ehamj.errors import InputError
 from ehamj.isolator.equations import State
@@ -90,6 +90,8 @@ class LinearModel:
             return row
         if name.startswith("ground_acceleration"):
             raise InputError(f"output {name!r}: the ground's displacement and velocity are inputs of the linear model")
+        if is_upstream(name):
+            raise InputError(f"output {name!r}: the linear model has the ground below its mounts alone; read it there")
         try:
             return channel_row(name, self.plant)
         except ValueError as error:

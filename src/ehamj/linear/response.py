@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller
-from ehamj.control.channels import axis_of
+from ehamj.control.channels import axis_of, is_upstream
+from ehamj.control.upstream import Upstream
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, opened
 from ehamj.linear.machine import LinearModel, grounds
@@ -151,11 +152,16 @@ def readings_of_ground(model: LinearModel, loop: Loop, hertz: Array) -> ComplexA
     """Readings over the displacement of the ground at each mount and axis, valves held, (f, reading, mount·axis)."""
     names, shares = loop.mixtures()
     read = loop.sensors.response(loop.law.inputs, hertz)
-    return np.asarray(read[:, :, None] * (shares @ _held(model, hertz, names)), complex)
+    held = _held(model, hertz, names, loop.sensors.upstream)
+    return np.asarray(read[:, :, None] * (shares @ held), complex)
 
 
-def _held(model: LinearModel, hertz: Array, channels: Sequence[str]) -> ComplexArray:
-    """Passive response of channels to the ground's displacement; the ground's own channels among them."""
+def _held(model: LinearModel, hertz: Array, channels: Sequence[str], upstream: Upstream | None = None) -> ComplexArray:
+    """Passive response of channels to the ground's displacement; the ground's own channels among them.
+
+    A floor given by mounts says nothing of itself upstream. It is taken to have been there what it is at the mounts on
+    average, as much earlier as is believed: exactly what a wave is that comes as believed.
+    """
     places = grounds(model.plant.mounts)
     found = np.zeros((hertz.size, len(channels), len(places)), complex)
     s = 2j * np.pi * hertz
@@ -166,7 +172,13 @@ def _held(model: LinearModel, hertz: Array, channels: Sequence[str]) -> ComplexA
     for k, name in enumerate(channels):
         if k not in moving:
             variable, mount, label = name.split(" ")
+            if is_upstream(name) and upstream is None:
+                raise InputError(f"output {name!r}: there is no sensor upstream; state sensors.upstream")
             order = ("displacement", "velocity", "acceleration").index(variable.removeprefix("ground_"))
+            if upstream is not None and is_upstream(name):
+                led = np.exp(s[:, None] * upstream.times(model.plant.positions)) / len(model.plant.mounts)
+                found[:, k, AXES.index(label) :: len(AXES)] = s[:, None] ** order * led
+                continue
             axis = axis_of(label, np.array(model.plant.directions[model.plant.mounts.index(mount)]))
             for share, of in zip(axis, AXES, strict=True):
                 found[:, k, places.index(f"{mount} {of}")] = share * s**order

@@ -119,13 +119,14 @@ def sample_inputs(
 ) -> tuple[Array, Array]:
     """Inputs of some steps at start and end: value, slope·timestep, second derivative, (steps, mount, input, 3) each.
 
-    The inputs of a mount are the ground's x, y, z [m], then its command [V] (`ehamj.memory.INPUTS`).
+    The inputs of a mount are the ground's x, y, z [m], then its command [V] (`ehamj.memory.INPUTS`); the ground
+    upstream is one mount more where a sensor stands there.
     """
     times = np.arange(first, first + steps + 1, dtype=np.float64) * timestep
-    points = inputs(steps + 1, len(commands))
-    if not motion.at_rest:
-        for order, part in enumerate(motion.sample(times)):
-            points[:, :, :COMMAND, order] = part
+    sampled = None if motion.at_rest else motion.sample(times)
+    points = inputs(steps + 1, len(commands) if sampled is None else sampled.displacement.shape[1])
+    for order, part in enumerate(sampled or ()):
+        points[:, :, :COMMAND, order] = part
     starts = points[:-1].copy()
     ends = points[1:]
     for mount, signal in enumerate(commands):

@@ -30,7 +30,8 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     scenario, plant = prepared.scenario, prepared.scenario.plant
     times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
-    mounts, ground = len(plant.mounts), prepared.motion.sample(times)
+    mounts = len(plant.mounts)
+    ground = prepared.motion.sample(times).below(mounts)
     places = [*plant.positions, plant.machine.cg, *scenario.points.values()]
     moved = zip(*points_motion(displacement, velocity, acceleration, places), strict=True)
     channels = {"machine_displacement": displacement, "machine_velocity": velocity}

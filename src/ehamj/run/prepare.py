@@ -133,7 +133,7 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         model = compiled(scenario.plant, timestep)
         data = mujoco.MjData(model)
         start = np.zeros(1)
-        ground = motion.sample(start)
+        ground = motion.sample(start).below(len(commands))
         command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
         equilibrium(model, data, Inputs(ground.displacement[0], ground.velocity[0], command))
         usual = choose_timestep(scenario.model_copy(update={"fault": ()}), controller) if scenario.fault else timestep

@@ -145,10 +145,11 @@ class Scenario(Installation, Course):
         """The ground's motion, of ``floors`` where variants share theirs.
 
         Raises:
-            InputError: if a record cannot be used.
+            InputError: if a record cannot be used, or the floor has no side that a sensor may stand upstream on.
         """
-        plant = self.plant
-        start = Start(plant.mounts, np.array(plant.positions), self.duration, self.seed)
+        plant, upstream = self.plant, self.sensors.upstream
+        places = np.array([*plant.positions, *([] if upstream is None else [upstream.position])])
+        start = Start(plant.mounts, places, self.duration, self.seed, upstream is not None)
         try:
             return self.ground.motion(start) if floors is None else floors.motion(self.ground, start)
         except ValueError as error:

@@ -249,7 +249,7 @@ def compiled_advance() -> Any:
         signals, act = np.zeros(sensing.layout.size * w), scratch.state[acts * w :]
         motion = (np.zeros(6 * w), np.zeros(6 * w), np.zeros(6 * w))
         length, velocity = np.zeros(mounts * w), np.zeros(mounts * w)
-        inputs = np.zeros(mounts * len(INPUTS) * ORDERS * w)
+        inputs = np.zeros((mounts + 1) * len(INPUTS) * ORDERS * w)
         for k in range(steps + last):
             number = first + k
             time = number * h

@@ -34,7 +34,8 @@ class Effects(NamedTuple):
 
 
 class Floor(NamedTuple):
-    """The ground in a stretch of steps as far as it moves: j numbers the axes that do, mount after mount."""
+    """The ground in a stretch of steps as far as it moves: j numbers the axes that do, mount after mount, and upstream
+    behind them."""
 
     points: Any
     """(step + 1, j, 3) displacement, velocity·step and acceleration at the start of each step and the end of the last
@@ -59,16 +60,20 @@ class Floor(NamedTuple):
         """The floors of lanes in so many steps [s] (None: at rest), and their effects on each machine."""
         mounts = effects[0].along.shape[0]
         unlike = {id(one): one for one in samples}
-        tables = {key: _points(one, steps, mounts, step) for key, one in unlike.items()}
+        tables = {key: _points(one, steps, mounts + 1, step) for key, one in unlike.items()}
         moving = np.any([np.any(table, axis=(0, 2)) for table in tables.values()], axis=0)
         mount, axis = np.divmod(np.flatnonzero(moving), len(AXES))
-        along = [-one.along[mount, axis] for one in effects]
+        along = [-np.vstack([one.along, np.zeros(len(AXES))])[mount, axis] for one in effects]
+        none = ((0, 0), (0, len(AXES)))  # what the ground upstream does to the machine
         return cls(
             stacked(tables[id(one)][:, moving] for one in (samples if len(tables) > 1 else samples[:1])),
             int(len(tables) > 1),
             mount * len(INPUTS) + axis,
             np.searchsorted(mount, np.arange(mounts + 1)),
-            stacked(np.stack([one.by_value[:, moving], one.by_rate[:, moving] / step], axis=1) for one in effects),
+            stacked(
+                np.stack([np.pad(part, none)[:, moving] for part in (one.by_value, one.by_rate / step)], axis=1)
+                for one in effects
+            ),
             stacked(one.always for one in effects),
             stacked(np.stack([own, own / step]) for own in along),
             stacked(one.stroke for one in effects),
@@ -81,10 +86,11 @@ class Floor(NamedTuple):
 
 
 def _points(sample: GroundSample | None, steps: int, mounts: int, step: float) -> Array:
-    """A floor's displacement, velocity·step and acceleration at the ends of steps, (step + 1, m·axis, 3)."""
+    """A floor's displacement, velocity·step and acceleration at the ends of steps, (step + 1, m·axis, 3), of so many
+    mounts at most."""
     points = np.zeros((steps + 1, mounts, len(AXES), ORDERS))
     for order, part in enumerate(sample or ()):
-        points[..., order] = part
+        points[:, : part.shape[1], :, order] = part
     points[..., 1] *= step
     return points.reshape(steps + 1, -1, ORDERS)
 
@@ -104,7 +110,7 @@ class Riding(NamedTuple):
     @classmethod
     def of(cls, coordinates: int, mounts: int, width: int) -> Self:
         """Room for it."""
-        sizes = (STAGES * mounts * len(AXES) * ORDERS, coordinates, STAGES * coordinates, STAGES * mounts * 2)
+        sizes = (STAGES * (mounts + 1) * len(AXES) * ORDERS, coordinates, STAGES * coordinates, STAGES * mounts * 2)
         return cls(*(np.zeros(size * width) for size in sizes))
 
 
@@ -188,7 +194,8 @@ def ride(floor, inverse, times, step, riding, n, lanes):  # type: ignore[no-unty
 
 @kernel
 def known(floor, riding, inputs, lanes):  # type: ignore[no-untyped-def]
-    """The ground at the start of the step as laws read it: (mount·input·order), which is zero where nothing moves."""
+    """The ground at the start of the step as laws read it: (mount·input·order) with upstream last, which is zero where
+    nothing moves."""
     w = len(lanes)
     for j in range(floor.places.size):
         copy_lanes(riding.values, j * ORDERS * w, inputs, floor.places[j] * ORDERS * w, ORDERS * w)

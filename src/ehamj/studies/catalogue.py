@@ -11,6 +11,7 @@ from ehamj.studies import (  # noqa: F401  # isort: skip
     gains,
     failed,
     levels,
+    preview,
     tolerances,
     soft_mounts,
     waves,

@@ -14,7 +14,8 @@ that it exerts so on a machine at rest is shared by the actuators, P_L = [K_L s 
 matrix from the ground's motion in all axes to the mounts; upright mounts in one plane bear none of W, and each reads
 its own ground alone.
 
-On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.control.lowend`).
+On floors for which 10 V do not suffice, ``isolate_from`` saves voltage (`ehamj.control.lowend`), the more with a
+sensor upstream (`ehamj.control.preview`).
 """
 
 from typing import Annotated, Literal
@@ -30,6 +31,7 @@ from ehamj.control.instruments import Instrument
 from ehamj.control.inverse import Inverse, held, instrument_poles, lag, others, restoring, shares, valve_poles
 from ehamj.control.law import Controller
 from ehamj.control.lowend import isolating
+from ehamj.control.preview import less_followed
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
@@ -65,11 +67,16 @@ class FeedforwardSettings(DigitalSettings):
         """The law for a plant, whose ground velocities are measured by ``sensors``."""
         inputs, own = MountChannels.of(plant).ground, plant.obeying.actuators
         sensor = sensors.of(inputs[0])
-        mounts = beside([self.block(actuator, sensor) for actuator in own])
+        upstream = sensors.upstream if self.isolate_from else None
+        alone = self if upstream is None else self.isolating_from(0.0)
+        mounts = beside([alone.block(actuator, sensor) for actuator in own])
         back = beside([held(actuator, self.recovery, self.period) for actuator in own])
         sideways, wrench = self._borne(plant)
         if sideways:
             inputs, mounts = inputs + sideways, wrench.then(mounts)
+        if upstream is not None:
+            ahead, kept = less_followed(inputs, plant, upstream, self.isolate_from)
+            inputs, mounts = inputs + ahead, kept.then(mounts)
         mounts = mounts.sampled(self.period)
         return self.digital(joined([mounts, back]), inputs, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)
 

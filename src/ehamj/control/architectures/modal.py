@@ -26,9 +26,11 @@ from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import creep, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
+from ehamj.control.preview import followed
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
+from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative, Positive, Settings
 
@@ -123,29 +125,40 @@ class ModalSettings(DigitalSettings):
         for motion, (group, sway, _) in sideways.items():
             names += group if sway.gain or motion in wide else ()
         names += at.pressures if self.warp.crossing else ()
-        spread = volts(plant) @ layout.spread
+        upstream = sensors.upstream if self.isolate_from and loops else None
+        follows = () if upstream is None else tuple(f"followed {motion}" for motion in layout.motions)
+        measured, spread = names + follows, volts(plant) @ layout.spread
         mean = np.full(mounts, 1.0 / mounts)
         blocks = []
         seen = self._seen(plant, sensors) if loops else None
         for k, motion in enumerate(layout.motions):
             if motion in loops and seen is not None:
                 fit = layout.fit[k]
-                rows = scipy.linalg.block_diag(np.vstack([_picked(names, group, fit) for group in at[:3]]), fit)
+                seeing = [_picked(measured, group, fit) for group in at[:3]]
+                seeing += [_picked(measured, (follows[k],), np.ones(1))] if follows else []
+                rows = scipy.linalg.block_diag(np.vstack(seeing), fit)
                 own = seen
                 if motion in wide:
                     # Sideways velocity lies among the measured, before what the valves did not get.
                     own = beside([seen, Block.gain([[1.0]])])
-                    rows = np.vstack([rows, np.pad(_picked(names, sideways[motion][0], mean), ((0, 0), (0, mounts)))])
+                    beyond = _picked(measured, sideways[motion][0], mean)
+                    rows = np.vstack([rows, np.pad(beyond, ((0, 0), (0, mounts)))])
                 blocks.append(own.then(loops[motion]).between(rows, spread[:, [k]]))
         for motion, (group, sway, sign) in sideways.items():
             if sway.gain:
                 tilts = sign * spread[:, [layout.motions.index(motion)]]
                 blocks.append(
-                    sway.block().sampled(self.period).between(_picked(names, group, mean), tilts).padded(0, mounts)
+                    sway.block().sampled(self.period).between(_picked(measured, group, mean), tilts).padded(0, mounts)
                 )
         if self.warp.crossing:
-            blocks.append(self.warp.block(plant).padded(len(names) - mounts, mounts))
+            blocks.append(self.warp.block(plant).padded(len(names) - mounts, len(follows) + mounts))
         law = added(blocks) if blocks else Block.gain(np.zeros((mounts, mounts)))
+        if upstream is not None:
+            weights = np.zeros((len(follows), len(plant.mounts), len(AXES)))
+            weights[:, list(plant.layout.active)] = layout.fit[:, :, None] * np.array(plant.obeying.directions)
+            ahead, block = followed(plant, upstream, self.isolate_from, weights)
+            whole = [Block.gain(np.eye(len(names))), block.sampled(self.period), Block.gain(np.eye(mounts))]
+            names, law = names + ahead, beside(whole).then(law)
         return self.digital(law, names, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)
 
     def _sideways(self, plant: Plant) -> dict[str, tuple[tuple[str, ...], SwayDamping, float]]:
@@ -159,10 +172,11 @@ class ModalSettings(DigitalSettings):
         return {name: one for name, one in found.items() if name in driven and own[name] not in driven}
 
     def _seen(self, plant: Plant, sensors: Sensors) -> Block:
-        """Sampled: displacement of a motion from inertial velocity, stroke, ground velocity, and what valves lost."""
+        """Sampled: displacement of a motion from inertial velocity, stroke, ground velocity, with a sensor upstream the
+        velocity that it follows, and what valves lost."""
         at = MountChannels.of(plant)
         foot = sensors.of(at.feet[0])
-        blend = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from)
+        blend = self.blend.seeing(foot, sensors.of(at.ground[0]), self.isolate_from, sensors.upstream is not None)
         late = self.hold + lag(instrument_poles(foot)[1])
         owed = lost(plant.obeying.actuators[0], late, self.recovery, self.period).times(-1.0)
         return joined([blend.sampled(self.period), owed])

@@ -12,14 +12,16 @@ import numpy as np
 from pydantic import Field
 
 from ehamj.control.balance import WarpBalance
-from ehamj.control.blocks import added, beside, joined
+from ehamj.control.blocks import Block, added, beside, joined
 from ehamj.control.channels import MountChannels
 from ehamj.control.inertial import Blend, MotionLoop
 from ehamj.control.inverse import creeps_of, instrument_poles, lag, lost, volts
 from ehamj.control.law import Controller
+from ehamj.control.preview import followed
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import ISOLATE_FROM, DigitalSettings
 from ehamj.control.windup import AntiWindup
+from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.settings import NotNegative
 
@@ -39,16 +41,26 @@ class SkyhookSettings(DigitalSettings):
         at, mounts = MountChannels.of(plant), len(plant.obeying.mounts)
         foot = sensors.of(at.feet[0])
         late = self.hold + lag(instrument_poles(foot)[1])
-        measured = self.blend.block(foot, sensors.of(at.ground[0]), self.isolate_from).sampled(self.period)
+        upstream = sensors.upstream if self.isolate_from else None
+        measured = self.blend.seeing(foot, sensors.of(at.ground[0]), self.isolate_from, upstream is not None)
+        measured = measured.sampled(self.period)
         each = []
         for actuator, slow in zip(plant.obeying.actuators, creeps_of(plant), strict=True):
             owed = lost(actuator, late, self.recovery, self.period).times(-1.0)
             loop = self.loop.block(slow).sampled(self.period)
             each.append(joined([measured, owed]).then(loop))
-        # The mounts' inputs come as foot, stroke, ground and loss of each; the law's as all feet, all strokes, ….
-        order = np.eye(4 * mounts).reshape(4, mounts, 4 * mounts).transpose(1, 0, 2).reshape(4 * mounts, 4 * mounts)
+        # The mounts' inputs come as foot, stroke, ground (what it follows) and loss of each; the law's as all feet, ….
+        groups = measured.B.shape[1] + 1
+        size = groups * mounts
+        order = np.eye(size).reshape(groups, mounts, size).transpose(1, 0, 2).reshape(size, size)
         law = beside(each).between(order, volts(plant) @ self.balance.spared(plant))
         names = at.feet + at.strokes + at.ground
-        balance = self.balance.block(plant).padded(len(names), mounts)
-        total = added([law.inserted(len(names), mounts), balance])
-        return self.digital(total, names + at.pressures, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)
+        balance = self.balance.block(plant).padded(len(names), size - len(names))
+        total, names = added([law.inserted(len(names), mounts), balance]), names + at.pressures
+        if upstream is not None:
+            weights = np.zeros((mounts, len(plant.mounts), len(AXES)))
+            weights[range(mounts), list(plant.layout.active)] = np.array(plant.obeying.directions)
+            ahead, block = followed(plant, upstream, self.isolate_from, weights)
+            whole = [Block.gain(np.eye(len(names))), block.sampled(self.period), Block.gain(np.eye(mounts))]
+            names, total = names + ahead, beside(whole).then(total)
+        return self.digital(total, names, plant, sensors=sensors, anti_windup=AntiWindup.INPUTS)

@@ -30,12 +30,15 @@ class Layout(NamedTuple):
     """Position of the metering edges of each valve, which its spool carries [mA]."""
     supply: int
     """Absolute pressure of the supply [Pa]."""
+    upstream: int
+    """Displacement of the ground upstream in each axis [m], then velocity, then acceleration."""
     size: int
 
     @classmethod
     def of(cls, mounts: int) -> "Layout":
         """The layout for so many mounts."""
-        sizes = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 3 + (1,)
+        machine = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 3
+        sizes = (*machine, 1, len(AXES) * ORDERS)
         return cls(*(sum(sizes[:k]) for k in range(len(sizes) + 1)))
 
 
@@ -48,14 +51,16 @@ def take(signals, place, values, first, factor, lanes):  # type: ignore[no-untyp
 
 @kernel
 def gather(signals, layout, motion, act, length, velocity, inputs, rate, lanes):  # type: ignore[no-untyped-def]
-    """Fill ``signals`` from (qpos, qvel, qacc), activations, actuators and ``inputs`` (mount·input·order)."""
+    """Fill ``signals`` from (qpos, qvel, qacc), activations, actuators and ``inputs`` (mount·input·order), which may
+    have the ground upstream as one mount more."""
     width = len(lanes)
     for dof in range(len(DOF_OF_JOINT)):
         joint = DOF_OF_JOINT[dof] * width
         take(signals, layout.displacement + dof, motion[0], joint, 1.0, lanes)
         take(signals, layout.velocity + dof, motion[1], joint, 1.0, lanes)
         take(signals, layout.acceleration + dof, motion[2], joint, 1.0, lanes)
-    for mount in range(length.size // width):
+    mounts, each = length.size // width, len(INPUTS) * ORDERS * width
+    for mount in range(mounts):
         for axis in range(len(AXES)):
             channel, first = len(AXES) * mount + axis, (len(INPUTS) * mount + axis) * ORDERS * width
             take(signals, layout.ground + channel, inputs, first, 1.0, lanes)
@@ -63,5 +68,11 @@ def gather(signals, layout, motion, act, length, velocity, inputs, rate, lanes):
             take(signals, layout.ground_acceleration + channel, inputs, first + 2 * width, 1.0, lanes)
         take(signals, layout.plate + mount, length, mount * width, 1.0, lanes)
         take(signals, layout.plate_velocity + mount, velocity, mount * width, 1.0, lanes)
+    if inputs.size > mounts * each:
+        for axis in range(len(AXES)):
+            first = mounts * each + axis * ORDERS * width
+            for order in range(ORDERS):
+                factor = rate if order == 1 else 1.0
+                take(signals, layout.upstream + len(AXES) * order + axis, inputs, first + order * width, factor, lanes)
     for k in range((layout.plate - layout.state) * width):
         signals[layout.state * width + k] = act[k]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.control import Controller
+from ehamj.control.channels import is_upstream
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
@@ -23,7 +24,7 @@ def quintics_of(scenario: Scenario) -> tuple[Array, Array]:
     times: Array = np.arange(n + 1, dtype=np.float64) * GRID
     mounts = len(scenario.plant.mounts)
     left, right = np.zeros((2, n + 1, 4 * mounts, 3))
-    for order, part in enumerate(scenario.motion().sample(times)):
+    for order, part in enumerate(scenario.motion().sample(times).below(mounts)):
         left[:, : 3 * mounts, order] = right[:, : 3 * mounts, order] = part.reshape(len(times), -1)
     for i, signal in enumerate(scenario.commands()):
         left[:, 3 * mounts + i] = np.array(signal.sample(times, left=True)).T
@@ -53,8 +54,8 @@ class SampledLaw:
         self.seen: list[tuple[int, Array]] = []
         for name in controller.inputs:
             what, mount, axis = name.split(" ")
-            if what != "ground_velocity":
-                raise ValueError(f"the reference model measures ground_velocity, not {name!r}")
+            if what != "ground_velocity" or is_upstream(name):
+                raise ValueError(f"the reference model measures ground_velocity at mounts, not {name!r}")
             at = plant.mounts.index(mount)
             self.seen.append((at, np.array(plant.directions[at]) if axis == "along" else np.eye(3)[AXES.index(axis)]))
 
