@@ -129,7 +129,7 @@ def test_one_loop_can_be_tuned_neither_none_nor_two(control: dict[str, Any]) -> 
 
 def test_variations_change_one_thing_each() -> None:
     plant = parse_scenario({}).plant
-    found = dict(Variations(mass=(0.7,), oil=(0.5,), flow=(1.5,), cg=(0.2,)).plants(plant))
+    found = dict(Variations(mass=(0.7,), oil=(0.5,), flow=(1.5,), cg=(0.2,), all=(0.9,)).plants(plant))
 
     def facts(one: Plant) -> tuple[float, ...]:
         actuator, inertia = one.actuators[0], np.diag(one.machine.tensor)
@@ -137,7 +137,7 @@ def test_variations_change_one_thing_each() -> None:
 
     base = facts(plant)
     changes = {name: [k for k, value in enumerate(facts(one)) if value != base[k]] for name, one in found.items()}
-    assert list(changes.values()) == [[], [0, 6, 7, 8], [1], [2], [3, 4]]
+    assert list(changes.values()) == [[], [0, 6, 7, 8], [1], [2], [3, 4], [0, 1, 2, 6, 7, 8]]
     assert facts(found["mass × 0.7"])[0] == pytest.approx(0.7 * base[0])
 
 
@@ -164,7 +164,7 @@ def test_factors_and_shifts_are_those_of_the_machine_with_all_that_is_on_it() ->
     scenario = load_scenario("moving-slide", ["part=[{name='workpiece', mass=500.0, position=[0.3, 0.1, 1.0]}]"])
     plant = scenario.plant
     heavier = with_factors(plant, mass=1.3)
-    (_, shifted) = dict(Variations(mass=(), oil=(), flow=(), cg=(0.02,)).plants(plant)).values()
+    (_, shifted) = dict(Variations(mass=(), oil=(), flow=(), cg=(0.02,), all=()).plants(plant)).values()
     for places in ({}, {"table": 0.3}):  # with the slide where it starts, and elsewhere
         base, more, off = (one.locked(places).machine for one in (plant, heavier, shifted))
         assert more.mass == pytest.approx(1.3 * base.mass, rel=1e-12)

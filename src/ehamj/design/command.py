@@ -7,8 +7,8 @@ from typing import Final
 
 from markupsafe import Markup
 
-from ehamj.control.settings import DigitalSettings
-from ehamj.design.budget import Budget, budget
+from ehamj.control.settings import DigitalSettings, SampledSettings
+from ehamj.design.budget import Attenuations, Budget, budget
 from ehamj.design.kinds import DESIGNABLE, beginning
 from ehamj.design.outcome import outcome
 from ehamj.design.page import design_page
@@ -39,6 +39,8 @@ class Designed:
     scenario: Scenario
     design: Design
     limits: Budget
+    wrong: Attenuations
+    """What is left on machines of which the law believes all wrongly at once (`Variations.all`)."""
     outcome: Outcome
 
 
@@ -95,7 +97,16 @@ def design_controller(
     scenario = scenario.model_copy(update={"control": designed})
     progress("predicting what a run will show")
     limits = budget(scenario, machines.get(RUNS_ON, machines[NOMINAL]), design.law)
-    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
+    wrong = {}
+    for name in variations_of(designed).wrong:
+        progress(f"predicting what is left with {name}")
+        wrong[name] = budget(scenario, machines[name], design.law).attenuation
+    return Designed(scenario, design, limits, wrong, outcome(scenario, kind, machines, design, limits, wrong))
+
+
+def variations_of(control: SampledSettings) -> Variations:
+    """The machines that a control's law must hold on: as it states them, or the usual ones."""
+    return control.variations if isinstance(control, SynthesisSettings) else Variations()
 
 
 def _machines(scenario: Scenario) -> Machines:
@@ -103,8 +114,7 @@ def _machines(scenario: Scenario) -> Machines:
     control, nominal = scenario.control, scenario.nominal
     assert isinstance(control, DigitalSettings)
     known = control.known(nominal.plant, nominal.sensors)
-    variations = control.variations if isinstance(control, SynthesisSettings) else Variations()
-    machines = machines_of(nominal.plant, variations, known)
+    machines = machines_of(nominal.plant, variations_of(control), known)
     if control.designed_for is not None:  # the law is derived for a machine that differs from the one it runs on
         machines[RUNS_ON] = linear_model(behind(scenario.plant, known))
     return machines
@@ -127,7 +137,7 @@ def write_design(folder: Path, found: Designed) -> None:
     """Write a design into an existing folder, each file whole."""
     does = Markup(" and controller.json: <code>ehamj run scenario.toml</code> runs the machine under this law.")
     beside = Markup("{}").format(files_of(found.outcome, "design")) + does
-    shown = design_page(found.outcome, found.scenario, found.design, found.limits, beside)
+    shown = design_page(found.outcome, found.scenario, found.design, found.limits, found.wrong, beside)
     write_outcome(folder, "design", found.outcome, found.scenario, shown, "design")
     with written_whole(folder / CONTROLLER_FILE) as path:
         found.design.law.save(path)

@@ -9,7 +9,7 @@ import xarray as xr
 from ehamj.control import LinearController
 from ehamj.control.describing import AMPLITUDES, across
 from ehamj.control.spools import followed
-from ehamj.design.budget import Budget
+from ehamj.design.budget import Attenuations, Budget
 from ehamj.design.figures import budget_drawings, loop_drawings, plotted, valve_drawings
 from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
@@ -34,7 +34,9 @@ LOUDER: Final = 0.5
 """By so much the machine must be louder than the floor before it is said [dB]."""
 
 
-def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget) -> Outcome:
+def outcome(
+    scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget, wrong: Attenuations
+) -> Outcome:
     """The design of a scenario's control as answers, tables and drawings.
 
     Args:
@@ -43,6 +45,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         machines: the machine and its variations.
         design: the law with its margins.
         limits: its budget on the machine as designed.
+        wrong: what is left on machines of which the law believes all wrongly at once.
     """
     has_loop = feeds_back(design.law)
     tables, drawings = {}, {}
@@ -60,7 +63,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
     return Outcome(
         title=f"Controller for {scenario.name}",
         question=f"Which {kind} law leaves the margins, and what limits it?",
-        answers=tuple(_answers(scenario, design, limits, has_loop)),
+        answers=(*_answers(scenario, design, limits, has_loop), *_left(wrong)),
         tables=tables,
         drawings=drawings,
         notes=(
@@ -78,6 +81,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             "disk_margin": disk,
             "margins": {name: one.to_dict() for name, one in design.reports.items()},
             "budget": limits.to_dict(),
+            "attenuation_if_wrong_db": {name: {m: dict(v) for m, v in one.items()} for name, one in wrong.items()},
             "law": {"states": design.law.states, "inputs": len(design.law.inputs)},
         },
     )
@@ -124,6 +128,17 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             f"Heave crosses at {limits.phases['crossing_hz']:.0f} Hz; what lags there: {words}. "
             f"The bandwidth is bound by {first} first."
         )
+    return found
+
+
+def _left(wrong: Attenuations) -> list[str]:
+    """What is left vertically of the isolation where the law believes all wrongly at once."""
+    found = []
+    for name, one in wrong.items():
+        known = [(band, value) for band in SHOWN if (value := one["z"][band]) is not None]
+        if known:
+            said = ", ".join(f"{decibel(value)} dB at {band} Hz" for band, value in known)
+            found.append(f"With {name}, of which the law knows nothing, vertically: {said}.")
     return found
 
 

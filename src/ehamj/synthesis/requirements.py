@@ -38,12 +38,22 @@ class Requirements(Settings):
 
 
 class Variations(Settings):
-    """Machines that the same law must hold on, each changed in one respect from the one it is designed for."""
+    """Machines that the same law must hold on, beside the one that it is designed for."""
 
     mass: tuple[Positive, ...] = Field((0.7, 1.3), description="factors on the machine's mass, with all that is on it")
     oil: tuple[Positive, ...] = Field((0.5,), description="factors on the oil's bulk modulus")
     flow: tuple[Positive, ...] = Field((1.5,), description="factors on the valves' flow gain")
     cg: tuple[float, ...] = Field((), description="sideways shifts of the centre of gravity along x and y [m]")
+    all: tuple[Positive, ...] = Field(
+        (0.95,),
+        description="factors on mass, bulk modulus and flow gain at once: what the law believes wrongly; a design says "
+        "what is left of the isolation there",
+    )
+
+    @property
+    def wrong(self) -> tuple[str, ...]:
+        """Names of the machines on which all is off at once."""
+        return tuple(f"mass, oil and flow × {factor:g}" for factor in self.all)
 
     def plants(self, plant: Plant) -> Iterator[tuple[str, Plant]]:
         """The machine as it is, then each variation, with its name."""
@@ -53,6 +63,8 @@ class Variations(Settings):
                 yield f"{words} × {factor:g}", with_factors(plant, **{name: factor})
         for shift in self.cg:
             yield f"centre of gravity off by {shift:g} m", _shifted(plant, shift)
+        for name, factor in zip(self.wrong, self.all, strict=True):
+            yield name, with_factors(plant, mass=factor, oil=factor, flow=factor)
 
 
 def _shifted(plant: Plant, shift: float) -> Plant:
