@@ -14,8 +14,10 @@ from ehamj.control.kinds import CombinedSettings
 from ehamj.control.law import stack
 from ehamj.control.lines import Line
 from ehamj.errors import InputError
+from ehamj.judge.brief import brief
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
+from ehamj.linear.margins import report
 from ehamj.linear.sampled import spectral_radius
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
@@ -256,7 +258,7 @@ def test_a_file_holds_it_and_a_sum_moves_its_states(tmp_path: Path) -> None:
     law.save(tmp_path / "law.json")
     read = Controller.load(tmp_path / "law.json")
     assert read.lines == law.lines
-    assert law.lines[0] == Line(0, 3, 24.5, 24.5 * 0.98, 24.5 * 1.02, 0.3, 3.0)
+    assert law.lines[0] == Line(0, 3, 24.5, 24.5 * 0.98, 24.5 * 1.02, 0.3, 1.0)
     assert [line.first for line in stack([law, law]).lines] == [0, 6, 12, 18]
 
 
@@ -309,3 +311,27 @@ def test_only_the_motions_that_are_named_are_held_still() -> None:
     assert law.states == 4
     front, back = law.C[:2], law.C[2:]  # mounts in front, and behind
     np.testing.assert_allclose(front, -back, rtol=1e-12)
+
+
+def test_margins_count_where_a_line_may_be() -> None:
+    """Beside modal feedback a resonator costs phase, the more the nearer its line is to where that loop crosses."""
+    case = scenario(1.0, sensors={"ground": GEOPHONE, "inertial": GEOPHONE, "stroke": {}, "pressure": {}})
+    parts = [{"kind": "modal"}, {"kind": "adaptive", "lines": [40.0], "drift": 0.2, "time": 0.1, "leak": 1.0}]
+    law = CombinedSettings.model_validate({"parts": parts, "delay": DELAY}).controller(case.plant, case.sensors)
+    model = linear_model(case.plant)
+    still = tuple(line._replace(low=line.frequency, high=line.frequency) for line in law.lines)
+    places = [replace(law, lines=still), *(replace(law.turned(end), lines=()) for end in ("low", "high"))]
+    disks = [report(model, Loop.of(case, one)).worst[2] for one in places]
+    assert max(disks) - min(disks) > 0.02
+    assert report(model, Loop.of(case, law)).worst[2] == min(disks)
+
+
+def test_a_run_says_where_its_lines_ended_and_when_one_left_its_range() -> None:
+    found = [simulate(scenario(1.2, (line,), control=control(lines=(24.5,)))).summary for line in (24.3, 23.7)]
+    inside, outside = (one.followed[0] for one in found)
+    assert (inside.stated, inside.low, inside.high) == (24.5, 24.5 * 0.98, 24.5 * 1.02)
+    assert inside.found == pytest.approx(24.3, abs=0.02)
+    assert outside.found == pytest.approx(24.01, abs=1e-5)
+    said = [[text for text in one.warnings if "end of its range" in text] for one in found]
+    assert [len(texts) for texts in said] == [0, 1]
+    assert brief(found[0])["lines"] == f"24.5 Hz at {inside.found:.5g} Hz"

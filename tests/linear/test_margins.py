@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ehamj.control import Controller
 from ehamj.control.architectures.modal import ModalSettings
+from ehamj.control.architectures.resonant import ResonantSettings
 from ehamj.control.kinds import CombinedSettings
 from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back, opened
@@ -265,3 +266,12 @@ def test_the_grid_ends_below_half_the_rate_and_is_dense_at_resonances(model: Lin
     assert f[-1] < 5000.0
     assert np.all(np.diff(f) > 0)
     assert np.diff(f[(f > 69.5) & (f < 71.2)]).max() < 0.5  # sway-rocking: 70 Hz, of 2ζf = 4.4 Hz half width
+
+
+def test_a_resonator_of_a_law_is_seen_however_narrow_it_is(model: LinearModel) -> None:
+    settings = ResonantSettings(lines=(24.5,), gain=30.0, bandwidth=5e-4)
+    found = report(model, Loop(settings.controller(model.plant, IDEAL), IDEAL, 0)).motions["heave"]
+    # |L| = 1 where x = f/f₀ − f₀/f is ± 2ζ√(g² − 1); beyond g 1 % of the oil's phase counts.
+    x = 2 * 5e-4 * np.sqrt(30.0**2 - 1.0)
+    wanted = 24.5 * (np.sqrt(1.0 + 0.25 * x**2) + 0.5 * x * np.array([-1.0, 1.0]))
+    np.testing.assert_allclose(found.crossings, wanted, rtol=1e-3)

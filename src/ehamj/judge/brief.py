@@ -44,6 +44,8 @@ def brief(summary: Summary) -> dict[str, str]:
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
+    if summary.followed:
+        found["lines"] = ", ".join(line.words for line in summary.followed)
     found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
     return found | _rest(summary)
 

@@ -9,6 +9,7 @@ from ehamj.findings import Finding
 from ehamj.judge.faults import WHOLE, FaultFound, Phase
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.learnt import Beliefs
+from ehamj.judge.lines import FoundLine
 from ehamj.judge.relative import RelativeMotion
 from ehamj.judge.spectra import ResponseSpectra
 from ehamj.judge.worse import Worse
@@ -154,6 +155,8 @@ class Summary(Isolation, Head):
     """Of a law that was found for the machine at hand; None of any other."""
     learnt: Beliefs = Field(default_factory=dict)
     """What laws have learnt of each mount at the end; empty where they do not learn."""
+    followed: list[FoundLine] = Field(default_factory=list)
+    """Lines that laws follow, where they ended; empty where they follow none."""
     python_law: bool = False
     """Whether a Python function gave the commands, of which no margins are known."""
     timing: Timing

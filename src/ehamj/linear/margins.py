@@ -8,20 +8,25 @@ to disk margins", IEEE Control Systems 40(5), 2020; balanced, σ = 0) tells how 
 them together and independently, since one loop at a time misleads.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.control import LinearController
+from ehamj.control import Controller, LinearController
 from ehamj.findings import finite
 from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.unstable import UnstablePole, unstable_pole
 from ehamj.plant.plant import Plant
+
+NARROW: Final = 0.05
+"""Damping ratio below which a law's own resonance is looked at closely."""
+ENDS: Final[tuple[Literal["low", "high"], ...]] = ("low", "high")
+"""Of the ranges within which lines are followed."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +90,8 @@ class LoopReport:
 
 
 def grid(law: LinearController, model: LinearModel | None = None, dense: int = 1) -> Array:
-    """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances;
-    ``dense`` times as many for smooth pictures."""
+    """Frequencies at which loops are looked at [Hz]: 0.02 Hz to just below half the rate, dense about resonances, the
+    law's own too; ``dense`` times as many for smooth pictures."""
     half = 0.5 / max(part.period for part in law.parts)
     found = [np.geomspace(0.02, 0.99 * half, 250 * dense), np.geomspace(20.0, min(700.0, 0.9 * half), 150 * dense)]
     if model is not None:
@@ -94,8 +99,20 @@ def grid(law: LinearController, model: LinearModel | None = None, dense: int = 1
         for pole in poles[poles.imag > 0]:
             centre, width = abs(pole) / (2 * np.pi), abs(pole.real) / (2 * np.pi)
             found.append(centre + width * np.linspace(-4.0, 4.0, 17))
+    for part in law.parts:
+        found += [np.concatenate([centre - off, [centre], centre + off]) for centre, off in _resonances(part)]
     together = np.unique(np.concatenate(found))
     return together[(together >= 0.02) & (together < half)]
+
+
+def _resonances(law: Controller) -> Iterator[tuple[float, Array]]:
+    """Frequencies at which a law by itself rings for long [Hz], and distances from each over which its gain falls."""
+    values = np.linalg.eigvals(law.A) if law.states else np.zeros(0)
+    for pole in np.log(values[values.imag > 0.0]) / law.period:
+        size = abs(pole)
+        if -pole.real < NARROW * size:
+            least = max(-pole.real, 1e-4 * size)
+            yield pole.imag / (2 * np.pi), np.geomspace(0.3 * least, 0.3 * size, 24) / (2 * np.pi)
 
 
 def patterns_of(plant: Plant) -> tuple[str, ...]:
@@ -122,7 +139,8 @@ def loop_gains(model: LinearModel, loop: Loop, hertz: ArrayLike) -> dict[str, Co
 
 
 def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
-    """Margins at every place where the loop can be broken.
+    """Margins at every place where the loop can be broken; of a law that follows lines with these where they are
+    stated, or all at one end of their ranges, whichever leaves least.
 
     Args:
         model: linearised machine.
@@ -132,9 +150,17 @@ def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> Lo
     Raises:
         ValueError: if the law only measures the ground: there is no loop.
     """
-    law = loop.law
-    if not feeds_back(law):
+    if not feeds_back(loop.law):
         raise ValueError("the law measures nothing of the machine: there is no loop")
+    found = [_report(model, loop, hertz)]
+    if any(line.low < line.high for line in loop.law.lines):
+        found += [_report(model, replace(loop, law=loop.law.turned(end)), hertz) for end in ENDS]
+    return min(found, key=lambda one: (one.stable, one.worst[2]))
+
+
+def _report(model: LinearModel, loop: Loop, hertz: ArrayLike | None) -> LoopReport:
+    """Margins with lines where they stand."""
+    law = loop.law
     f = grid(law, model) if hertz is None else np.atleast_1d(np.asarray(hertz, float))
     cut = opened(model, loop, f)
     sensitivity = cut.sensitivity

@@ -3,10 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from ehamj.control import AnyController
 from ehamj.control.converter import Converter
 from ehamj.control.learners import Learner, Learnt
 from ehamj.control.valves import Known
 from ehamj.judge.learnt import Belief, Beliefs, nothing
+from ehamj.judge.lines import FoundLine
 
 
 def learnt(dataset: xr.Dataset, converter: Converter) -> Beliefs:
@@ -30,6 +32,17 @@ def unlearnt(found: Beliefs, converter: Converter) -> list[str]:
         f"{least:g} mA of opening RMS (control.learning.least, and control.linearisation.band where edges are "
         "made good), or came only while a command was limited or faded, or soon after"
         for least, mounts in by_least.items()
+    ]
+
+
+def found_lines(dataset: xr.Dataset, law: AnyController | None) -> list[FoundLine]:
+    """Where the lines that a law follows were at the end of a run; empty where it follows none."""
+    if law is None or not law.lines or not dataset.sizes["time"]:
+        return []
+    last = dataset["line_frequency"].values[-1].tolist()
+    return [
+        FoundLine(stated=line.frequency, low=line.low, high=line.high, found=found)
+        for line, found in zip(law.lines, last, strict=True)
     ]
 
 

@@ -11,8 +11,8 @@ from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
-from ehamj.judge.learnt import Beliefs
 from ehamj.judge.levels import duration_of
+from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import FoundLaw, Least, LoopMargins, Summary, Timing
@@ -23,7 +23,7 @@ from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
-from ehamj.run.learnt import learnt, unlearnt
+from ehamj.run.learnt import found_lines, learnt, unlearnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
@@ -62,7 +62,8 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     if struck := aftermath(prepared, driven.struck, dataset):
         asked["fault"] = struck
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
-    beliefs, idle = _learnt(prepared, dataset)
+    found, idle = _learnt(prepared, dataset)
+    asked |= found
     said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
@@ -82,7 +83,6 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
         law=_found(prepared),
-        learnt=beliefs,
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,
@@ -114,13 +114,14 @@ def _found(prepared: Prepared) -> FoundLaw | None:
     )
 
 
-def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[Beliefs, list[str]]:
-    """What its law has learnt in a run, and what must be said of mounts of which it learnt nothing."""
+def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[dict[str, Any], list[str]]:
+    """What its law has learnt in a run and where its lines were, and what must be said of mounts of which it learnt
+    nothing and of lines that may be elsewhere."""
     if prepared.controller is None:
         return {}, []
-    converter = prepared.controller.converter
+    converter, lines = prepared.controller.converter, found_lines(dataset, prepared.controller)
     beliefs = learnt(dataset, converter)
-    return beliefs, unlearnt(beliefs, converter)
+    return {"learnt": beliefs, "followed": lines}, [*unlearnt(beliefs, converter), *beyond(lines)]
 
 
 def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:

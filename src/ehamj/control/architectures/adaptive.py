@@ -34,7 +34,7 @@ class AdaptiveSettings(LineSettings):
     drift: Annotated[float, Field(ge=0, lt=0.5)] = Field(
         0.02, description="share by which a line may be off its frequency, within which it is followed [-]; 0: not"
     )
-    pace: Positive = Field(3.0, description="time over which a line's frequency is followed [s]; at least 3 times time")
+    pace: Positive = Field(1.0, description="time over which a line's frequency is followed [s]; at least 3 times time")
 
     @model_validator(mode="after")
     def _apart(self) -> Self:

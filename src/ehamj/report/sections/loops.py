@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 def loops(shown: Shown) -> Section | None:
     """Plots and margins of laws that measure the machine, and what laws have learnt; None where there is neither."""
-    tables = [table for table in (_margins(shown), _learnt(shown)) if table.rows]
+    tables = [table for table in (_margins(shown), _lines(shown), _learnt(shown)) if table.rows]
     return Section("loops", "Control loop", list(_figures(shown)), tables, list(_found(shown))) if tables else None
 
 
@@ -63,6 +63,16 @@ def _margins(shown: Shown) -> Table:
         f"2. {DASH}: unlimited, or no crossing."
     )
     return Table("Margins of the control loop", LOOP_HEAD, rows, note)
+
+
+def _lines(shown: Shown) -> Table:
+    """Lines that laws follow, where they ended, a row per line."""
+    known = {label: found for label, result in shown.results.items() if (found := result.summary.followed)}
+    rows: list[list[str]] = []
+    for lines in _by_run(known, rows):
+        rows += [[f"{one.stated:g}", f"{one.low:.5g} to {one.high:.5g}", f"{one.found:.5g}"] for one in lines]
+    note = "Margins count with each line where it is stated and at both ends of its range, whichever leaves least."
+    return Table("Lines that the law follows", ("stated [Hz]", "within [Hz]", "at the end [Hz]"), rows, note)
 
 
 def _learnt(shown: Shown) -> Table:
