@@ -43,7 +43,7 @@ def standard() -> Design:
 
 def assert_holds(design: Design, gain: float = 6.0, phase: float = 45.0, disk: float = 0.5) -> None:
     assert design.meets
-    assert len(design.reports) == 5
+    assert len(design.reports) == 6
     for name, one in design.reports.items():
         assert one.stable, name
         assert one.worst[0] >= gain, name

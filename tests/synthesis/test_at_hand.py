@@ -101,7 +101,9 @@ def test_isolating_from_a_frequency_leaves_what_is_slower_to_the_floor() -> None
     model, moved = linear_model(scenario().plant), []
     combined = parse_scenario({"control": {"kind": "combined", "delay": 1.5e-4}}).control
     assert isinstance(combined, DigitalSettings)
-    for control in (scenario().control, scenario(control={"kind": "lqg", "isolate_from": 5.0}).control):
+    alike = {"blend": {"restore": 0.05}, "feedforward": {"restore": 0.05}}
+    late = {"kind": "lqg", "isolate_from": 5.0, **alike}
+    for control in (scenario().control, scenario(control=late).control):
         one = scenario().model_copy(update={"control": control})
         moved.append(moves(model, Loop.of(one, law_of(one))))
     one = scenario().model_copy(update={"control": combined.isolating_from(5.0)})

@@ -306,13 +306,13 @@ def test_more_margin_is_bought_with_gain(machines: Machines) -> None:
     begin = beginning("lqg", CombinedSettings(delay=DELAY, bits=20))
     assert isinstance(begin, SynthesisSettings)
     assert (begin.delay, begin.bits) == (DELAY, 20)
-    design = eased(begin, machines, Requirements(gain_margin=7.0))
+    design = eased(begin, machines, Requirements(gain_margin=8.0))
     assert design.meets
     assert isinstance(design.settings, LqgSettings)
-    # Each motion had 6.3 to 6.6 dB, and is lowered by what it lacks, and by two per cent.
-    gains = [getattr(design.settings, motion).gain for motion in MOTIONS]
-    assert all(0.85 < gain < 0.95 for gain in gains), gains
-    assert min(design.worst_of(motion)[0] for motion in MOTIONS) < 7.3
+    # Each motion had 7.2 to 7.5 dB, and is lowered by what it lacks, and by two per cent.
+    lowered = [getattr(design.settings, motion).gain / getattr(begin, motion).gain for motion in MOTIONS]
+    assert all(0.85 < by < 0.95 for by in lowered), lowered
+    assert min(design.worst_of(motion)[0] for motion in MOTIONS) < 8.3
 
 
 def test_margins_that_no_gain_leaves_are_refused(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:
