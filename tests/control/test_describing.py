@@ -61,6 +61,19 @@ def test_who_believes_too_much_of_the_overlap_has_too_much_gain() -> None:
     assert gains[0] < 0.9 < gains[1] < 1.1 < gains[2]
 
 
+def test_while_little_is_wanted_it_is_the_valve_about_one_of_its_edges() -> None:
+    """Known exactly an edge passes one half of a cycle; too much of it is an offset until the cycle reaches its end."""
+    plant = plant_of(overlap=[LAP] * 4)
+    known, little = Linearisation().known(plant)[0], [0.01, 0.05, 0.1]
+    np.testing.assert_allclose(describing(known, plant.actuators[0], little), 0.5, atol=GRID)
+    overdone = believed(known, 1.3)
+    np.testing.assert_allclose(describing(overdone, plant.actuators[0], little), 1.0, atol=GRID)
+    never = overdone._replace(numbers=overdone.numbers._replace(quiet=0.0))
+    assert abs(describing(never, plant.actuators[0], 0.1)[0]) > 1.9
+    much = [0.3, 1.0]
+    np.testing.assert_array_equal(*(describing(one, plant.actuators[0], much) for one in (overdone, never)))
+
+
 def test_laws_are_left_with_the_valve_without_what_is_made_good() -> None:
     plant = plant_of(**REAL, flow_curve=[[0.0, 0.0], [0.5, 0.3], [1.0, 1.0]])
     assert made_good(plant, ()) == plant

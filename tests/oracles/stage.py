@@ -23,6 +23,7 @@ class PythonStage:
     def __post_init__(self) -> None:
         own = self.valve.numbers
         self.state, self.lag, self.lean, self.edges = np.zeros(2), np.zeros(2), 0.0, 0.0
+        self.level, self.place = 1.0, 0.0
         self.spool_moves = self._held(own.valve_frequency, own.valve_damping)
         self.lag_moves = self._held(1.0 / own.rolloff, 1.0)
 
@@ -51,7 +52,7 @@ class PythonStage:
         def root(low: float, high: float) -> float:
             return float(brentq(lambda z: self.flow(z, factors) - y, low, high, xtol=1e-15, rtol=1e-15))
 
-        t = np.clip(y / own.band, -1, 1)
+        t = np.clip(self.place / own.band, -1, 1)
         spread = t * (3 - t**2) / 2
         if ahead < behind:
             z = root(-1e3, 1e3)
@@ -82,6 +83,10 @@ class PythonStage:
         """What is added [V] to a wanted voltage that fade and range have taken from."""
         own = self.valve.numbers
         wanted = self.state[0] + 2 * own.rolloff * self.state[1]
+        forgotten = np.exp(-self.period / 0.5)
+        self.level = forgotten * self.level + (1 - forgotten) * wanted**2
+        half = 3 * np.clip(2 * own.quiet - np.sqrt(self.level), 0, own.quiet)
+        self.place = float(np.clip(self.place, wanted - half, wanted + half))
         edges = self.opening(wanted, factors)
         self.lean = float(np.clip(self.lean + (edges - self.edges) / own.reversal, -1, 1))
         more = share * (edges + own.play * self.lean - own.offset - wanted)

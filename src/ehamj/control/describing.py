@@ -2,7 +2,8 @@
 
 At pressures at which the flow gain holds, and so slowly that the spool follows: w = A sin θ is wanted, the spool goes
 where the stage sends it, and of what the valve then gives the fundamental over A is N(A). Outside the overlap, where
-the law knows the valve, N is 1; across it the gain and the phase tell what the loop does.
+the law knows the valve, N is 1; across it the gain and the phase tell what the loop does. While little is wanted the
+spool keeps to its side of the overlap (`ehamj.control.compiled.opening.place_of`), the one that it begins on.
 """
 
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.compiled import kernel
-from ehamj.control.compiled.opening import FIELDS, Edges, known, leaning, opening_for
+from ehamj.control.compiled.opening import FIELDS, Edges, known, leaning, opening_for, place_of
 from ehamj.control.valves import EDGES, KnownValve
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.component import At
@@ -78,8 +79,11 @@ def _through(wanted, numbers, gap, offset, stroke, valve, given, lanes):  # type
     """What is given for wanted openings, one after the other [mA]."""
     own = known(numbers, 0, lanes)
     at_rated = Edges(own.share, own.share, 1.0 - own.share, 1.0 - own.share)
-    before, lean, held = 0.0, 0.0, 0.0
+    before, lean, held, place, level = 0.0, 0.0, 0.0, own.band, 0.0
     for k in range(wanted.size):
-        opening = opening_for(wanted[k], at_rated, own, numbers, FIELDS, lanes)
+        level += wanted[k] * wanted[k] / wanted.size
+    for k in range(wanted.size):
+        place = place_of(wanted[k], place, level, own)
+        opening = opening_for(wanted[k], place, at_rated, own, numbers, FIELDS, lanes)
         lean, before = leaning(before, opening, lean, own), opening
         held, given[k] = _given(opening + own.play * lean - own.offset, held, gap, offset, stroke, valve, own)

@@ -41,6 +41,11 @@ class Linearisation(Settings):
     band: Positive = Field(
         0.1, description="wanted opening to each side of null over which the jump across the overlap is spread [mA]"
     )
+    quiet: NotNegative = Field(
+        0.1,
+        description="wanted opening, RMS over the last half second, below which the spool keeps to its side of the "
+        "overlap until three times this is wanted of the other (0: never) [mA]",
+    )
     reversal: Positive = Field(
         0.1, description="half of the travel of the edges over which the spool is taken through its play [mA]"
     )
@@ -79,6 +84,7 @@ class Linearisation(Settings):
             supply_2=self.overlap * actuator.overlap[2],
             tank_2=self.overlap * actuator.overlap[3],
             band=self.band,
+            quiet=self.quiet,
             play=self.threshold * actuator.threshold + 0.5 * self.hysteresis * actuator.hysteresis,
             reversal=self.reversal,
             offset=self.null_offset * actuator.null_offset,
@@ -111,6 +117,6 @@ def _without(actuator: Actuator, known: Known) -> Actuator:
 
 
 NOTHING: Final = Linearisation(
-    pressure_drop=False, flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0
+    pressure_drop=False, flow_curve=False, overlap=0.0, hysteresis=0.0, threshold=0.0, null_offset=0.0, quiet=0.0
 )
 """Nothing is made good: of a mount that laws leave out, and of valves of which a law only learns."""

@@ -16,6 +16,7 @@ from ehamj.control.compiled.laws import LAW, LawMemory, Laws, step_shares
 from ehamj.control.compiled.learning import USED
 from ehamj.control.compiled.sensing import Readings, Sensing
 from ehamj.control.compiled.signals import Layout
+from ehamj.control.compiled.stage import LEVEL, REMEMBERS
 from ehamj.control.converter import Converter, check_mounts
 from ehamj.control.following import lines_of
 from ehamj.control.instruments import OLDER, Discrete, discretise
@@ -23,7 +24,17 @@ from ehamj.control.learners import strokes
 from ehamj.control.matrices import Integers, Matrices, by_rows
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.spools import positions
-from ehamj.control.stage import Inner, Stage, begun, numbers_of, paces_of, pressure_places, spool_numbers, stated
+from ehamj.control.stage import (
+    AT_START,
+    Inner,
+    Stage,
+    begun,
+    numbers_of,
+    paces_of,
+    pressure_places,
+    spool_numbers,
+    stated,
+)
 from ehamj.plant.plant import Plant
 
 _FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, *(ctypes.c_void_p,) * 3)
@@ -159,6 +170,7 @@ def _made(
     gathered = begun(converter.learners, learners)
     memory = LawMemory.of(size, inputs_of.size, mounts, kept, (known.copy(), gathered))
     memory.values[int(table["frequencies"][0]) if len(table) else 0 :][: frequencies.size] = frequencies
+    memory.stage[LEVEL::REMEMBERS] = AT_START**2
     if converter.learners:
         first = int(table["states_at"][-1])
         memory.values[first : first + USED * mounts] = stated(converter.learners)

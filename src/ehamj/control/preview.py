@@ -10,7 +10,7 @@ F is the sum of Laguerre functions behind a low-pass that is least in
     ∫ ( |1 + c/s|²·|1 − N|² + R·|N|² ) Φ df
 
 for a floor Φ that is flat over third octaves: the first is the voltage that W = 1 − N takes, R weighs from f₀ on what
-remains.
+remains, the more the farther above f₀, where local sensors leave less.
 """
 
 from collections.abc import Sequence
@@ -33,13 +33,13 @@ POLES: Final = (0.4, 0.6, 0.9, 1.3)
 """Their pole over f₀: that is taken which is best."""
 ABOVE: Final = 4.0
 """Corner of the low-pass behind which they lie, over f₀."""
-REST: Final = 10.0 ** (-28.0 / 20.0)
+REST: Final = 10.0 ** (-29.0 / 20.0)
 """Share of the floor that may be left in the third octave at f₀."""
 WEIGHTS: Final = np.geomspace(300.0, 5_000.0, 8)
-"""R: the least is taken with which no more is left; more than the last of them is not worth its voltage."""
+"""R at f₀: the least is taken with which no more is left; more than the last of them is not worth its voltage."""
 EDGE: Final = 10.0**-0.05
 """Lower edge of the third octave at f₀, over f₀."""
-SLOW: Final = 0.15
+SLOW: Final = 0.2
 """Corner below which the floor's velocity is taken to fall, as acceleration does from there on, over f₀."""
 SPAN: Final = (0.02, 30.0)
 """Frequencies looked at, over f₀."""
@@ -76,13 +76,14 @@ def _best(times: tuple[float, ...], frequency: float, creep: float) -> tuple[Sha
     s = np.asarray(1j * TWO_PI * f, complex)
     floor = 1.0 / np.sqrt(1.0 + (SLOW * frequency / f) ** 4)
     volts, kept = floor * np.abs(1.0 + creep / s), f >= EDGE * frequency
+    rest = kept * np.sqrt(f / frequency)
     first = kept & (f < frequency / EDGE)
     shapes = [Shape(TWO_PI * pole * frequency, TWO_PI * ABOVE * frequency) for pole in POLES]
     for weight in WEIGHTS:
         found = []
         for shape in shapes:
             own = shape.responses(s)
-            fits = [_shares(own, s, tau, volts, np.sqrt(weight) * kept) for tau in times]
+            fits = [_shares(own, s, tau, volts, np.sqrt(weight) * rest) for tau in times]
             left = max(float(np.mean(np.abs(own[first] @ shares) ** 2)) for shares, _ in fits)
             found.append((sum(cost for _, cost in fits), left, shape, np.array([shares for shares, _ in fits])))
         _, left, shape, shares = min(found, key=lambda one: one[0])

@@ -18,6 +18,10 @@ from ehamj.control.valves import Known, KnownValve, chambers_of
 
 SETTLED = 3.0
 """Periods of the band's lower end after which its filters have forgotten: e^(−6π)."""
+LASTING = 0.5
+"""Time over which it is taken how much opening is wanted [s]."""
+AT_START = 1.0
+"""What is taken to have been wanted before the start, RMS [mA]: much."""
 SEEN = 1.0
 """Time over which the power of the flow is taken [s]."""
 
@@ -80,7 +84,7 @@ def _moves(own: Known, period: float) -> Moves:
     lag = _held(-1.0 / time**2, -2.0 / time, 1.0 / time**2, period)
     share = 1.0 / (natural * time) ** 2
     led = share, 1.0 - share, 2.0 * own.valve_damping / natural - 2.0 * time * share
-    return Moves._make([*spool, *lag, 2.0 * time, *led])
+    return Moves._make([*spool, *lag, 2.0 * time, *led, -math.expm1(-period / LASTING)])
 
 
 def _valve_moves(own: Known | KnownSpool, period: float) -> list[float]:

@@ -20,6 +20,13 @@ class Upstream(Settings):
         description="the wave that is expected; the law takes it from here, the floor moves as [ground] says"
     )
 
+    @property
+    def said(self) -> str:
+        """Where it stands and what is believed, in words."""
+        x, y, z = self.position
+        wave = f"a wave towards {self.wave.direction:g}° at {self.wave.speed:g} m/s"
+        return f"at {x:g}, {y:g}, {z:g} m, for {wave}"
+
     def times(self, positions: ArrayLike) -> Array:
         """Time from the sensor to each of some ``positions`` (n, 3) [m], as is believed [s]."""
         places = np.asarray(positions, float).reshape(-1, len(self.position))

@@ -54,6 +54,8 @@ class Known(NamedTuple):
     tank_2: float
     band: float
     """Wanted opening to each side of null over which its jump is spread [mA]."""
+    quiet: float
+    """Wanted opening, RMS, below which the spool keeps to its side of the overlap [mA]; 0: never."""
     play: float
     """How far the spool leads the edges [mA]."""
     reversal: float
@@ -101,10 +103,15 @@ class KnownValve(NamedTuple):
                 f"controller.valves: numbers must be finite, {', '.join(POSITIVE)} positive, and curve {POINTS} shares"
             )
         rises = curve[0] == 0.0 and curve[-1] == 1.0 and all(one <= next_ for one, next_ in pairwise(curve))
-        if not (rises and 0.0 < numbers.share < 1.0 and 0.0 < numbers.least <= numbers.most and numbers.play >= 0.0):
+        if not (
+            rises
+            and 0.0 < numbers.share < 1.0
+            and 0.0 < numbers.least <= numbers.most
+            and min(numbers.play, numbers.quiet) >= 0.0
+        ):
             raise InputError(
                 "controller.valves: curve must rise from 0 to 1, share lie between 0 and 1, least between 0 and most, "
-                "and play be zero or positive"
+                "and play and quiet be zero or positive"
             )
         return cls(numbers, curve)
 

@@ -90,6 +90,9 @@ def _sensors(sensors: Sensors) -> str:
     found = []
     for name in type(sensors).model_fields:
         one = getattr(sensors, name)
+        if name == "upstream":
+            found += [] if one is None else [f"{name} {one.said}"]
+            continue
         if one is None:
             found.append(f"{name} exact")
             continue

@@ -129,7 +129,7 @@ def spread(
     if wave is None and start.upstream:
         raise ValueError(
             "sensors.upstream: this floor comes from no known side; give it a wave (ground.wave = { speed = 200.0 }, "
-            "which a recorded floor cannot have), or leave sensors.upstream out"
+            "which recorded and rigid floors cannot have), or leave sensors.upstream out"
         )
     one = {dof: signal for dof, signal in signals.items() if not isinstance(signal, tuple)}
     if wave is None and len(one) == len(signals):

@@ -24,6 +24,8 @@ FIELDS: Final = len(Known._fields)
 SUPPLY: Final = Known._fields.index("supply")
 SIZE: Final = FIELDS + POINTS
 """Numbers known of a valve: `Known`, and the shares of flow of its curve."""
+HELD: Final = 3.0
+"""Wanted of the other side before the spool leaves its own while little is wanted, over what that is."""
 
 
 class Pressures(NamedTuple):
@@ -111,8 +113,8 @@ def crossed(y: float, own: Known) -> float:
 
 
 @kernel
-def opened(y: float, edges: Edges, own: Known) -> float:
-    """The opening z for y, its jump at null spread over the band [mA]."""
+def opened(y: float, place: float, edges: Edges, own: Known) -> float:
+    """The opening z for y, its jump at null spread over the band, in which it is at a place [mA] (`place_of`)."""
     ahead, behind = min(own.supply_1, own.tank_2), -min(own.tank_1, own.supply_2)
     if ahead < behind:
         return between(y, edges, own)
@@ -120,7 +122,7 @@ def opened(y: float, edges: Edges, own: Known) -> float:
         excess = beyond(y, edges.supply_1, own.supply_1, edges.tank_2, own.tank_2) - ahead
     else:
         excess = -beyond(-y, edges.tank_1, own.tank_1, edges.supply_2, own.supply_2) - behind
-    return excess + 0.5 * (ahead + behind) + 0.5 * (ahead - behind) * crossed(y, own)
+    return excess + 0.5 * (ahead + behind) + 0.5 * (ahead - behind) * crossed(place, own)
 
 
 @kernel
@@ -149,14 +151,14 @@ known = written("numbers, at, lanes", f"return Known({_ENTRIES})", Known=Known, 
 
 
 @kernel
-def opening_for(wanted, edges, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
-    """The opening x + x_n for a wanted one [mA]."""
-    z = opened(wanted, edges, own)
+def opening_for(wanted, place, edges, own, numbers, curve, lanes):  # type: ignore[no-untyped-def]
+    """The opening x + x_n for a wanted one, the jump at null at a place of its band [mA]."""
+    z = opened(wanted, place, edges, own)
     if own.curved == 0.0:
         return z
     begins = own.stroke * place_on_curve(0.0, numbers, curve, lanes)
     size = own.stroke * place_on_curve(abs(z) / own.stroke, numbers, curve, lanes)
-    return math.copysign(size - begins, z) + begins * crossed(wanted, own)
+    return math.copysign(size - begins, z) + begins * crossed(place, own)
 
 
 @kernel
@@ -166,6 +168,26 @@ def asked_at(position, edges, own, numbers, curve, lanes):  # type: ignore[no-un
     if own.curved != 0.0:
         x = math.copysign(own.stroke * curve_at(abs(x) / own.stroke, numbers, curve, lanes), x)
     return passed(x, edges, own) / own.valve_gain
+
+
+@kernel
+def keeps_side(level: float, own: Known) -> bool:
+    """Whether so little is wanted (`place_of`) that the spool keeps to its side of the overlap."""
+    return level < 4.0 * own.quiet * own.quiet
+
+
+@kernel
+def place_of(wanted: float, before: float, level: float, own: Known) -> float:
+    """Where in its band the jump at null is [mA] after a sample: where the opening is wanted, or behind that.
+
+    While little is wanted (``level``, a mean square [mA²]) the spool keeps to its side of the overlap, on which the
+    valve has no jump. The place then has play about what is wanted: of half a width `HELD`·q up to a level of q²,
+    none from (2q)² on, q the law's ``quiet``.
+    """
+    if not keeps_side(level, own):
+        return wanted
+    behind = HELD * min(2.0 * own.quiet - math.sqrt(level), own.quiet)
+    return min(max(before, wanted - behind), wanted + behind)
 
 
 @kernel

@@ -2,7 +2,9 @@
 
 At a sample the laws want the voltage u, which leads the spool's lag. Their wanted opening is thus what a spool of the
 known valve makes of K_v·u; the real valve needs another one (`ehamj.control.compiled.opening`), and the spool must
-stand to one side of it by its play. The difference c is led by the valve's lag as u is,
+stand to one side of it by its play. While little is wanted, the spool keeps to its side of the overlap
+(`ehamj.control.compiled.opening.place_of`): across it a loop would hunt. The difference c is led by the valve's lag as
+u is,
 
     Δ = (s²/ω² + 2ζ s/ω + 1)/(τ s + 1)²·c,
 
@@ -36,9 +38,11 @@ from ehamj.control.compiled.opening import (
     Pressures,
     asked_at,
     edges_of,
+    keeps_side,
     known,
     leaning,
     opening_for,
+    place_of,
 )
 from ehamj.control.valves import Known
 
@@ -68,6 +72,8 @@ class Moves(NamedTuple):
     led_lag: float
     led_slope: float
     """What is added from itself and from what is rolled off."""
+    renewed: float
+    """Share of the mean square of the wanted opening that a sample makes up."""
 
 
 KNOWN: Final = SIZE + len(Moves._fields)
@@ -95,9 +101,14 @@ class Remembered(NamedTuple):
     """What is added, rolled off [mA]."""
     lagged_rate: float
     """[mA/s]"""
+    place: float
+    """Where in its band the jump across the overlap is [mA]."""
+    level: float
+    """Mean square of the wanted opening [mA²]."""
 
 
 REMEMBERS: Final = len(Remembered._fields)
+LEVEL: Final = Remembered._fields.index("level")
 
 
 @kernel
@@ -142,7 +153,7 @@ def linearised(share, readings, laws, memory, place, lanes):  # type: ignore[no-
             memory.values[place + i] = more + share * (wanted - total)
             if laws.learners.size > 0:
                 clipped = abs(more + share * wanted) > min(laws.converter.limit, laws.ranges[i])
-                learn(spool, memory.stage[state + 3 * width], clipped, edges, own, i, readings, laws, memory, lanes)
+                learn(spool, state, clipped, edges, own, i, readings, laws, memory, lanes)
 
 
 @kernel
@@ -152,7 +163,10 @@ def added(applied, share, edges, own, numbers, first, kept, state, lanes):  # ty
     spool, rate = kept[state], kept[state + width]
     lag, slope = kept[state + 4 * width], kept[state + 5 * width]
     target, wanted = own.valve_gain * applied, spool + step.ahead * rate
-    opening = opening_for(wanted, edges, own, numbers, first + FIELDS * width, lanes)
+    level = kept[state + 7 * width] + step.renewed * (wanted * wanted - kept[state + 7 * width])
+    place = place_of(wanted, kept[state + 6 * width], level, own)
+    kept[state + 6 * width], kept[state + 7 * width] = place, level
+    opening = opening_for(wanted, place, edges, own, numbers, first + FIELDS * width, lanes)
     lean = leaning(kept[state + 2 * width], opening, kept[state + 3 * width], own)
     more = share * (opening + own.play * lean - own.offset - wanted)
     kept[state] = step.spool_from_spool * spool + step.spool_from_rate * rate + step.spool_from_target * target
@@ -170,23 +184,25 @@ def used_at(valve, lane, laws, lanes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def learn(spool, lean, clipped, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
-    """Let one mount learn from a sample, and take what it finds into what is known of its valve; ``clipped``: the led
-    voltage goes beyond what the converter or the valve takes, though what the law wants does not."""
+def learn(spool, state, clipped, edges, own, i, readings, laws, memory, lanes):  # type: ignore[no-untyped-def]
+    """Let one mount learn from a sample, and take what it finds into what is known of its valve; ``state``: where what
+    the stage remembers of it begins, ``clipped``: the led voltage goes beyond what the converter or the valve takes,
+    though what the law wants does not. Nothing is learnt either while the spool keeps to its side of an overlap."""
     width, valves = len(lanes), memory.totals.size // 2
     valve, lane = i // width, i % width
     first, place = valve * LEARNER * width + lane, valve * GATHERS * width + lane
     of, pace = learner(laws.learners, first, lanes), paced(laws.learners, first, lanes)
     where = used_at(valve, lane, laws, lanes)
     used = learnt(memory.values, where, lanes)
-    if clipped or memory.totals[valves + i] != 0.0:
+    overlap = 0.5 * (min(own.supply_1, own.tank_2) + min(own.tank_1, own.supply_2))
+    held = overlap > 0.0 and keeps_side(memory.stage[state + 7 * width], own)
+    if clipped or held or memory.totals[valves + i] != 0.0:
         memory.gathered[place + FROZEN * width] = pace.settling
     slow = place + SLOW * width
     applied = memory.totals[i] + memory.totals[valves + i]
     memory.gathered[slow] += pace.slow * (applied - memory.gathered[slow])
     through = edges.supply_1 + edges.tank_2 if spool >= 0.0 else edges.tank_1 + edges.supply_2
-    overlap = 0.5 * (min(own.supply_1, own.tank_2) + min(own.tank_1, own.supply_2))
-    by_overlap, by_play = edge_slopes(spool, own.band, overlap, lean, through)
+    by_overlap, by_play = edge_slopes(spool, own.band, overlap, memory.stage[state + 3 * width], through)
     pressure_1 = readings[laws.pressures[2 * valve] * width + lane]
     pressure_2 = readings[laws.pressures[2 * valve + 1] * width + lane]
     force = of.area_1 * pressure_1 - of.area_2 * pressure_2
