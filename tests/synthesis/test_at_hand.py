@@ -116,3 +116,9 @@ def test_isolating_from_a_frequency_leaves_what_is_slower_to_the_floor() -> None
 def moves(model: LinearModel, loop: Loop) -> np.ndarray:
     """How much of a heaving floor the machine follows at 0.5 and 20 Hz."""
     return np.abs(rigid_floor(model, [0.5, 20.0], loop, ("cg_displacement z",), ("z",)).response[:, 0, 0])
+
+
+def test_valves_that_rest_within_their_overlap_get_the_law_of_those_without() -> None:
+    """Nothing passes them at rest; where nothing is made good of it, the law is that of the valves outside."""
+    lapped = scenario(actuators={"isolator": {"overlap": [0.4] * 4, "threshold": 0.04}})
+    np.testing.assert_array_equal(law_of(lapped).A, law_of(scenario()).A)

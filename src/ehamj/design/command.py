@@ -21,7 +21,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 from ehamj.synthesis.judged import Design, judged
-from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of, outside
 from ehamj.synthesis.search import synthesised
 from ehamj.synthesis.settings import SynthesisSettings
 
@@ -114,6 +114,8 @@ def _machines(scenario: Scenario) -> Machines:
     control, nominal = scenario.control, scenario.nominal
     assert isinstance(control, DigitalSettings)
     known = control.known(nominal.plant, nominal.sensors)
+    if isinstance(control, SynthesisSettings):
+        known = outside(known, nominal.plant)
     machines = machines_of(nominal.plant, variations_of(control), known)
     if control.designed_for is not None:  # the law is derived for a machine that differs from the one it runs on
         machines[RUNS_ON] = linear_model(behind(scenario.plant, known))

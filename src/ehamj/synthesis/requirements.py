@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pydantic import Field
 
-from ehamj.control.linearisation import made_good
+from ehamj.control.linearisation import Linearisation, made_good
 from ehamj.control.spools import followed
 from ehamj.plant.bodies import Inertia, tensor_of, written_inertia
 from ehamj.plant.machine import Machine
@@ -107,6 +107,16 @@ def _times(factor: float, inertia: Inertia) -> Inertia:
 
 Machines = Mapping[str, "LinearModel"]
 """The linear models of a machine, `NOMINAL`, and of its variations, by name."""
+
+
+OUTSIDE: Final = Linearisation(pressure_drop=False, flow_curve=False, null_offset=0.0)
+"""Without overlap, hysteresis and threshold."""
+
+
+def outside(known: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
+    """What a law has of its valves, or else the valves as they are outside overlap and play: a valve that rests within
+    passes nothing, and for it no law could be found."""
+    return {**known, "valves": known["valves"] or OUTSIDE.known(plant)}
 
 
 def behind(plant: Plant, known: Mapping[str, Any]) -> Plant:

@@ -14,7 +14,7 @@ from ehamj.linear.machine import LinearModel
 from ehamj.plant.levers import MOTIONS
 from ehamj.plant.plant import Plant
 from ehamj.synthesis.judged import Design, Worst, judged
-from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of, outside
 
 if TYPE_CHECKING:
     from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
@@ -58,7 +58,7 @@ def find(settings: "SynthesisSettings", plant: Plant, sensors: Sensors) -> Found
         InputError: as `synthesised`.
     """
     began = time.perf_counter()
-    machines = machines_of(plant, settings.variations, settings.known(plant, sensors))
+    machines = machines_of(plant, settings.variations, outside(settings.known(plant, sensors), plant))
     design = synthesised(settings, plant, sensors, machines)
     return Found(design, machines[NOMINAL], time.perf_counter() - began)
 
