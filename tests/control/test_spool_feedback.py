@@ -12,7 +12,7 @@ from oracles.stage import in_python
 from oracles.stepped import STEP, run, together
 
 from ehamj.arrays import Array
-from ehamj.control import Controller, ControllerBank, blocks
+from ehamj.control import Controller, ControllerBank, PythonController, blocks
 from ehamj.control.instruments import SpoolSensor
 from ehamj.control.linearisation import Linearisation
 from ehamj.control.loop import make_loop, stacked
@@ -20,6 +20,7 @@ from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.spool_feedback import SpoolFeedback
 from ehamj.control.spools import KnownSpool, followed, opened
 from ehamj.errors import InputError
+from ehamj.judge.brief import brief
 from ehamj.linear.loop import linear_under
 from ehamj.linear.machine import linear_model
 from ehamj.plant.plant import Plant
@@ -199,6 +200,54 @@ def test_both_engines_agree(plates: str) -> None:
     table |= {"ground": {"kind": "sine", "frequency": 20.0, "amplitude": 1e-6}, "compare": []}
     found = [simulate(parse_scenario({**table, "engine": engine})).dataset["spool"].values for engine in ENGINES]
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-3 * abs(found[0]).max())
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_edges_that_are_read_trail_the_spool_by_its_play(engine: str) -> None:
+    """As read in every step, of which each is where the edges stood before, moved no more than the play pushes them."""
+    seen: list[Array] = []
+
+    def law(_time: float, readings: Array, _lost: Array) -> Array:
+        seen.append(readings.copy())
+        return np.full(4, 0.3 * np.sin(0.05 * len(seen)))
+
+    inputs = ("spool front-left", "edges front-left", "spool rear-right", "edges rear-right")
+    table = {"duration": 0.03, "timestep": STEP, "plates": "tied", "engine": engine, "record_rate": 1000}
+    scenario = parse_scenario({**table, "actuators": {"isolator": {"hysteresis": 0.2}}})
+    simulate(scenario, controller=PythonController(law, inputs, STEP))
+    for spool, edges in (np.transpose(seen)[:2], np.transpose(seen)[2:]):
+        before = np.concatenate([[edges[0]], edges[:-1]])
+        np.testing.assert_allclose(edges, np.clip(before, spool - 0.1, spool + 0.1), rtol=0, atol=1e-12)
+        assert np.ptp(edges) > 0.5
+
+
+def test_a_run_says_what_the_loops_have_in_hand() -> None:
+    """Of the valve as it is: 1.25 times the gain that the law believes is 1.94 dB less in hand."""
+    found = []
+    for gain in (2.0, 2.5):
+        table = {
+            "duration": 0.01, "record_rate": 1000, "engine": "small-motion", "plates": "tied", "sensors": {"spool": {}},
+            "control": {"kind": "feedforward", "spool_feedback": True, "designed_for": BELIEVED},
+            "actuators": {"isolator": {"valve_gain": gain}},
+        }  # fmt: skip
+        summary = simulate(parse_scenario(table)).summary
+        assert summary.spools is not None
+        assert summary.spools.gain_db is not None
+        assert f"gain {summary.spools.gain_db:.1f} dB" in brief(summary)["spool feedback"]
+        found.append(summary.spools.gain_db)
+    assert found[0] - found[1] == pytest.approx(20.0 * np.log10(1.25), abs=1e-3)  # interpolated over 400 frequencies
+    assert found[0] > 10.0
+
+
+def test_a_run_says_that_a_loop_is_unstable_with_the_valves_as_they_are() -> None:
+    table = {
+        "duration": 0.01, "record_rate": 1000, "engine": "small-motion", "plates": "tied", "sensors": {"spool": {}},
+        "control": {"kind": "feedforward", "spool_feedback": True, "designed_for": BELIEVED},
+        "actuators": {"isolator": {"valve_gain": 12.0}},
+    }  # fmt: skip
+    summary = simulate(parse_scenario(table)).summary
+    assert summary.spools is None
+    assert any("the loop about the spool is unstable with the valves of front-left" in one for one in summary.warnings)
 
 
 @pytest.mark.parametrize(("position", "play"), [("edges", 0.0), ("spool", 0.05)])

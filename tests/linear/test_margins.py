@@ -15,7 +15,7 @@ from ehamj.control.kinds import CombinedSettings
 from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, report
+from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, margins_behind, report
 from ehamj.linear.sampled import STABLE, sampled_machine, spectral_radius
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
@@ -161,6 +161,21 @@ def reported(model: LinearModel, combined: Controller, machine: Scenario) -> Loo
 @pytest.fixture(scope="module")
 def sampled(model: LinearModel, combined: Controller, machine: Scenario) -> control.StateSpace:
     return sampled_machine(model, Loop.of(machine, combined))
+
+
+def test_behind_valves_of_another_gain_the_loop_is_that_of_the_law_of_that_gain(
+    model: LinearModel, combined: Controller, machine: Scenario
+) -> None:
+    """And a phase of the valves is taken from what it has in hand, but for that of one loop changing the others."""
+    found = margins_behind(model, Loop.of(machine, combined), [1.0, 1.5, 0.7])
+    for factor, own in zip([1.0, 1.5, 0.7], found, strict=True):
+        law = replace(combined, C=factor * combined.C, D=factor * combined.D)
+        whole = report(model, Loop.of(machine, law))
+        each = [*whole.valves.values(), *whole.motions.values()]
+        expected = [min(getattr(m, name) for m in each) for name in ("gain", "phase", "disk")]
+        np.testing.assert_allclose(own, expected, rtol=1e-9)
+    late = margins_behind(model, Loop.of(machine, combined), [np.exp(-0.2j)])[0]
+    assert late[1] < found[0, 1] - 5.0
 
 
 @pytest.mark.parametrize("hertz", [0.3, 5.0, 40.0, 70.5, 300.0, 900.0])

@@ -19,6 +19,9 @@ def test_overlap_costs_without_linearisation_and_hardly_with_it() -> None:
         assert float(cost["without"].sel(band=band)) > 20.0
         assert float(cost["with"].sel(band=band)) < 12.0
     assert "With overlap: " in found.answers[1]
+    assert found.answers[2].startswith("Across the overlap, believed as it is: the valve's gain is up to 1.0")
+    left = found.tables["across"].sel(overlap="30 % too large")
+    assert float(left["gain_margin"].min()) < float(left["gain_margin"][-1]) - 1.0  # the most at some amplitude
     for law, one in found.numbers.items():
         assert one["overlap"]["20"] == pytest.approx(float(found.tables["attenuation"].sel(
             law=law.split()[0], case="overlap", band=20.0)["attenuation"]))  # fmt: skip

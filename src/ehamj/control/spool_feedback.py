@@ -7,12 +7,11 @@ own); the compiled part is `ehamj.control.compiled.spools`.
 import math
 from typing import Literal
 
-import numpy as np
 from pydantic import Field
 
 from ehamj.control.inverse import instrument_poles, lag
 from ehamj.control.sensors import Sensors
-from ehamj.control.spools import KnownSpool, opened
+from ehamj.control.spools import KnownSpool, opened, runs_away
 from ehamj.errors import InputError
 from ehamj.isolator.component import HUGE
 from ehamj.plant.plant import Plant
@@ -60,8 +59,7 @@ class SpoolFeedback(Settings):
             for one in plant.actuators
         )
         for own in dict.fromkeys(found):
-            loop = opened(own, sensors.spool)
-            radius = float(np.abs(np.linalg.eigvals(loop.A - loop.B @ loop.C)).max())
+            radius = runs_away(opened(own, sensors.spool))
             if own.crossing and radius >= 1.0:
                 raise InputError(
                     f"control.spool_feedback.crossing = {self.crossing:g} Hz: the loop about the spool is unstable "

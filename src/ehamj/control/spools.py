@@ -13,6 +13,7 @@ from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.instruments import Instrument
 from ehamj.errors import InputError
+from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
 
 POSITIVE: Final = ("valve_gain", "valve_frequency", "valve_damping", "drive_limit", "rolloff", "limit", "period")
@@ -88,10 +89,15 @@ def followed(plant: Plant, spools: Sequence[KnownSpool]) -> Plant:
     return replace(plant, actuators=tuple(own))
 
 
-def opened(own: KnownSpool, sensor: Instrument | None) -> Block:
-    """The loop of a known valve's spool cut open, from sample to sample: what it adds over its error, then valve and
-    ``sensor`` over that, with delay and hold. Closed it is stable where all of A − B C is within the unit circle."""
-    return controller(own).then(_delayed(own, sensor))
+def opened(own: KnownSpool, sensor: Instrument | None, valve: Actuator | None = None) -> Block:
+    """The loop about a spool cut open, from sample to sample: what it adds over its error, then the valve (without one,
+    as it is known) and its ``sensor`` over that, with delay and hold."""
+    return controller(own).then(_delayed(own, sensor, own if valve is None else valve))
+
+
+def runs_away(loop: Block) -> float:
+    """By which factor a loop that is `opened` grows when it is closed, from sample to sample; below 1 it is stable."""
+    return float(np.abs(np.linalg.eigvals(loop.A - loop.B @ loop.C)).max())
 
 
 def controller(own: KnownSpool) -> Block:
@@ -114,12 +120,12 @@ def taps_of(own: KnownSpool) -> tuple[float, ...]:
     return tuple((own.crossing * own.period / own.valve_gain * inverse / inverse.sum()).tolist())
 
 
-def _delayed(own: KnownSpool, sensor: Instrument | None) -> Block:
-    """Reading of the position over the voltage that is computed [mA/V], from sample to sample."""
-    omega = own.valve_frequency
+def _delayed(own: KnownSpool, sensor: Instrument | None, true: KnownSpool | Actuator) -> Block:
+    """Reading of the position of a ``true`` valve over the voltage that is computed [mA/V], from sample to sample."""
+    omega = true.valve_frequency
     valve = Block(
-        np.array([[0.0, 1.0], [-(omega**2), -2.0 * own.valve_damping * omega]]),
-        np.array([[0.0], [own.valve_gain * omega**2]]), np.array([[1.0, 0.0]]), np.zeros((1, 1)),
+        np.array([[0.0, 1.0], [-(omega**2), -2.0 * true.valve_damping * omega]]),
+        np.array([[0.0], [true.valve_gain * omega**2]]), np.array([[1.0, 0.0]]), np.zeros((1, 1)),
     )  # fmt: skip
     machine = valve if sensor is None else valve.then(sensor.block())
     whole, part = divmod(own.delay / own.period + 1e-9, 1.0)

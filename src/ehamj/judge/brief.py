@@ -6,7 +6,7 @@ from typing import Any, Final
 from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
 from ehamj.judge.learnt import Belief, nothing
 from ehamj.judge.levels import SLAB, ByBand
-from ehamj.judge.summary import Summary
+from ehamj.judge.summary import PlaceMargins, Summary
 from ehamj.judge.worse import LEAST, cancelled
 from ehamj.plant.axes import AXES
 
@@ -44,6 +44,8 @@ def brief(summary: Summary) -> dict[str, str]:
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
     found["margins"] = _margins(summary)
+    if summary.spools is not None:
+        found["spool feedback"] = _spools(summary.spools)
     if summary.followed:
         found["lines"] = ", ".join(line.words for line in summary.followed)
     found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
@@ -55,6 +57,12 @@ def _learnt(told: dict[str, Belief]) -> str:
     if nothing(told):
         return "nothing"
     return ", ".join(one.words(name) for name, one in told.items())
+
+
+def _spools(own: PlaceMargins) -> str:
+    """What the loops about the spools have in hand."""
+    up_to = f"crosses at {own.crossings_hz[-1]:.0f} Hz, " if own.crossings_hz else ""
+    return f"{up_to}gain {_decibel(own.gain_db)}, phase {_degrees(own.phase_deg)}, disk {own.disk:.2f}"
 
 
 def _rest(summary: Summary) -> dict[str, str]:
@@ -129,6 +137,13 @@ def _margins(summary: Summary) -> str:
         return "the loop is UNSTABLE"
     if after:
         return f"after the fault {after[0].in_words()}, the loop is UNSTABLE"
-    gain = "unlimited" if margins.gain_db is None else f"{margins.gain_db:.1f} dB"
-    phase = "unlimited" if margins.phase_deg is None else f"{margins.phase_deg:.0f}°"
+    gain, phase = _decibel(margins.gain_db), _degrees(margins.phase_deg)
     return f"{before}gain {gain}, phase {phase}, disk {margins.disk:.2f}"
+
+
+def _decibel(gain: float | None) -> str:
+    return "unlimited" if gain is None else f"{gain:.1f} dB"
+
+
+def _degrees(phase: float | None) -> str:
+    return "unlimited" if phase is None else f"{phase:.0f}°"

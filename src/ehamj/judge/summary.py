@@ -153,6 +153,8 @@ class Summary(Isolation, Head):
     """None without a loop, and where the law is a Python function."""
     law: FoundLaw | None = None
     """Of a law that was found for the machine at hand; None of any other."""
+    spools: PlaceMargins | None = None
+    """Margins of the loops about the spools, the worst of all valves (`ehamj.linear.spools`); None without."""
     learnt: Beliefs = Field(default_factory=dict)
     """What laws have learnt of each mount at the end; empty where they do not learn."""
     followed: list[FoundLine] = Field(default_factory=list)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import Controller, LinearController
 from ehamj.findings import finite
-from ehamj.linear.loop import Loop, feeds_back, opened, own_readings
+from ehamj.linear.loop import Loop, Opened, feeds_back, opened, own_readings
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.unstable import UnstablePole, unstable_pole
 from ehamj.plant.plant import Plant
@@ -173,6 +173,27 @@ def _report(model: LinearModel, loop: Loop, hertz: ArrayLike | None) -> LoopRepo
         {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(patterns_of(model.plant))},
         {law.inputs[k]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k in own_readings(law)},
     )
+
+
+def margins_behind(model: LinearModel, loop: Loop, factors: ArrayLike) -> Array:
+    """Least gain [dB], phase [deg] and disk margin at valves and `patterns_of` them, each valve's gain times a factor.
+
+    Args:
+        model: linearised machine.
+        loop: whose law measures something of the machine.
+        factors: (n,), complex, as a describing function's.
+
+    Returns:
+        (n, 3).
+    """
+    f, found = grid(loop.law, model), []
+    cut = opened(model, loop, f)
+    for factor in np.atleast_1d(np.asarray(factors, complex)):
+        sensitivity = Opened(factor * cut.law, cut.plant).sensitivity
+        moved = in_patterns(sensitivity, model.plant), of_active(sensitivity, model.plant)
+        each = [margins(f, 1.0 / one[:, k, k] - 1.0) for one in moved for k in range(one.shape[1])]
+        found.append([min(m.gain for m in each), min(m.phase for m in each), min(m.disk for m in each)])
+    return np.array(found)
 
 
 def disk_margin(sensitivity: ComplexArray) -> float:

@@ -15,10 +15,11 @@ from ehamj.judge.levels import duration_of
 from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.summary import FoundLaw, Least, LoopMargins, Summary, Timing
+from ehamj.judge.summary import FoundLaw, Least, LoopMargins, PlaceMargins, Summary, Timing
 from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
+from ehamj.linear.spools import spool_margins
 from ehamj.run.aftermath import aftermath
 from ehamj.run.aftermath import warnings as told
 from ehamj.run.deciding import clipped_when_it_counts
@@ -58,13 +59,14 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
-    asked: dict[str, Any] = {} if failure is None else {"failure": failure}
-    if struck := aftermath(prepared, driven.struck, dataset):
-        asked["fault"] = struck
+    asked: dict[str, Any] = {"law": _found(prepared)} | ({} if failure is None else {"failure": failure})
+    struck = aftermath(prepared, driven.struck, dataset)
+    asked |= {"fault": struck} if struck else {}
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
     found, idle = _learnt(prepared, dataset)
-    asked |= found
-    said = [*told(struck), *prepared.notes, *doubts, *judged, *limits, *idle]
+    about, swings = loops_about_spools(scenario, prepared.law)
+    asked |= found if about is None else found | {"spools": about}
+    said = [*told(struck), *prepared.notes, *doubts, *swings, *judged, *limits, *idle]
     if scenario.relative:
         asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
     if (spectrum := scenario.criteria.response_spectrum) is not None:
@@ -82,7 +84,6 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         at_limit=at_limit(dataset, plant, rate),
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
-        law=_found(prepared),
         python_law=isinstance(prepared.controller, PythonController),
         timing=Timing(
             simulated_s=simulated,
@@ -122,6 +123,20 @@ def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[dict[str, Any], li
     converter, lines = prepared.controller.converter, found_lines(dataset, prepared.controller)
     beliefs = learnt(dataset, converter)
     return {"learnt": beliefs, "followed": lines}, [*unlearnt(beliefs, converter), *beyond(lines)]
+
+
+def loops_about_spools(scenario: Scenario, law: LinearController | None) -> tuple[PlaceMargins | None, list[str]]:
+    """Least margins of the loops about the spools, and what must be said of those that are unstable; None without."""
+    found = spool_margins(scenario.plant, law, scenario.sensors)
+    wild = [mount for mount, one in found.items() if one is None]
+    stable = [one for one in found.values() if one is not None]
+    said = [
+        f"the loop about the spool is unstable with the valves of {', '.join(wild)} as they are; lower "
+        "control.spool_feedback.crossing, or hold the law for these valves"
+    ] if wild else []  # fmt: skip
+    if not stable:
+        return None, said
+    return PlaceMargins.model_validate(min(stable, key=lambda one: one.disk).to_dict()), said
 
 
 def loop_margins(scenario: Scenario, law: LinearController | None) -> tuple[LoopMargins | None, list[str]]:

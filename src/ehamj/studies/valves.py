@@ -10,9 +10,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from ehamj.control.describing import across
 from ehamj.findings import finite
 from ehamj.isolator.presets import VALVES
 from ehamj.labels import table
+from ehamj.linear.loop import Loop, feeds_back, linear_under
+from ehamj.linear.margins import margins_behind
 from ehamj.plots import Figure, lines_chart
 from ehamj.run.many import simulate_many
 from ehamj.scenario.load import changed
@@ -26,6 +29,8 @@ BANDS: Final = ("5", "10", "20", "50", "100")
 REAL: Final = VALVES["proportional"]
 IDEAL: Final = "ideal"
 ALL: Final = "all together"
+OPENINGS: Final = np.geomspace(0.02, 4.0, 16)
+"""Amplitudes of the wanted opening [mA]."""
 LAWS: Final = ("without", "with")
 """The law without and with the stage."""
 
@@ -77,11 +82,12 @@ def valves(scenario: Scenario, settings: ValveSettings, progress: Progress) -> O
     check_band(settings.band, BANDS)
     found = attenuations(scenario, settings, progress)
     cost = found["attenuation"].sel(case=IDEAL) - found["attenuation"]
+    crossed = across_overlap(scenario, settings)
     return Outcome(
         title="Valves",
         question="What does each imperfection of real valves cost, and what does linearisation bring back?",
-        answers=tuple(_answers(found, settings)),
-        tables={"attenuation": found, "cost": _costs(cost)},
+        answers=(*_answers(found, settings), *(() if crossed is None else _told(crossed))),
+        tables={"attenuation": found, "cost": _costs(cost), **({} if crossed is None else {"across": crossed})},
         drawings={
             "attenuation": Drawing(
                 "Vertical attenuation of the centre of gravity, without and with the stage that makes good what is "
@@ -144,6 +150,53 @@ def _machine(scenario: Scenario, settings: ValveSettings, values: dict[str, Any]
     made = changed(free, base | {f"actuators.{name}.{key}": value for name in obeying for key, value in own.items()})
     held = made.control.model_copy(update={"designed_for": made.installation})
     return made.model_copy(update={"control": held})
+
+
+def across_overlap(scenario: Scenario, settings: ValveSettings) -> xr.Dataset | None:
+    """Gain and phase of a valve with all imperfections behind the stage, and the loop's least margins with them, by
+    what the law believes of its overlap (overlap, amplitude); None where there is no overlap, or no feedback."""
+    if not settings.overlap:
+        return None
+    machine = _machine(scenario, settings, list(settings.cases().values())[-1], "with")
+    law = machine.controller()
+    if law is None or not feeds_back(law):
+        return None
+    loop, model = Loop.of(machine, law), linear_under(machine.plant, law)
+    k = machine.plant.mounts.index(machine.plant.obeying.mounts[0])
+    found = across(law.converter.valves[k], machine.plant.actuators[k], OPENINGS)
+    factors = np.array(list(found.values()))
+    left = margins_behind(model, loop, factors.ravel()).reshape(*factors.shape, 3)
+    left[~np.isfinite(left)] = np.nan  # where nothing passes there is nothing to lose
+    return table(
+        "margins across the overlap",
+        {
+            "overlap": (list(found), "", "overlap that the law believes"),
+            "amplitude": (OPENINGS, "mA", "amplitude of the wanted opening"),
+        },
+        factor=(np.abs(factors), "1", "gain over the ideal valve's"),
+        phase=(np.degrees(np.angle(factors)), "deg", "phase"),
+        gain_margin=(left[..., 0], "dB", "gain margin"),
+        phase_margin=(left[..., 1], "deg", "phase margin"),
+    )
+
+
+def _told(crossed: xr.Dataset) -> list[str]:
+    """Of each belief, where the loop is nearest to its limits."""
+    said = []
+    for words in crossed["overlap"].values.tolist():
+        own = crossed.sel(overlap=words)
+        most = float(own["factor"].max())
+        at = {
+            name: float(own["amplitude"].values[np.nanargmin(own[name].values)])
+            for name in ("gain_margin", "phase_margin")
+        }
+        gain, phase = (float(own[name].min()) for name in at)
+        said.append(
+            f"Across the overlap, believed {words}: the valve's gain is up to {most:.2f} of the ideal one's; by the "
+            f"describing function {gain:.1f} dB of gain are left at {at['gain_margin']:.2g} mA wanted, and "
+            f"{phase:.0f}° of phase at {at['phase_margin']:.2g} mA."
+        )
+    return said
 
 
 def _numbers(levels: xr.DataArray) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ehamj.control.spools import followed
 from ehamj.control.valves import KnownValve
 from ehamj.judge.actuation import PASSIVE
 from ehamj.pages import Section, Table
@@ -31,11 +32,14 @@ def _known(result: Result) -> Sequence[KnownValve]:
 
 def _beliefs(label: str, result: Result) -> Table:
     """Rows of what is stated and believed, valves alike in one column."""
-    actuators, mounts = result.scenario.plant.actuators, result.scenario.plant.mounts
+    plant = result.scenario.plant
+    spools = () if result.controller is None else result.controller.converter.spools
+    actuators, mounts = followed(plant, spools).actuators, plant.mounts
+    fed = [bool(one.crossing and one.edges) for one in spools] or [False] * len(mounts)
     columns: dict[tuple[str, ...], list[str]] = {}
-    for mount, actuator, valve in zip(mounts, actuators, _known(result), strict=True):
+    for mount, actuator, valve, follows in zip(mounts, actuators, _known(result), fed, strict=True):
         if not actuator.passive:
-            columns.setdefault(tuple(_cells(actuator, valve)), []).append(mount)
+            columns.setdefault(tuple(_cells(actuator, valve, follows)), []).append(mount)
     names = ["all" if len(columns) == 1 else ", ".join(found) for found in columns.values()]
     rows = [[name, *cells] for name, *cells in zip(_names(), *columns, strict=True)]
     title = "What the law believes of its valves" + (f", {label}" if label else "")
@@ -51,12 +55,12 @@ def _names() -> Iterator[str]:
     yield from ("half of hysteresis, with threshold [mA]", "null offset [mA]", "flow curve", "pressure drop", "supply")
 
 
-def _cells(actuator: Any, valve: KnownValve) -> Iterator[str]:
-    """Of one valve, in the order of `_names`."""
+def _cells(actuator: Any, valve: KnownValve, follows: bool) -> Iterator[str]:
+    """Of one valve, in the order of `_names`; ``follows``: spool feedback takes back its play."""
     own = valve.numbers
     for true, believed in zip(actuator.overlap, (own.supply_1, own.tank_1, own.supply_2, own.tank_2), strict=True):
         yield _told(true, believed)
-    yield _told(actuator.threshold + 0.5 * actuator.hysteresis, own.play)
+    yield "taken back by spool feedback" if follows else _told(actuator.threshold + 0.5 * actuator.hysteresis, own.play)
     yield _told(actuator.null_offset, own.offset)
     yield ("inverted" if own.curved else "not inverted") if actuator.flow_curve else "straight"
     yield "made good by measured pressures" if own.least < own.most else "not made good"
