@@ -66,10 +66,11 @@ def test_feedforward_has_no_margins_to_leave(cli) -> None:  # type: ignore[no-un
             ("--architecture", "pid"),
             "--architecture 'pid': must be one of feedforward, stroke-servo",
         ),
+        (("--architecture", "adaptive"), "adaptive must be stated whole, in [control]"),
         (("--phase-margin", "95"), "--phase-margin 95: must be from 0 to 89"),
         (("--architecture", "modal", "--gain-margin", "45"), "no crossing of the loop"),
     ],
-    ids=["architecture", "range", "impossible"],
+    ids=["architecture", "lines", "range", "impossible"],
 )
 def test_what_cannot_be_designed_is_refused_and_nothing_written(cli, arguments, message) -> None:  # type: ignore[no-untyped-def]
     code, out, err = cli("benchmark", *QUICK, *arguments, "--out", "made")

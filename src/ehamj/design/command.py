@@ -7,7 +7,8 @@ from typing import Final
 
 from markupsafe import Markup
 
-from ehamj.control.settings import DigitalSettings, SampledSettings
+from ehamj.control.kinds import ARCHITECTURES
+from ehamj.control.settings import ControlSettings, DigitalSettings, SampledSettings
 from ehamj.design.budget import Attenuations, Budget, budget
 from ehamj.design.kinds import DESIGNABLE, beginning
 from ehamj.design.outcome import outcome
@@ -61,8 +62,8 @@ def design_controller(
     Args:
         source: scenario file or shipped name.
         overrides: as `load_scenario`.
-        architecture: one of `DESIGNABLE`; without, the scenario's own control where that can be designed, else
-            combined. Rate, delay and resolution are the scenario's controller's.
+        architecture: one of `DESIGNABLE`; without, the scenario's own where that is a digital law (one without loops
+            is judged as it is), else combined. Rate, delay and resolution are the scenario's controller's.
         gain_margin: least gain margin [dB]; without this and the others, what the scenario's control asks for, or else
             `Requirements`.
         phase_margin: least phase margin [deg].
@@ -77,10 +78,8 @@ def design_controller(
         if value is not None and not 0.0 <= value <= high:
             raise InputError(f"--{name.replace('_', '-')} {value:g}: must be from 0 to {high:g}")
     scenario = load_scenario(source, overrides)
-    if architecture is not None and architecture not in DESIGNABLE:
-        raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(DESIGNABLE)}")
     given = scenario.control
-    kind = architecture or (given.kind if given.kind in DESIGNABLE else "combined")
+    kind = _kind(given, architecture)
     if kind != given.kind:
         scenario = scenario.model_copy(update={"control": beginning(kind, given), "compare": ("passive",)})
     control = scenario.control
@@ -102,6 +101,19 @@ def design_controller(
         progress(f"predicting what is left with {name}")
         wrong[name] = budget(scenario, machines[name], design.law).attenuation
     return Designed(scenario, design, limits, wrong, outcome(scenario, kind, machines, design, limits, wrong))
+
+
+def _kind(given: ControlSettings, architecture: str | None) -> str:
+    """What is designed for a scenario with a ``given`` control.
+
+    Raises:
+        InputError: if the ``architecture`` that is asked for cannot be.
+    """
+    own = given.kind if isinstance(given, DigitalSettings) else "combined"
+    if architecture in (None, own, *DESIGNABLE):
+        return architecture or own
+    more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
+    raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(DESIGNABLE)}{more}")
 
 
 def variations_of(control: SampledSettings) -> Variations:

@@ -38,6 +38,9 @@ NYQUIST: Final = (
 )
 NICHOLS_PLOT: Final = "Nichols plot of the same: crosses and disks at −180° and what is alike."
 
+NOTHING: Final = 1e-9
+"""Loop gain of a place where the law does nothing, but for rounding [-]."""
+
 
 def loop_figures(
     hertz: Array, gains: Mapping[str, ComplexArray], disk: float, nichols_too: bool = False, of: str = ""
@@ -46,14 +49,15 @@ def loop_figures(
 
     Args:
         hertz: frequencies [Hz].
-        gains: complex loop gain by place where the loop is broken.
+        gains: complex loop gain by place where the loop is broken; one that is nothing has no curve.
         disk: balanced disk margin whose disk is drawn [-].
         nichols_too: with a Nichols plot.
         of: whose loop it is, where there are several.
     """
+    acting = {name: gain for name, gain in gains.items() if np.abs(gain).max() > NOTHING}
     curves = [
         Response(name, hertz, gain, color)
-        for (name, gain), color in zip(gains.items(), itertools.cycle(COLORS), strict=False)
+        for (name, gain), color in zip(acting.items(), itertools.cycle(COLORS), strict=False)
     ]
     where = f" of the loop, {of}" if of else " of the loop"
     found: dict[str, tuple[str, Callable[[], Figure]]] = {
