@@ -112,6 +112,8 @@ class Summary(Isolation, Head):
     oil: Oil
     margins: LoopMargins | None
     """None without a loop, and where the law is a Python function."""
+    made_good: tuple[str, ...] = ()
+    """What of the valves the law makes good, of any mount (`ehamj.control.valves.KnownValve.makes_good`)."""
     spools: PlaceMargins | None = None
     """Margins of the loops about the spools, the worst of all valves (`ehamj.linear.spools`); None without."""
     learnt: Beliefs = Field(default_factory=dict)
