@@ -20,7 +20,7 @@ from ehamj.linear.response import ground_response
 from ehamj.plant.axes import AXES
 from ehamj.run.many import simulate_many
 from ehamj.run.simulate import simulate
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import changed, parse_scenario
 from ehamj.scenario.model import Scenario
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def test_it_reads_the_floor_there_whatever_is_believed(engine: str, order: int) 
 
 
 def test_lanes_are_the_machines_alone() -> None:
-    """Two floors beside each other, with and without a sensor that a law reads, bit for bit."""
+    """Two floors beside each other, and one floor with sensors at two distances, bit for bit."""
     control = isolating("feedforward")
     wanted = [scenario(control=control, duration=0.03, seed=seed, engine="small-motion") for seed in (0, 1)]
     floors = [{"kind": "broadband", "level": "VC-C", "fade_in": 0.0, "wave": {"speed": speed}} for speed in (200, 190)]
@@ -84,6 +84,7 @@ def test_lanes_are_the_machines_alone() -> None:
         parse_scenario(one.model_dump(exclude_none=True) | {"ground": floor})
         for one, floor in zip(wanted, floors, strict=True)
     ]
+    wanted.append(changed(wanted[0], {"sensors.upstream.position": [-30.0, 0.0, 0.0]}))
     beside = simulate_many(wanted, threads=1)
     for one, run in zip(wanted, beside, strict=True):
         alone = simulate(one)

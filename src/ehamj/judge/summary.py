@@ -153,6 +153,8 @@ class Summary(Isolation, Head):
     """None without a loop, and where the law is a Python function."""
     law: FoundLaw | None = None
     """Of a law that was found for the machine at hand; None of any other."""
+    made_good: tuple[str, ...] = ()
+    """What of the valves the law makes good, of any mount (`ehamj.control.valves.KnownValve.makes_good`)."""
     spools: PlaceMargins | None = None
     """Margins of the loops about the spools, the worst of all valves (`ehamj.linear.spools`); None without."""
     learnt: Beliefs = Field(default_factory=dict)

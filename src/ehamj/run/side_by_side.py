@@ -113,12 +113,13 @@ def _commands(run: Prepared, times: Array) -> Array | None:
 
 
 def _alike(runs: Sequence[Prepared]) -> list[int]:
-    """For each run the first with the same inputs: ground, seed, mounts, open-loop commands."""
+    """For each run the first with the same inputs: ground, below the mounts and upstream, seed, open-loop commands."""
     keys: list[tuple[object, ...]] = []
     for run in runs:
         s = run.scenario
         open_loop = s.control if run.controller is None else None
-        keys.append((s.ground, s.seed, s.duration, s.mount, open_loop))
+        upstream = None if s.sensors.upstream is None else s.sensors.upstream.position
+        keys.append((s.ground, s.seed, s.duration, s.mount, upstream, open_loop))
     return [keys.index(key) for key in keys]
 
 

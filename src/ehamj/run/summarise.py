@@ -116,13 +116,17 @@ def _found(prepared: Prepared) -> FoundLaw | None:
 
 
 def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[dict[str, Any], list[str]]:
-    """What its law has learnt in a run and where its lines were, and what must be said of mounts of which it learnt
-    nothing and of lines that may be elsewhere."""
+    """What its law makes good, has learnt in a run, and where its lines were; and what must be said of mounts of which
+    it learnt nothing and of lines that may be elsewhere."""
     if prepared.controller is None:
         return {}, []
     converter, lines = prepared.controller.converter, found_lines(dataset, prepared.controller)
     beliefs = learnt(dataset, converter)
-    return {"learnt": beliefs, "followed": lines}, [*unlearnt(beliefs, converter), *beyond(lines)]
+    good = dict.fromkeys(words for valve in converter.valves for words in valve.makes_good)
+    return {"learnt": beliefs, "followed": lines, "made_good": tuple(good)}, [
+        *unlearnt(beliefs, converter),
+        *beyond(lines),
+    ]
 
 
 def loops_about_spools(scenario: Scenario, law: LinearController | None) -> tuple[PlaceMargins | None, list[str]]:
