@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from ehamj.control.kinds import STANDARD
 from ehamj.control.sensors import IDEAL
 from ehamj.ground.floors import FLOORS
 from ehamj.isolator.presets import ACTUATOR_PRESETS
@@ -14,6 +13,7 @@ from ehamj.records.choices import SILENT
 from ehamj.records.table_choices import UNSAID
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
+from ehamj.synthesis.kinds import STANDARD
 
 
 def classes(of: type[Settings] = Settings) -> Iterator[type[Settings]]:

@@ -13,7 +13,6 @@ from ehamj.control.architectures.feedforward import FeedforwardSettings
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.channels import MountChannels
 from ehamj.control.sensors import IDEAL
-from ehamj.design.hinfinity import HInfinitySettings
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel, linear_model
@@ -22,6 +21,7 @@ from ehamj.linear.response import rigid_floor
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.synthesis.hinfinity import HInfinitySettings
 
 Array = NDArray[np.float64]
 TWO_PI = 2.0 * np.pi
@@ -197,7 +197,7 @@ def test_a_synthesis_without_weights_for_what_the_mounts_drive_is_refused() -> N
     with pytest.raises(
         InputError, match="h-infinity synthesis has weights for heave, roll, pitch, and the mounts drive "
     ):
-        HInfinitySettings().law(scenario, model)
+        HInfinitySettings().law(scenario.plant, scenario.sensors, model)
 
 
 # --- laws and signals by the names of mounts ------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import pytest
 from ehamj.control import Controller
 from ehamj.control.blocks import Block
 from ehamj.control.channels import MountChannels
-from ehamj.control.kinds import ARCHITECTURES, CONTROLS, STANDARD
+from ehamj.control.kinds import ARCHITECTURES
 from ehamj.control.sensors import IDEAL, Sensors
 from ehamj.control.settings import DigitalSettings
 from ehamj.control.windup import AntiWindup, anti_windup_gain
@@ -17,6 +17,7 @@ from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.synthesis.kinds import CONTROLS, STANDARD
 
 GIVEN: dict[str, dict[str, Any]] = {
     "resonant": {"lines": [25.0, 50.0]},
@@ -83,7 +84,7 @@ def test_a_loop_it_names_is_a_field_whose_crossing_counts(kind: str) -> None:
 
 
 def test_passive_signals_a_sum_and_a_file_are_controls_too() -> None:
-    assert set(CONTROLS) - set(ARCHITECTURES) == {"passive", "open-loop", "combined", "law"}
+    assert set(CONTROLS) - set(ARCHITECTURES) == {"passive", "open-loop", "combined", "h-infinity", "lqg", "law"}
 
 
 # --- a law states its anti-windup ---------------------------------------------------------------------------------

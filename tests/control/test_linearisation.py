@@ -34,6 +34,7 @@ from ehamj.isolator.flow_curve import FlowCurve, curved_opening
 from ehamj.isolator.overlap import Overlap, edge_openings
 from ehamj.isolator.spool import full_stroke
 from ehamj.isolator.supply import Feed
+from ehamj.judge.brief import brief
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate
@@ -397,6 +398,21 @@ def test_both_engines_agree(mounts: int) -> None:
     size = np.abs(found[0]).max()
     assert size > 0.1
     assert np.abs(found[1] - found[0]).max() < 1e-3 * size
+
+
+def test_what_is_made_good_is_told_in_words() -> None:
+    real = plant_of(**REAL)
+    told = ("pressure drop", "flow curve", "overlap", "play", "null offset")
+    assert known_of(real)[0].makes_good == told
+    assert known_of(real, overlap=0.0, null_offset=0.0)[0].makes_good == ("pressure drop", "flow curve", "play")
+    assert known_of(plant_of(), pressure_drop=False)[0].makes_good == ()
+    case = parse_scenario({
+        "plates": "tied", "duration": 0.2, "engine": "small-motion", "actuators": {"isolator": IMPERFECT},
+        "control": {"kind": "combined", "linearisation": {}},
+    })  # fmt: skip
+    assert brief(simulate(case).summary)["made good"].startswith("pressure drop, overlap, play, null offset of")
+    without = case.model_copy(update={"control": case.control.model_copy(update={"linearisation": None})})
+    assert "made good" not in brief(simulate(without).summary)
 
 
 @pytest.mark.parametrize("quiet", [0.1, 0.0])

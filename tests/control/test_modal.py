@@ -191,7 +191,7 @@ def test_a_loop_that_would_swing_up_while_it_is_limited_is_refused() -> None:
 
 
 def test_sway_is_damped_threefold_by_tilting_alone() -> None:
-    scenario = load_scenario("vc-c-floor")
+    scenario = load_scenario("vc-c-floor", ["control={kind='combined', delay=1.5e-4}"])
     model, law = linear_model(scenario.plant), scenario.controller()
     held = {mode.name: mode.damping_ratio for mode in modes(model)}
     closed = modes(model, Loop.of(scenario, law))

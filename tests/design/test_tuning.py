@@ -7,16 +7,17 @@ import pytest
 
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.kinds import CombinedSettings
-from ehamj.design.requirements import Requirements, Variations, machines_of, with_factors
-from ehamj.design.tuning import Design, tune
+from ehamj.design.tuning import tune
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.margins import report
 from ehamj.linear.modes import modes
 from ehamj.plant.levers import MOTIONS
+from ehamj.plant.plant import Plant
 from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.scenario.model import Scenario
+from ehamj.synthesis.judged import Design
+from ehamj.synthesis.requirements import Requirements, Variations, machines_of, with_factors
 
 HEAVY = {"machine": {"mass": 6000.0, "cg": [0.0, 0.0, 1.1], "inertia": [4000.0, 5000.0, 6000.0]}}
 LIGHT = {"machine": {"mass": 2500.0, "cg": [0.0, 0.0, 0.6], "inertia": [1200.0, 1800.0, 2400.0]}}
@@ -27,7 +28,7 @@ MODAL = {"kind": "modal", "delay": 1.5e-4}
 
 def tuned(table: dict[str, Any], control: dict[str, Any] = MODAL, **wanted: float) -> Design:
     scenario = parse_scenario({"plates": "tied", "control": control, **table})
-    return tune(scenario, machines_of(scenario), Requirements.model_validate(wanted))
+    return tune(scenario, machines_of(scenario.plant), Requirements.model_validate(wanted))
 
 
 def crossings(design: Design) -> list[float]:
@@ -42,7 +43,7 @@ def standard() -> Design:
 
 def assert_holds(design: Design, gain: float = 6.0, phase: float = 45.0, disk: float = 0.5) -> None:
     assert design.meets
-    assert len(design.reports) == 5
+    assert len(design.reports) == 6
     for name, one in design.reports.items():
         assert one.stable, name
         assert one.worst[0] >= gain, name
@@ -70,7 +71,7 @@ def test_on_other_machines_too(table: dict[str, Any]) -> None:
 
 def test_damping_of_sway_stands_at_the_machine_s_own_modes_however_often_it_is_tuned() -> None:
     scenario = parse_scenario({"plates": "tied", "control": MODAL, **HEAVY})
-    machines = machines_of(scenario)
+    machines = machines_of(scenario.plant)
     first = tune(scenario, machines)
     assert_holds(first)
     once = first.settings
@@ -127,22 +128,22 @@ def test_one_loop_can_be_tuned_neither_none_nor_two(control: dict[str, Any]) -> 
 
 
 def test_variations_change_one_thing_each() -> None:
-    scenario = parse_scenario({})
-    found = Variations(mass=(0.7,), oil=(0.5,), flow=(1.5,), cg=(0.2,)).scenarios(scenario)
+    plant = parse_scenario({}).plant
+    found = dict(Variations(mass=(0.7,), oil=(0.5,), flow=(1.5,), cg=(0.2,), all=(0.9,)).plants(plant))
 
-    def facts(one: Scenario) -> tuple[float, ...]:
-        actuator = one.plant.actuators[0]
-        return (one.machine.mass, actuator.bulk_modulus, actuator.flow_gain, *one.machine.cg)
+    def facts(one: Plant) -> tuple[float, ...]:
+        actuator, inertia = one.actuators[0], np.diag(one.machine.tensor)
+        return (one.machine.mass, actuator.bulk_modulus, actuator.flow_gain, *one.machine.cg, *inertia)
 
-    base = facts(scenario)
+    base = facts(plant)
     changes = {name: [k for k, value in enumerate(facts(one)) if value != base[k]] for name, one in found.items()}
-    assert list(changes.values()) == [[], [0], [1], [2], [3, 4]]
+    assert list(changes.values()) == [[], [0, 6, 7, 8], [1], [2], [3, 4], [0, 1, 2, 6, 7, 8]]
     assert facts(found["mass × 0.7"])[0] == pytest.approx(0.7 * base[0])
 
 
 def test_a_rated_valve_s_flow_gain_is_varied_with_its_rating() -> None:
-    scenario = parse_scenario({"actuators": {"isolator": {"rated_flow": 4e-5}}})
-    ratio = with_factors(scenario, flow=1.5).plant.actuators[0].flow_gain / scenario.plant.actuators[0].flow_gain
+    plant = parse_scenario({"actuators": {"isolator": {"rated_flow": 4e-5}}}).plant
+    ratio = with_factors(plant, flow=1.5).actuators[0].flow_gain / plant.actuators[0].flow_gain
     assert ratio == pytest.approx(1.5)
 
 
@@ -152,7 +153,7 @@ def test_the_default_law_keeps_its_margins_on_the_varied_machine(factors: dict[s
     scenario = parse_scenario({"plates": "tied", "sensors": sensors, "control": MODAL})
     law = scenario.controller()
     assert law is not None
-    varied = linear_model(with_factors(scenario, **factors).plant)
+    varied = linear_model(with_factors(scenario.plant, **factors))
     gain, phase, disk = report(varied, Loop.of(scenario, law)).worst
     assert gain >= 6.0
     assert phase >= 45.0
@@ -161,7 +162,11 @@ def test_the_default_law_keeps_its_margins_on_the_varied_machine(factors: dict[s
 
 def test_factors_and_shifts_are_those_of_the_machine_with_all_that_is_on_it() -> None:
     scenario = load_scenario("moving-slide", ["part=[{name='workpiece', mass=500.0, position=[0.3, 0.1, 1.0]}]"])
-    machine = scenario.plant.machine
-    assert with_factors(scenario, mass=1.3).plant.machine.mass == pytest.approx(1.3 * machine.mass, rel=1e-12)
-    (_, shifted) = Variations(mass=(), oil=(), flow=(), cg=(0.02,)).scenarios(scenario).values()
-    np.testing.assert_allclose(np.subtract(shifted.plant.machine.cg, machine.cg), [0.02, 0.02, 0.0], atol=1e-12)
+    plant = scenario.plant
+    heavier = with_factors(plant, mass=1.3)
+    (_, shifted) = dict(Variations(mass=(), oil=(), flow=(), cg=(0.02,), all=()).plants(plant)).values()
+    for places in ({}, {"table": 0.3}):  # with the slide where it starts, and elsewhere
+        base, more, off = (one.locked(places).machine for one in (plant, heavier, shifted))
+        assert more.mass == pytest.approx(1.3 * base.mass, rel=1e-12)
+        np.testing.assert_allclose(more.tensor, 1.3 * base.tensor, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(np.subtract(off.cg, base.cg), [0.02, 0.02, 0.0], atol=1e-12)

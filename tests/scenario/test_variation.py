@@ -100,11 +100,14 @@ def test_a_wrong_machine_is_told_where_it_stands(override: str, told: str) -> No
 
 
 def test_overrides_that_change_machine_and_law_are_told_and_others_are_not() -> None:
+    by_hand = "control={kind='combined', delay=1.5e-4}"
     with pytest.warns(DerivedAnew, match="flow_gain"):
-        load_scenario("vc-c-floor", [f"{FLOW}=1.8e-6"])
+        load_scenario("vc-c-floor", [by_hand, f"{FLOW}=1.8e-6"])
+    with pytest.warns(DerivedAnew, match=r"the lqg law was derived anew .*machine\.mass = 4000 → 4400"):
+        load_scenario("vc-c-floor", ["machine.mass=4400"])  # a law that is found is found for what is there
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        load_scenario("vc-c-floor", ["duration=3", "machine.mass=4400"])  # of which the law knows nothing
+        load_scenario("vc-c-floor", [by_hand, "duration=3", "machine.mass=4400"])  # of which the law knows nothing
         load_scenario("vc-c-floor", [f"{FLOW}=1.8e-6", "control.designed_for=vc-c-floor"])
         load_scenario("benchmark", [f"{FLOW}=1.8e-6"])
         load_scenario("vc-c-floor").varied(OFF)

@@ -8,7 +8,7 @@ from rich.text import Text
 from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.printing import print_json, print_table, say
 from ehamj.cli.progress import doing
-from ehamj.design.kinds import DESIGNABLE, SYNTHESES
+from ehamj.design.kinds import DESIGNABLE
 from ehamj.folders import check_out, new_folder
 
 OCTAVES = ("1", "2", "4", "8", "16", "31.5", "63", "125", "250")
@@ -20,11 +20,18 @@ def design(
     scenario: ScenarioName = "recorded",
     architecture: Annotated[
         str | None,
-        typer.Option(help=f"{', '.join((*DESIGNABLE, *SYNTHESES))} [default: the scenario's own]."),
+        typer.Option(help=f"{', '.join(DESIGNABLE)} [default: the scenario's own]."),
     ] = None,
-    gain_margin: Annotated[float, typer.Option(help="Least gain margin [dB].")] = 6.0,
-    phase_margin: Annotated[float, typer.Option(help="Least phase margin [deg].")] = 45.0,
-    disk_margin: Annotated[float, typer.Option(help="Least disk margin, also of all valves at once [-].")] = 0.5,
+    gain_margin: Annotated[
+        float | None, typer.Option(help="Least gain margin [dB] [default: control.margins, or 6].")
+    ] = None,
+    phase_margin: Annotated[
+        float | None, typer.Option(help="Least phase margin [deg] [default: control.margins, or 45].")
+    ] = None,
+    disk_margin: Annotated[
+        float | None,
+        typer.Option(help="Least disk margin, also of all valves at once [-] [default: control.margins, or 0.5]."),
+    ] = None,
     out_folder: Out = None,
     overwrite: Overwrite = False,
     overrides: Set = None,

@@ -133,6 +133,8 @@ def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
     else:
         say(f"{summary.failure}")
         say("nothing is judged; histories, report and replay show what led there")
+    if summary.law is not None:
+        say(f"law: {summary.law.words}")
     for warning in summary.warnings:
         say(f"note: {warning}")
     say(f"result: {folder}")

@@ -1,4 +1,4 @@
-"""Every control that a scenario may have. One more architecture is a file in `architectures/` and an entry here."""
+"""Architectures, and their sums. One more is a file in `architectures/` and an entry here."""
 
 from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
@@ -6,16 +6,14 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, mod
 
 from ehamj.control.architectures.adaptive import AdaptiveSettings
 from ehamj.control.architectures.feedforward import FeedforwardSettings
-from ehamj.control.architectures.file import Law
 from ehamj.control.architectures.levelling import LevellingSettings
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.architectures.resonant import ResonantSettings
 from ehamj.control.architectures.servo import StrokeServoSettings
 from ehamj.control.architectures.skyhook import SkyhookSettings
-from ehamj.control.commands import OpenLoop, Passive
 from ehamj.control.law import Controller, stack
 from ehamj.control.sensors import Sensors
-from ehamj.control.settings import SHARED, ControlSettings, DigitalSettings
+from ehamj.control.settings import SHARED, DigitalSettings
 from ehamj.plant.plant import Plant
 from ehamj.registry import Registry
 from ehamj.settings import one_of
@@ -88,21 +86,3 @@ def _without_shared(part: DigitalSettings) -> DigitalSettings:
     """A part that states nothing of what is the whole's."""
     own = {name: getattr(part, name) for name in type(part).model_fields if name not in SHARED}
     return part.model_construct(_fields_set=part.model_fields_set.difference(SHARED), **own)
-
-
-CONTROLS: Final[Registry[type[ControlSettings]]] = Registry("control")
-"""Everything that [control] of a scenario may be."""
-
-_CONTROLS: tuple[type[ControlSettings], ...] = (Passive, OpenLoop, *_LAWS, CombinedSettings, Law)
-for _control in _CONTROLS:
-    CONTROLS.add(_control.name(), _control)
-
-STANDARD: Final[dict[str, ControlSettings]] = {
-    name: made for name, kind in CONTROLS.items() if (made := kind.standard()) is not None
-}
-"""Controls that need nothing stated, with their defaults: a scenario may be compared with them."""
-
-if TYPE_CHECKING:
-    Control = ControlSettings
-else:
-    Control = one_of(CONTROLS.values())

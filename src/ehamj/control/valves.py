@@ -78,6 +78,19 @@ class KnownValve(NamedTuple):
         """Whether its pressure drop is made good."""
         return self.numbers.least < self.numbers.most
 
+    @property
+    def makes_good(self) -> tuple[str, ...]:
+        """What of the valve is made good, in words."""
+        own = self.numbers
+        found = {
+            "pressure drop": self.reads_pressure,
+            "flow curve": bool(own.curved),
+            "overlap": any(getattr(own, name) for name in EDGES),
+            "play": own.play > 0.0,
+            "null offset": own.offset != 0.0,
+        }
+        return tuple(words for words, so in found.items() if so)
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
         return {**self.numbers._asdict(), "curve": list(self.curve)}

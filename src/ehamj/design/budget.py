@@ -40,6 +40,9 @@ FLOOR_TIME: Final = 20.0
 FOLDED: Final = "motion faster than half the recording rate"
 """That rows show as if it were slow."""
 
+Attenuations = Mapping[str, Mapping[str, ByBand]]
+"""Of each machine by name as `Budget.attenuation`."""
+
 
 @dataclass(frozen=True)
 class Budget:

@@ -7,16 +7,13 @@ from typing import Final
 
 from markupsafe import Markup
 
-from ehamj.control.architectures.file import Law
 from ehamj.control.kinds import ARCHITECTURES
-from ehamj.control.settings import ControlSettings, DigitalSettings
-from ehamj.design.budget import Budget, budget
-from ehamj.design.kinds import DESIGNABLE, SYNTHESES
+from ehamj.control.settings import ControlSettings, DigitalSettings, SampledSettings
+from ehamj.design.budget import Attenuations, Budget, budget
+from ehamj.design.kinds import DESIGNABLE, beginning
 from ehamj.design.outcome import outcome
 from ehamj.design.page import design_page
-from ehamj.design.requirements import Machines, Requirements, behind, machines_of
-from ehamj.design.synthesis import beginning, synthesised
-from ehamj.design.tuning import Design, judged, tune
+from ehamj.design.tuning import tune
 from ehamj.errors import InputError
 from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
@@ -24,6 +21,10 @@ from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
+from ehamj.synthesis.judged import Design, judged
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of, outside
+from ehamj.synthesis.search import synthesised
+from ehamj.synthesis.settings import SynthesisSettings
 
 DESIGN_FILES: Final = ("design.json", "design.html")
 """Files without which a folder is no design."""
@@ -39,6 +40,8 @@ class Designed:
     scenario: Scenario
     design: Design
     limits: Budget
+    wrong: Attenuations
+    """What is left on machines of which the law believes all wrongly at once (`Variations.all`)."""
     outcome: Outcome
 
 
@@ -46,9 +49,9 @@ def design_controller(
     source: str,
     overrides: Iterable[str] = (),
     architecture: str | None = None,
-    gain_margin: float = 6.0,
-    phase_margin: float = 45.0,
-    disk_margin: float = 0.5,
+    gain_margin: float | None = None,
+    phase_margin: float | None = None,
+    disk_margin: float | None = None,
     progress: Progress = silent,
 ) -> Designed:
     """Design a controller for a scenario.
@@ -59,10 +62,10 @@ def design_controller(
     Args:
         source: scenario file or shipped name.
         overrides: as `load_scenario`.
-        architecture: one of `DESIGNABLE` or `SYNTHESES`; without, the scenario's own where that is a digital law
-            (one without loops is judged as it is), else combined. Rate, delay and resolution are the scenario's
-            controller's.
-        gain_margin: least gain margin [dB].
+        architecture: one of `DESIGNABLE`; without, the scenario's own where that is a digital law (one without loops
+            is judged as it is), else combined. Rate, delay and resolution are the scenario's controller's.
+        gain_margin: least gain margin [dB]; without this and the others, what the scenario's control asks for, or else
+            `Requirements`.
         phase_margin: least phase margin [deg].
         disk_margin: least disk margin.
         progress: called with what is being done.
@@ -70,36 +73,34 @@ def design_controller(
     Raises:
         InputError: if the scenario or an argument cannot be used, or no law leaves the margins.
     """
-    for name, value, low, high in (
-        ("gain-margin", gain_margin, 0.0, 60.0),
-        ("phase-margin", phase_margin, 0.0, 89.0),
-        ("disk-margin", disk_margin, 0.0, 1.9),
-    ):
-        if not low <= value <= high:
-            raise InputError(f"--{name} {value:g}: must be from {low:g} to {high:g}")
-    wanted = Requirements(gain_margin=gain_margin, phase_margin=phase_margin, disk_margin=disk_margin)
+    asked = {"gain_margin": gain_margin, "phase_margin": phase_margin, "disk_margin": disk_margin}
+    for (name, value), high in zip(asked.items(), (60.0, 89.0, 1.9), strict=True):
+        if value is not None and not 0.0 <= value <= high:
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: must be from 0 to {high:g}")
     scenario = load_scenario(source, overrides)
     given = scenario.control
     kind = _kind(given, architecture)
     if kind != given.kind:
-        shared = given.shared if isinstance(given, DigitalSettings) else {}
-        begin = DESIGNABLE.get(kind, DESIGNABLE["combined"]).model_copy(update=shared)
-        scenario = scenario.model_copy(update={"control": begin, "compare": ("passive",)})
-    believed, held = scenario.as_designed(), given.designed_for if isinstance(given, DigitalSettings) else None
-    machines = dict(machines_of(believed))
-    if held is not None:  # the law is derived for a machine that differs from the one it runs on
-        machines[RUNS_ON] = linear_model(behind(scenario))
-    if kind in SYNTHESES:
-        design = synthesised(believed, machines, beginning(kind, given), wanted, progress)
-        control: ControlSettings = Law(kind="law", file=CONTROLLER_FILE)
-    else:
-        progress("choosing crossings")
-        design = _designed(believed, machines, wanted)
-        control = design.settings.model_copy(update={"designed_for": held})
-    scenario = scenario.model_copy(update={"control": control})
+        scenario = scenario.model_copy(update={"control": beginning(kind, given), "compare": ("passive",)})
+    control = scenario.control
+    assert isinstance(control, DigitalSettings)
+    own = control.margins if isinstance(control, SynthesisSettings) else Requirements()
+    wanted = own.model_copy(update={name: value for name, value in asked.items() if value is not None})
+    if isinstance(control, SynthesisSettings):
+        control = control.model_copy(update={"margins": wanted})
+        scenario = scenario.model_copy(update={"control": control})
+    believed, held = scenario.as_designed(), control.designed_for
+    machines = _machines(scenario)
+    design = _designed(believed, machines, wanted, progress)
+    designed = design.settings.model_copy(update={"designed_for": held})
+    scenario = scenario.model_copy(update={"control": designed})
     progress("predicting what a run will show")
-    limits = budget(scenario, machines.get(RUNS_ON, machines["as designed"]), design.law)
-    return Designed(scenario, design, limits, outcome(scenario, kind, machines, design, limits))
+    limits = budget(scenario, machines.get(RUNS_ON, machines[NOMINAL]), design.law)
+    wrong = {}
+    for name in variations_of(designed).wrong:
+        progress(f"predicting what is left with {name}")
+        wrong[name] = budget(scenario, machines[name], design.law).attenuation
+    return Designed(scenario, design, limits, wrong, outcome(scenario, kind, machines, design, limits, wrong))
 
 
 def _kind(given: ControlSettings, architecture: str | None) -> str:
@@ -109,28 +110,48 @@ def _kind(given: ControlSettings, architecture: str | None) -> str:
         InputError: if the ``architecture`` that is asked for cannot be.
     """
     own = given.kind if isinstance(given, DigitalSettings) else "combined"
-    if architecture in (None, own, *DESIGNABLE, *SYNTHESES):
+    if architecture in (None, own, *DESIGNABLE):
         return architecture or own
-    able = ", ".join((*DESIGNABLE, *SYNTHESES))
     more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
-    raise InputError(f"--architecture {architecture!r}: must be one of {able}{more}")
+    raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(DESIGNABLE)}{more}")
 
 
-def _designed(scenario: Scenario, machines: Machines, wanted: Requirements) -> Design:
-    """The scenario's own architecture with its loops tuned; one that has none is judged as it is."""
-    control = scenario.control
+def variations_of(control: SampledSettings) -> Variations:
+    """The machines that a control's law must hold on: as it states them, or the usual ones."""
+    return control.variations if isinstance(control, SynthesisSettings) else Variations()
+
+
+def _machines(scenario: Scenario) -> Machines:
+    """What the law must hold on, each behind what it makes good of the valves."""
+    control, nominal = scenario.control, scenario.nominal
     assert isinstance(control, DigitalSettings)
-    if any(member.loops(scenario.plant) for member in control.members):
+    known = control.known(nominal.plant, nominal.sensors)
+    if isinstance(control, SynthesisSettings):
+        known = outside(known, nominal.plant)
+    machines = machines_of(nominal.plant, variations_of(control), known)
+    if control.designed_for is not None:  # the law is derived for a machine that differs from the one it runs on
+        machines[RUNS_ON] = linear_model(behind(scenario.plant, known))
+    return machines
+
+
+def _designed(scenario: Scenario, machines: Machines, wanted: Requirements, progress: Progress) -> Design:
+    """The scenario's own architecture with its loops tuned or found; one that has none is judged as it is."""
+    control, plant, sensors = scenario.control, scenario.plant, scenario.sensors
+    assert isinstance(control, DigitalSettings)
+    if isinstance(control, SynthesisSettings):
+        return synthesised(control, plant, sensors, machines, progress, scenario.seed)
+    progress("choosing crossings")
+    if any(member.loops(plant) for member in control.members):
         return tune(scenario, machines, wanted)
-    law = control.controller(scenario.plant, scenario.sensors)
-    return replace(judged(control, law, scenario, machines, wanted), tuned=False)
+    law = control.controller(plant, sensors)
+    return replace(judged(control, law, sensors, machines, wanted, scenario.seed), tuned=False)
 
 
 def write_design(folder: Path, found: Designed) -> None:
     """Write a design into an existing folder, each file whole."""
     does = Markup(" and controller.json: <code>ehamj run scenario.toml</code> runs the machine under this law.")
     beside = Markup("{}").format(files_of(found.outcome, "design")) + does
-    shown = design_page(found.outcome, found.scenario, found.design, found.limits, beside)
+    shown = design_page(found.outcome, found.scenario, found.design, found.limits, found.wrong, beside)
     write_outcome(folder, "design", found.outcome, found.scenario, shown, "design")
     with written_whole(folder / CONTROLLER_FILE) as path:
         found.design.law.save(path)

@@ -8,7 +8,6 @@ import xarray as xr
 
 from ehamj.arrays import Array
 from ehamj.design.budget import Budget
-from ehamj.design.tuning import Design
 from ehamj.judge.levels import SLAB
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import LinearModel
@@ -18,6 +17,7 @@ from ehamj.plots import Figure, Levels, Line, attenuation, lines_chart, loop_fig
 from ehamj.plots.charts import COLORS, DASHES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Drawing
+from ehamj.synthesis.judged import Design
 
 WORTH: Final = 0.01
 """Share of the machine's motion from which on a cause is shown."""

@@ -9,10 +9,8 @@ import xarray as xr
 from ehamj.control import LinearController
 from ehamj.control.describing import AMPLITUDES, across
 from ehamj.control.spools import followed
-from ehamj.design.budget import Budget
+from ehamj.design.budget import Attenuations, Budget
 from ehamj.design.figures import budget_drawings, loop_drawings, plotted, valve_drawings
-from ehamj.design.requirements import Machines
-from ehamj.design.tuning import Design
 from ehamj.findings import finite
 from ehamj.judge.levels import SLAB
 from ehamj.labels import table
@@ -23,6 +21,8 @@ from ehamj.pages.words import AXIS_NAMES, decibel
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
+from ehamj.synthesis.judged import Design
+from ehamj.synthesis.requirements import NOMINAL, Machines
 
 SHOWN: Final = ("5", "10", "20", "50", "100")
 """Third-octave bands of the answers [Hz]."""
@@ -34,7 +34,9 @@ LOUDER: Final = 0.5
 """By so much the machine must be louder than the floor before it is said [dB]."""
 
 
-def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget) -> Outcome:
+def outcome(
+    scenario: Scenario, kind: str, machines: Machines, design: Design, limits: Budget, wrong: Attenuations
+) -> Outcome:
     """The design of a scenario's control as answers, tables and drawings.
 
     Args:
@@ -43,13 +45,14 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
         machines: the machine and its variations.
         design: the law with its margins.
         limits: its budget on the machine as designed.
+        wrong: what is left on machines of which the law believes all wrongly at once.
     """
     has_loop = feeds_back(design.law)
     tables, drawings = {}, {}
     if has_loop:
         spectra = loop_table(scenario, machines, design.law)
         tables = {"margins": margin_table(design), "loops": spectra}
-        drawings = loop_drawings(spectra) | plotted(scenario, machines["as designed"], design)
+        drawings = loop_drawings(spectra) | plotted(scenario, machines[NOMINAL], design)
     valves = valve_table(scenario, design.law)
     if valves is not None:
         tables, drawings = tables | {"valves": valves}, drawings | valve_drawings(valves)
@@ -60,7 +63,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
     return Outcome(
         title=f"Controller for {scenario.name}",
         question=f"Which {kind} law leaves the margins, and what limits it?",
-        answers=tuple(_answers(scenario, design, limits, has_loop)),
+        answers=(*_answers(scenario, design, limits, has_loop), *_left(wrong)),
         tables=tables,
         drawings=drawings,
         notes=(
@@ -69,6 +72,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             "The prediction takes the scenario's own floor at each mount and axis through the closed loop, with what "
             "turbulent flow, compressed oil and turning add along that motion, and with noise and rounding as they are "
             "on average; a run scatters by some tenths of a decibel about it where noise binds.",
+            *_made_good(design),
             *limits.notes,
         ),
         numbers={
@@ -78,6 +82,7 @@ def outcome(scenario: Scenario, kind: str, machines: Machines, design: Design, l
             "disk_margin": disk,
             "margins": {name: one.to_dict() for name, one in design.reports.items()},
             "budget": limits.to_dict(),
+            "attenuation_if_wrong_db": {name: {m: dict(v) for m, v in one.items()} for name, one in wrong.items()},
             "law": {"states": design.law.states, "inputs": len(design.law.inputs)},
         },
     )
@@ -124,6 +129,26 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
             f"Heave crosses at {limits.phases['crossing_hz']:.0f} Hz; what lags there: {words}. "
             f"The bandwidth is bound by {first} first."
         )
+    return found
+
+
+def _made_good(design: Design) -> tuple[str, ...]:
+    """What the prediction leaves out of a law that linearises its valves."""
+    said = (
+        "The law linearises its valves, and the prediction has their pressure drop all the same: where nonlinear oil "
+    )
+    said += "and valves bind, a run shows more isolation."
+    return (said,) if any(valve.numbers.most > 1.0 for valve in design.law.converter.valves) else ()
+
+
+def _left(wrong: Attenuations) -> list[str]:
+    """What is left vertically of the isolation where the law believes all wrongly at once."""
+    found = []
+    for name, one in wrong.items():
+        known = [(band, value) for band in SHOWN if (value := one["z"][band]) is not None]
+        if known:
+            said = ", ".join(f"{decibel(value)} dB at {band} Hz" for band, value in known)
+            found.append(f"With {name}, of which the law knows nothing, vertically: {said}.")
     return found
 
 

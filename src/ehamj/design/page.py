@@ -7,16 +7,16 @@ import numpy as np
 from markupsafe import Markup
 
 from ehamj.control.sensors import Sensors
-from ehamj.design.budget import Budget
+from ehamj.design.budget import Attenuations, Budget
 from ehamj.design.figures import telling
 from ehamj.design.outcome import SHOWN
-from ehamj.design.tuning import Design
 from ehamj.isolator.actuator import Actuator
 from ehamj.judge.levels import SLAB
 from ehamj.pages import Page, Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, BAR, DASH, LITRE_PER_MINUTE, MICRO, decibel, exact, number, plain
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
+from ehamj.synthesis.judged import Design
 
 NANO: Final = 1e9
 NOISES: Final = {
@@ -26,7 +26,9 @@ NOISES: Final = {
 HEADS: Final = {"z": "vertical z", "x": "along x", "y": "along y", "rx": "roll rx", "ry": "pitch ry", "rz": "yaw rz"}
 
 
-def design_page(outcome: Outcome, scenario: Scenario, design: Design, limits: Budget, files: str) -> Page:
+def design_page(
+    outcome: Outcome, scenario: Scenario, design: Design, limits: Budget, wrong: Attenuations, files: str
+) -> Page:
     """The page.
 
     Args:
@@ -34,13 +36,15 @@ def design_page(outcome: Outcome, scenario: Scenario, design: Design, limits: Bu
         scenario: under the designed control.
         design: the law with its margins.
         limits: its budget.
+        wrong: what is left on machines of which the law believes all wrongly at once.
         files: what stands beside the page, in words.
     """
     pictures = [Picture(name, one.draw(), one.caption) for name, one in outcome.drawings.items()]
+    tables = [margins(design), attenuations(limits), left(limits, wrong), contributions(limits)]
     sections = [
         Section("machine", "The machine that it is for", facts=list(facts(scenario, design))),
         Section("figures", figures=pictures),
-        Section("tables", "Numbers", tables=[margins(design), attenuations(limits), contributions(limits)]),
+        Section("tables", "Numbers", tables=tables),
         Section("notes", "What holds, and what does not", items=outcome.notes),
         Section("files", notes=[files]),
     ]
@@ -124,6 +128,17 @@ def attenuations(limits: Budget, only: Collection[str] | None = None) -> Table:
         f"{DASH}: undecided, since the floor is not known there, or does not move so. Positive: quieter than the floor."
     )
     return Table("Predicted attenuation [dB]", ["band [Hz]", *(HEADS[motion] for motion in shown)], rows, note)
+
+
+def left(limits: Budget, wrong: Attenuations) -> Table:
+    """Vertical attenuation on each machine of which the law believes all wrongly at once, beside that as designed."""
+    machines = {"as designed": limits.attenuation, **wrong}
+    if not wrong or all(limits.attenuation["z"][band] is None for band in SHOWN):
+        return Table("", [], [])
+    rows = [[name, *(decibel(one["z"][band]) for band in SHOWN)] for name, one in machines.items()]
+    return Table(
+        "Vertical attenuation where the law is wrong [dB]", ["machine", *(f"{band} Hz" for band in SHOWN)], rows
+    )
 
 
 def contributions(limits: Budget) -> Table:

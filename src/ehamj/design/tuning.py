@@ -10,24 +10,23 @@ notch stays where it is, since it mostly makes good for the valve's lag: moved w
 machine that was tried slower (heave from 77 to below 60 Hz at 5200 kg).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.control import LinearController, blocks
+from ehamj.control import blocks
 from ehamj.control.inertial import MotionLoop
-from ehamj.control.settings import DigitalSettings, SampledSettings
+from ehamj.control.settings import DigitalSettings
 from ehamj.design.kinds import DESIGNABLE
-from ehamj.design.requirements import Machines, Requirements
 from ehamj.errors import InputError
-from ehamj.linear.loop import Loop, feeds_back, opened
-from ehamj.linear.margins import LoopReport, disk_margin, grid, in_patterns, margins, of_active, report
+from ehamj.linear.loop import Loop, opened
+from ehamj.linear.margins import disk_margin, grid, in_patterns, margins, of_active
 from ehamj.linear.modes import modes
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
+from ehamj.synthesis.judged import Design, judged
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements
 
 Trial = tuple[Array, ComplexArray, dict[str, ComplexArray]]
 """A machine: frequencies [Hz], loop gain of all but the loops, loop gain of each at a crossing of 1 Hz."""
@@ -38,38 +37,6 @@ STEPS: Final = 3.0 * STEP ** -np.arange(116.0)
 
 SLOWED: Final = (1.0, 0.85, 0.7, 0.55, 0.4)
 """Factors on a loop's integral and lead that are tried."""
-
-
-@dataclass(frozen=True)
-class Design:
-    """A law: its settings, and what it has in hand on each machine; ``tuned``: its gains were chosen."""
-
-    settings: SampledSettings
-    law: LinearController
-    reports: Mapping[str, LoopReport]
-    requirements: Requirements
-    tuned: bool = True
-
-    @property
-    def meets(self) -> bool:
-        """Whether all machines are stable with the required margins."""
-        return all(one.stable and holds(one.worst, self.requirements) for one in self.reports.values())
-
-    def worst_of(self, motion: str) -> tuple[float, float, float]:
-        """Least gain [dB], phase [deg] and disk margin of a motion's loop on all machines."""
-        found = [one.motions[motion] for one in self.reports.values()]
-        return min(m.gain for m in found), min(m.phase for m in found), min(m.disk for m in found)
-
-    def leaves(self, motion: str) -> bool:
-        """Whether the loop of a motion has the required margins on all machines."""
-        return holds(self.worst_of(motion), self.requirements)
-
-
-def holds(worst: tuple[float, float, float], requirements: Requirements) -> bool:
-    """Whether gain [dB], phase [deg] and disk margin suffice."""
-    gain, phase, disk = worst
-    r = requirements
-    return gain >= r.gain_margin and phase >= r.phase_margin and disk >= r.disk_margin
 
 
 def tune(scenario: Scenario, machines: Machines, requirements: Requirements | None = None) -> Design:
@@ -93,19 +60,11 @@ def tune(scenario: Scenario, machines: Machines, requirements: Requirements | No
             f"control.kind = {control.kind!r}: has {len(tunable) or 'no'} laws with loops to tune; there must be one "
             f"loop to tune, {', '.join(able[:-1])} or {able[-1]}"
         )
-    model = machines["as designed"]
+    model = machines[NOMINAL]
     shaped = members[tunable[0]].fitted([(one.name, one.frequency) for one in modes(model)], model.plant.machine.cg[2])
     settings = control.with_member(tunable[0], _raised(shaped, scenario, machines, wanted))
-    return judged(settings, settings.controller(scenario.plant, scenario.sensors), scenario, machines, wanted)
-
-
-def judged(
-    settings: SampledSettings, law: LinearController, scenario: Scenario, machines: Machines, requirements: Requirements
-) -> Design:
-    """A law, as its settings made it, with its margins on every machine; without a loop there are none."""
-    models = machines if feeds_back(law) else {}
-    reports = {name: report(model, Loop.of(scenario, law)) for name, model in models.items()}
-    return Design(settings, law, reports, requirements)
+    law = settings.controller(scenario.plant, scenario.sensors)
+    return judged(settings, law, scenario.sensors, machines, wanted, scenario.seed)
 
 
 def _only(settings: DigitalSettings, name: str | None) -> DigitalSettings:
@@ -213,6 +172,6 @@ def _leaves(trial: Trial, crossings: dict[str, float], plant: Plant, wanted: Req
         if round(float(np.unwrap(np.angle(difference))[-1]) / (2 * np.pi)) != 0:
             return False
         one = margins(trial[0], difference - 1.0)
-        if not holds((one.gain, one.phase, one.disk), wanted):
+        if not wanted.met_by((one.gain, one.phase, one.disk)):
             return False
     return True

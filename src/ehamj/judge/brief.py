@@ -43,6 +43,8 @@ def brief(summary: Summary) -> dict[str, str]:
             found[SHORT_PLACES.get(place, place)] = f"vertically {said or 'undecided in every band'}{mixed}"
     found["peak motion"] = _motion(summary.peak)
     found["valves"] = _valves(summary)
+    if summary.made_good:
+        found["made good"] = f"{', '.join(summary.made_good)} of the valves, as the law knows them"
     found["margins"] = _margins(summary)
     if summary.spools is not None:
         found["spool feedback"] = _spools(summary.spools)

@@ -73,6 +73,45 @@ class LoopMargins(Finding):
     unstable: UnstablePole | None = None
 
 
+class Least(Finding):
+    """A least margin [dB, deg or -], None where unlimited, and the machine that has it."""
+
+    margin: float | None
+    machine: str
+
+
+class FoundLaw(Finding):
+    """A law that was found for the machine at hand (`ehamj.synthesis`): for which, and what it has in hand there and on
+    the variations that it must hold on."""
+
+    kind: str
+    mass_kg: float
+    """Of the machine that it was found for, with all that is on it."""
+    held: bool
+    """Whether that is another than the machine that it runs on."""
+    machines: int
+    """On which it was judged, with that one."""
+    gain_db: Least
+    phase_deg: Least
+    disk: Least
+    seconds: float
+    """That it took to find."""
+
+    @property
+    def words(self) -> str:
+        """All of it as a sentence."""
+        which = "the machine that it is held for" if self.held else "this machine"
+        least = ((self.gain_db, ".1f", " dB"), (self.phase_deg, ".0f", "°"), (self.disk, ".2f", " disk"))
+        said = [
+            "unlimited" if one.margin is None else f"{one.margin:{digits}}{unit} ({one.machine})"
+            for one, digits, unit in least
+        ]
+        return (
+            f"{self.kind}, found for {which} ({self.mass_kg:.4g} kg) in {self.seconds:.1f} s; least margins of "
+            f"{self.machines} machines: {', '.join(said)}"
+        )
+
+
 class Timing(Finding):
     """What was stepped, and how long it took; ``ratio``: simulated time over that of the stepping loop."""
 
@@ -112,6 +151,10 @@ class Summary(Isolation, Head):
     oil: Oil
     margins: LoopMargins | None
     """None without a loop, and where the law is a Python function."""
+    law: FoundLaw | None = None
+    """Of a law that was found for the machine at hand; None of any other."""
+    made_good: tuple[str, ...] = ()
+    """What of the valves the law makes good, of any mount (`ehamj.control.valves.KnownValve.makes_good`)."""
     spools: PlaceMargins | None = None
     """Margins of the loops about the spools, the worst of all valves (`ehamj.linear.spools`); None without."""
     learnt: Beliefs = Field(default_factory=dict)

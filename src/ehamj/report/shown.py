@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from ehamj import plots
-from ehamj.control.kinds import STANDARD
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
 from ehamj.errors import InputError
@@ -15,6 +14,7 @@ from ehamj.evaluation import Evaluation, evaluate
 from ehamj.pages.words import CRITERION_AXES
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
+from ehamj.synthesis.kinds import STANDARD
 
 Results = Mapping[str, Result]
 """Results by label; the first is the one reported, the others are variants beside it."""

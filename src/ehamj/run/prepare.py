@@ -24,6 +24,8 @@ from ehamj.run.timestep import choose_timestep, compiled
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
 from ehamj.signals import Signal
+from ehamj.synthesis.search import Found
+from ehamj.synthesis.settings import SynthesisSettings
 
 READ_FAST: Final = 2000.0
 """Rows per second from which rows show what noisy sensors make a machine do as fast as it is [Hz]: valves and oil let
@@ -52,6 +54,8 @@ class Prepared:
     steps: int
     of_step: tuple[str, ...] = ()
     """What to know of the step."""
+    found: Found | None = None
+    """How the law was found, where it was found for the machine at hand."""
 
     @property
     def timestep(self) -> float:
@@ -98,6 +102,12 @@ def _check_standing(scenario: Scenario) -> None:
         raise InputError(str(error)) from error
 
 
+def found_for(scenario: Scenario) -> Found | None:
+    """How a scenario's law is found for the machine at hand; None of a law that is not."""
+    control, nominal = scenario.control, scenario.nominal
+    return control.found(nominal.plant, nominal.sensors) if isinstance(control, SynthesisSettings) else None
+
+
 def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors | None = None) -> Prepared:
     """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
 
@@ -114,8 +124,9 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()
     load, courses = scenario.pushed(), tuple(slide.course() for slide in scenario.slide)
+    found = None
     if controller is None:
-        controller = scenario.controller()
+        found, controller = found_for(scenario), scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
         commands = Passive().commands(scenario.plant.mounts)
     try:
@@ -143,4 +154,4 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         noise = None if made.silent else made
     of_step = () if timestep == usual else (shorter_step(timestep, usual),)
     driven = (motion, commands, load, courses, controller, loop, noise)
-    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step)
+    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step, found)

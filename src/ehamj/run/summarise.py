@@ -8,13 +8,14 @@ import xarray as xr
 
 from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
+from ehamj.findings import finite
 from ehamj.judge.extremes import peak_and_rms
 from ehamj.judge.isolation import isolation
 from ehamj.judge.levels import duration_of
 from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
-from ehamj.judge.summary import LoopMargins, PlaceMargins, Summary, Timing
+from ehamj.judge.summary import FoundLaw, Least, LoopMargins, PlaceMargins, Summary, Timing
 from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
@@ -29,6 +30,7 @@ from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
 from ehamj.run.why import worsened
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import unlike
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
 
@@ -57,7 +59,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
     peak, rms = peak_and_rms(dataset)
     simulated = duration_of(dataset)
-    asked: dict[str, Any] = {} if failure is None else {"failure": failure}
+    asked: dict[str, Any] = {"law": _found(prepared)} | ({} if failure is None else {"failure": failure})
     struck = aftermath(prepared, driven.struck, dataset)
     asked |= {"fault": struck} if struck else {}
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
@@ -97,14 +99,34 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
     )
 
 
+def _found(prepared: Prepared) -> FoundLaw | None:
+    """How the law was found, where it was found for the machine at hand."""
+    found, scenario = prepared.found, prepared.scenario
+    if found is None:
+        return None
+    least = (Least(margin=finite(margin), machine=machine) for margin, machine in found.design.least)
+    return FoundLaw(
+        kind=scenario.control.kind,
+        mass_kg=found.nominal.plant.machine.mass,
+        held=bool(unlike(scenario.nominal, scenario.installation)),
+        machines=len(found.design.reports),
+        seconds=found.seconds,
+        **dict(zip(("gain_db", "phase_deg", "disk"), least, strict=True)),
+    )
+
+
 def _learnt(prepared: Prepared, dataset: xr.Dataset) -> tuple[dict[str, Any], list[str]]:
-    """What its law has learnt in a run and where its lines were, and what must be said of mounts of which it learnt
-    nothing and of lines that may be elsewhere."""
+    """What its law makes good, has learnt in a run, and where its lines were; and what must be said of mounts of which
+    it learnt nothing and of lines that may be elsewhere."""
     if prepared.controller is None:
         return {}, []
     converter, lines = prepared.controller.converter, found_lines(dataset, prepared.controller)
     beliefs = learnt(dataset, converter)
-    return {"learnt": beliefs, "followed": lines}, [*unlearnt(beliefs, converter), *beyond(lines)]
+    good = dict.fromkeys(words for valve in converter.valves for words in valve.makes_good)
+    return {"learnt": beliefs, "followed": lines, "made_good": tuple(good)}, [
+        *unlearnt(beliefs, converter),
+        *beyond(lines),
+    ]
 
 
 def loops_about_spools(scenario: Scenario, law: LinearController | None) -> tuple[PlaceMargins | None, list[str]]:

@@ -12,7 +12,6 @@ from pydantic import Field, model_validator
 from ehamj.control import LinearController
 from ehamj.control.commands import Passive
 from ehamj.control.installation import PARTS, Installation
-from ehamj.control.kinds import Control
 from ehamj.control.settings import DigitalSettings
 from ehamj.criteria.response_spectrum import HIGHEST_SHARE
 from ehamj.criteria.settings import CriteriaSettings
@@ -31,6 +30,7 @@ from ehamj.scenario.variants import Variants, check_variants, variant
 from ehamj.scenario.variation import LawChoice, varied
 from ehamj.settings import Positive, Settings, Vector3
 from ehamj.signals import Signal
+from ehamj.synthesis.kinds import Control
 
 
 class Output(Settings):
@@ -186,7 +186,7 @@ class Scenario(Installation, Course):
         return self.control.controller(nominal.plant, nominal.sensors)
 
     def variant(self, name: str) -> "Scenario":
-        """The same scenario as one of its ``variants``, or under one of `ehamj.control.kinds.STANDARD`.
+        """The same scenario as one of its ``variants``, or under one of `ehamj.synthesis.kinds.STANDARD`.
 
         Raises:
             InputError: if there is no such variant.

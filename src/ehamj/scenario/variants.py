@@ -3,12 +3,12 @@
 import re
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from ehamj.control.kinds import STANDARD
 from ehamj.control.settings import DigitalSettings
 from ehamj.errors import InputError
 from ehamj.scenario.keys import entries
 from ehamj.scenario.variation import changed
 from ehamj.settings import OVERRIDES
+from ehamj.synthesis.kinds import STANDARD
 
 if TYPE_CHECKING:
     from ehamj.scenario.model import Scenario

@@ -12,6 +12,7 @@ from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import differences, place, plain
+from ehamj.synthesis.settings import SynthesisSettings
 
 if TYPE_CHECKING:
     from ehamj.scenario.model import Scenario
@@ -75,6 +76,8 @@ def derived_anew(control: ControlSettings, one: Installation, other: Installatio
     """Whether a control is another law on another machine; a law that is held, or comes from a file, is not."""
     if not isinstance(control, DigitalSettings) or control.designed_for is not None or not unlike(one, other):
         return False
+    if isinstance(control, SynthesisSettings):
+        return True  # found for the machine at hand
     laws = [control.controller(where.plant, where.sensors).to_dict() for where in (one, other)]
     return any(not np.array_equal(laws[0][name], laws[1][name]) for name in laws[0])
 

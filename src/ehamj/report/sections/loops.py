@@ -20,7 +20,14 @@ T = TypeVar("T")
 def loops(shown: Shown) -> Section | None:
     """Plots and margins of laws that measure the machine, and what laws have learnt; None where there is neither."""
     tables = [table for table in (_margins(shown), _lines(shown), _learnt(shown)) if table.rows]
-    return Section("loops", "Control loop", list(_figures(shown)), tables) if tables else None
+    return Section("loops", "Control loop", list(_figures(shown)), tables, list(_found(shown))) if tables else None
+
+
+def _found(shown: Shown) -> Iterator[str]:
+    """For which machine laws were found, and with which margins."""
+    known = {label: law for label, result in shown.results.items() if (law := result.summary.law)}
+    for label, law in known.items():
+        yield f"The law{f' of {label}' if len(known) > 1 else ''}: {law.words}."
 
 
 def _figures(shown: Shown) -> Iterator[Picture]:

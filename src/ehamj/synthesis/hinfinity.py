@@ -1,6 +1,6 @@
 """H∞ synthesis: mixed sensitivity of heave, roll and pitch, with weights from floor, noise and valve.
 
-For each motion, with plant G (`ehamj.design.motions`, normalised by ω₀ = 2π·``bandwidth``, so that G ≈ ω₀/(s + c)),
+For each motion, with plant G (`ehamj.synthesis.plants`, normalised by ω₀ = 2π·``bandwidth``, so that G ≈ ω₀/(s + c)),
 
     y = d + G(u + g·e)          z = (W₁·y, ``effort``·u, W_v·u, ``sway``·v/ω₀)
     measured = y + r·n₁, and v/ω₀ + ``doubt``·n₂
@@ -24,9 +24,11 @@ from pydantic import Field
 
 from ehamj.control.blocks import TWO_PI, Block, added, beside
 from ehamj.control.inverse import Inverse
-from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
+from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
-from ehamj.scenario.model import Scenario
+from ehamj.plant.plant import Plant
+from ehamj.synthesis.images import normalised, reduced, restored, towards_one
+from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
 
 PEAK = 3.0
 """Peak over RMS of a floor's command."""
@@ -38,21 +40,21 @@ class HInfinitySettings(SynthesisSettings):
     """H∞ mixed sensitivity of the machine's motions beside feedforward."""
 
     kind: Literal["h-infinity"] = "h-infinity"
-    heave: MotionWeights = MotionWeights(bandwidth=27.0, integral=23.7, effort=0.00256, inside=2.26)
-    roll: MotionWeights = MotionWeights(
+    heave: MotionWeights = MotionWeights.stated(bandwidth=27.0, integral=23.7, effort=0.00256, inside=2.26)
+    roll: MotionWeights = MotionWeights.stated(
         bandwidth=20.4, integral=14.4, effort=0.00144, inside=4.42, sway=0.167, doubt=5.06
     )
-    pitch: MotionWeights = MotionWeights(
+    pitch: MotionWeights = MotionWeights.stated(
         bandwidth=57.2, integral=51.4, effort=0.0291, inside=0.142, sway=1.51, doubt=0.549
     )
     above: Annotated[float, Field(gt=1)] = Field(1.05, description="norm of the law over the least possible [-]")
 
-    def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
-        return mixed_sensitivity(plant, weights, self, scenario)[0]
+    def loop(self, motion: Block, weights: MotionWeights, plant: Plant, sensors: Sensors) -> Block:
+        return mixed_sensitivity(motion, weights, self, plant, sensors)[0]
 
 
 def mixed_sensitivity(
-    plant: Block, weights: MotionWeights, settings: HInfinitySettings, scenario: Scenario
+    motion: Block, weights: MotionWeights, settings: HInfinitySettings, plant: Plant, sensors: Sensors
 ) -> tuple[Block, float]:
     """The loop of one motion, piston velocity over displacement, and the least norm.
 
@@ -61,8 +63,8 @@ def mixed_sensitivity(
     """
     import slycot
 
-    A, B, C, D = generalised(plant, weights, settings, scenario)
-    size = (A.shape[0], B.shape[1], C.shape[0], 1, plant.C.shape[0])
+    A, B, C, D = generalised(motion, weights, settings, plant, sensors)
+    size = (A.shape[0], B.shape[1], C.shape[0], 1, motion.C.shape[0])
     try:
         least = slycot.sb10ad(*size, 1e6, A, B, C, D, 1, 1e-3, 0.0)[0]
         _, *law = slycot.sb10ad(*size, settings.above * least, A, B, C, D, 4, 1e-3, 0.0)[:5]
@@ -71,10 +73,12 @@ def mixed_sensitivity(
     return reduced(restored(Block(*law), weights), settings.order), float(least)
 
 
-def generalised(plant: Block, weights: MotionWeights, settings: HInfinitySettings, scenario: Scenario) -> Block:
+def generalised(
+    motion: Block, weights: MotionWeights, settings: HInfinitySettings, plant: Plant, sensors: Sensors
+) -> Block:
     """From (d, e, noises, u) to (z₁, z₂, z₃, z₄ of roll and pitch, then the measured), in units of ω₀."""
-    G = normalised(plant, weights)
-    r, low = settings.noise_over_floor(weights, scenario), settings.low(weights, scenario)
+    G = normalised(motion, weights)
+    r, low = settings.noise_over_floor(weights, sensors), settings.low(weights, sensors)
     outputs = G.C.shape[0]
     inputs = 2 + outputs + 1
     moved, floor, noise = np.zeros((1, inputs)), np.zeros((outputs, inputs)), np.zeros((outputs, inputs))
@@ -87,13 +91,13 @@ def generalised(plant: Block, weights: MotionWeights, settings: HInfinitySetting
     command = np.zeros((outputs, inputs)), np.eye(1, inputs, inputs - 1), np.eye(1, inputs, inputs - 1), noise
     W1 = towards_one(1.0, low).then(towards_one(weights.integral / weights.bandwidth, low))
     weighed = [W1, *([Block.gain([[weights.sway]])] if outputs > 1 else [])]
-    weighed += [Block.gain([[weights.effort]]), _voltage(weights, settings, scenario), Block.gain(np.eye(outputs))]
+    weighed += [Block.gain([[weights.effort]]), _voltage(weights, settings, plant), Block.gain(np.eye(outputs))]
     return added([repeated, Block.gain(np.vstack(command))]).then(beside(weighed))
 
 
-def _voltage(weights: MotionWeights, settings: HInfinitySettings, scenario: Scenario) -> Block:
+def _voltage(weights: MotionWeights, settings: HInfinitySettings, plant: Plant) -> Block:
     """W_v, in units of ω₀: from u = ẋ_p/ω₀ per displacement of the floor to the share of the range."""
-    actuator = scenario.plant.actuators[0]
+    actuator = plant.actuators[0]
     omega, low = TWO_PI * weights.bandwidth, FLOOR_FROM / weights.bandwidth
     per_displacement = Inverse.of(actuator).volts * omega * settings.floor / omega  # V at ω₀ for u = 1
     share = np.sqrt(per_displacement * PEAK / actuator.voltage_limit)

@@ -13,12 +13,7 @@ from ehamj.control.blocks import Block
 from ehamj.control.inertial import Blend
 from ehamj.control.kinds import CombinedSettings
 from ehamj.design.command import design_controller, write_design
-from ehamj.design.hinfinity import HInfinitySettings, generalised, mixed_sensitivity
-from ehamj.design.lqg import LqgSettings
-from ehamj.design.motions import continuous, motion_plants, reduced
-from ehamj.design.requirements import Machines, Requirements, machines_of
-from ehamj.design.synthesis import beginning, synthesised
-from ehamj.design.tuning import holds
+from ehamj.design.kinds import beginning
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop
 from ehamj.linear.margins import report
@@ -30,6 +25,14 @@ from ehamj.plant.mounts import MOUNTS
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.synthesis.hinfinity import HInfinitySettings, generalised, mixed_sensitivity
+from ehamj.synthesis.images import continuous, reduced
+from ehamj.synthesis.judged import Design
+from ehamj.synthesis.lqg import LqgSettings
+from ehamj.synthesis.plants import motion_plants
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of
+from ehamj.synthesis.search import synthesised
+from ehamj.synthesis.settings import SynthesisSettings
 
 DELAY = 1.5e-4
 PERIOD = 1e-4
@@ -50,15 +53,15 @@ def response(block: Block, hertz: np.ndarray, period: float) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def machines() -> Machines:
-    return machines_of(scenario())
+    return machines_of(scenario().plant)
 
 
 @pytest.fixture(scope="module")
 def laws(machines: Machines) -> dict[str, Controller]:
-    nominal = machines["as designed"]
+    nominal, case = machines[NOMINAL], scenario()
     return {
-        "h-infinity": HInfinitySettings(delay=DELAY).law(scenario(), nominal),
-        "lqg": LqgSettings(delay=DELAY).law(scenario(), nominal),
+        "h-infinity": HInfinitySettings(delay=DELAY).law(case.plant, case.sensors, nominal),
+        "lqg": LqgSettings(delay=DELAY).law(case.plant, case.sensors, nominal),
     }
 
 
@@ -69,8 +72,8 @@ def laws(machines: Machines) -> dict[str, Controller]:
 def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machines: Machines) -> None:
     """With warp open: the readings of `opened_at_samples`, blended by hand as H·v/s + (1 − H)·stroke."""
     settings = LqgSettings(delay=DELAY, warp=WarpBalance(crossing=0.0))
-    case, model = scenario(), machines["as designed"]
-    whole, small = (motion_plants(case, model, settings, order)[motion] for order in (1000, 12))
+    case, model = scenario(), machines[NOMINAL]
+    whole, small = (motion_plants(model, settings, case.plant, case.sensors, order)[motion] for order in (1000, 12))
     names = tuple(f"foot_velocity {m} z" for m in MOUNTS)
     names += tuple(name.replace("foot_velocity", "stroke").removesuffix(" z") for name in names)
     names += tuple(f"foot_velocity {m} {'y' if motion == 'roll' else 'x'}" for m in MOUNTS)
@@ -101,11 +104,10 @@ def test_the_plant_of_a_motion_is_that_of_the_sampled_machine(motion: str, machi
 def test_the_plant_of_a_motion_is_seen_by_the_instruments_as_they_are_turned(machines: Machines) -> None:
     """Geophones off the vertical in directions that the seed draws see the sway that a command of roll excites."""
     tilted = {**SENSORS, "inertial": {**SENSORS["inertial"], "misalignment": 5.0}}
-    model, settings = machines["as designed"], LqgSettings(delay=DELAY)
-    found = [
-        response(motion_plants(scenario(sensors=tilted, seed=seed), model, settings, 1000)["roll"], HERTZ, PERIOD)
-        for seed in (1, 2)
-    ]
+    model, settings = machines[NOMINAL], LqgSettings(delay=DELAY)
+    case = scenario(sensors=tilted)
+    plants = [motion_plants(model, settings, case.plant, case.sensors, 1000, seed) for seed in (1, 2)]
+    found = [response(one["roll"], HERTZ, PERIOD) for one in plants]
     assert np.abs(found[1] / found[0] - 1.0).max() > 1e-3
 
 
@@ -134,7 +136,8 @@ EXACT = {"delay": DELAY, "order": 30}
 @pytest.fixture(scope="module")
 def plants(machines: Machines) -> dict[str, Block]:
     settings = HInfinitySettings(**EXACT)
-    return motion_plants(scenario(), machines["as designed"], settings, settings.plant_order)
+    case = scenario()
+    return motion_plants(machines[NOMINAL], settings, case.plant, case.sensors, settings.plant_order)
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -142,8 +145,8 @@ def test_the_norm_is_what_the_synthesis_says(motion: str, plants: dict[str, Bloc
     """The largest singular value over frequency of the closed loop, by itself, against the least norm of SB10AD."""
     settings, case = HInfinitySettings(**EXACT), scenario()
     weights = getattr(settings, motion)
-    P = generalised(plants[motion], weights, settings, case)
-    law, least = mixed_sensitivity(plants[motion], weights, settings, case)
+    P = generalised(plants[motion], weights, settings, case.plant, case.sensors)
+    law, least = mixed_sensitivity(plants[motion], weights, settings, case.plant, case.sensors)
     omega, measured = 2 * np.pi * weights.bandwidth, law.B.shape[1]
     units = np.array([1.0, omega])[:measured]  # displacement, and sideways velocity over ω₀
     own = control.ss(law.A / omega, law.B * units / omega, law.C / omega, law.D * units / omega)
@@ -160,9 +163,9 @@ def test_the_regulator_is_the_h2_optimum_of_slicot(motion: str, plants: dict[str
     """LQG by two Riccati equations of python-control against SB10HD on the same problem."""
     settings, case = LqgSettings(**EXACT), scenario()
     weights = getattr(settings, motion)
-    law = settings.loop(plants[motion], weights, case)
+    law = settings.loop(plants[motion], weights, case.plant, case.sensors)
     omega = 2 * np.pi * weights.bandwidth
-    low, integral = settings.low(weights, case), weights.integral / weights.bandwidth
+    low, integral = settings.low(weights, case.sensors), weights.integral / weights.bandwidth
     plant = plants[motion]
     measured = plant.C.shape[0]
     units = np.array([1.0, omega])[:measured]
@@ -190,6 +193,7 @@ def test_the_regulator_is_the_h2_optimum_of_slicot(motion: str, plants: dict[str
     hertz = np.array([1.0, 5.0, 20.0, 70.0, 200.0, 600.0])
     s = 2j / PERIOD * np.tan(np.pi * hertz * PERIOD) / omega
     expected = np.array([optimum(p, squeeze=False)[0] for p in s]) * ((s + 1) / (s + low) * omega)[:, None] / units
+    expected *= weights.gain
     np.testing.assert_allclose(response(law, hertz, PERIOD)[:, 0, :], expected, rtol=1e-5)
 
 
@@ -197,7 +201,7 @@ def test_a_floor_that_asks_for_more_than_the_valves_have_is_followed_more(plants
     case, gains = scenario(), []
     for floor in (12.5e-6, 10e-3):
         settings = HInfinitySettings(delay=DELAY, floor=floor)
-        law, _ = mixed_sensitivity(plants["heave"], settings.heave, settings, case)
+        law, _ = mixed_sensitivity(plants["heave"], settings.heave, settings, case.plant, case.sensors)
         gains.append(np.abs(response(law, np.array([2.0, 5.0]), PERIOD)))
     assert np.all(gains[1] < 0.2 * gains[0])
 
@@ -206,7 +210,7 @@ def test_instruments_noisier_than_the_floor_are_refused(plants: dict[str, Block]
     loud = scenario(sensors={**SENSORS, "inertial": {"kind": "geophone", "noise": 1e-5}})
     for settings in (HInfinitySettings(), LqgSettings()):
         with pytest.raises(InputError, match=r"noise is .* of the floor"):
-            settings.loop(plants["heave"], settings.heave, loud)
+            settings.loop(plants["heave"], settings.heave, loud.plant, loud.sensors)
 
 
 # --- the laws --------------------------------------------------------------------------------------------------------
@@ -219,7 +223,7 @@ def test_it_leaves_the_margins_on_all_machines(kind: str, laws: dict[str, Contro
     for name, model in machines.items():
         found = report(model, Loop.of(scenario(), laws[kind]))
         assert found.stable, name
-        assert holds(found.worst, Requirements()), (name, found.worst)
+        assert Requirements().met_by(found.worst), (name, found.worst)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -235,15 +239,15 @@ def attenuation(law: Controller, machines: Machines, hertz: Any, motion: str = "
         "roll": ("machine_displacement rx", "rx"),
         "pitch": ("machine_displacement ry", "ry"),
     }[motion]
-    found = rigid_floor(machines["as designed"], hertz, Loop.of(scenario(), law), (output,), (dof,))
+    found = rigid_floor(machines[NOMINAL], hertz, Loop.of(scenario(), law), (output,), (dof,))
     return np.asarray(-20 * np.log10(np.abs(found.response[:, 0, 0])))
 
 
 # dB at 5, 10, 20, 50 and 100 Hz; a decibel is left for other versions of SLICOT. By hand (`CombinedSettings`) they are
 # 60, 66, 59, 47, 29 of heave, and 60, 55, 52, 46, 30 of roll.
 LEAST = {
-    "h-infinity": {"heave": (58, 68, 59, 47, 28), "roll": (58, 62, 55, 44, 30), "pitch": (59, 62, 54, 43, 31)},
-    "lqg": {"heave": (59, 67, 59, 48, 28), "roll": (61, 63, 57, 44, 30), "pitch": (60, 68, 60, 46, 31)},
+    "h-infinity": {"heave": (64, 70, 61, 49, 30), "roll": (64, 65, 58, 47, 32), "pitch": (67, 64, 57, 46, 33)},
+    "lqg": {"heave": (67, 67, 61, 50, 30), "roll": (70, 64, 58, 46, 32), "pitch": (68, 67, 61, 48, 32)},
 }
 
 
@@ -257,7 +261,7 @@ def test_attenuation_of_the_defaults(kind: str, motion: str, laws: dict[str, Con
 @pytest.mark.parametrize("kind", KINDS)
 def test_sway_is_damped_threefold(kind: str, laws: dict[str, Controller], machines: Machines) -> None:
     """The least damped oscillation about 70 Hz that moves the machine, yaw aside, in each plane."""
-    model = machines["as designed"]
+    model = machines[NOMINAL]
     for axis in ("about x", "about y"):
         (own,) = [mode for mode in modes(model) if mode.name == f"sway-rocking {axis}"]
         dof = 1 if axis == "about x" else 0
@@ -292,22 +296,31 @@ def test_the_nonlinear_machine_does_as_predicted(kind: str, laws: dict[str, Cont
 # --- under stated margins ----------------------------------------------------------------------------------------
 
 
+def eased(begin: SynthesisSettings, machines: Machines, wanted: Requirements) -> Design:
+    """The law of the default machine with margins."""
+    case = scenario()
+    return synthesised(begin.model_copy(update={"margins": wanted}), case.plant, case.sensors, machines)
+
+
 def test_more_margin_is_bought_with_gain(machines: Machines) -> None:
     begin = beginning("lqg", CombinedSettings(delay=DELAY, bits=20))
+    assert isinstance(begin, SynthesisSettings)
     assert (begin.delay, begin.bits) == (DELAY, 20)
-    design = synthesised(scenario(), machines, begin, Requirements(gain_margin=7.0))
+    design = eased(begin, machines, Requirements(gain_margin=8.0))
     assert design.meets
     assert isinstance(design.settings, LqgSettings)
-    # Each motion had between 6 and 7 dB; 15 % less gain are 1.4 dB more.
-    assert [getattr(design.settings, motion).gain for motion in MOTIONS] == pytest.approx([0.85] * 3)
+    # Each motion had 7.2 to 7.5 dB, and is lowered by what it lacks, and by two per cent.
+    lowered = [getattr(design.settings, motion).gain / getattr(begin, motion).gain for motion in MOTIONS]
+    assert all(0.85 < by < 0.95 for by in lowered), lowered
+    assert min(design.worst_of(motion)[0] for motion in MOTIONS) < 8.3
 
 
 def test_margins_that_no_gain_leaves_are_refused(machines: Machines, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ehamj.design.synthesis.TRIES", 1)
+    monkeypatch.setattr("ehamj.synthesis.search.TRIES", 1)
     with pytest.raises(
         InputError, match=r"no lqg law was found that leaves 30 dB, .*; the nearest leaves a gain margin of .* dB"
     ):
-        synthesised(scenario(), machines, LqgSettings(delay=DELAY), Requirements(gain_margin=30.0))
+        eased(LqgSettings(delay=DELAY), machines, Requirements(gain_margin=30.0))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -315,7 +328,9 @@ def test_an_eccentric_machine_has_a_law_that_runs(kind: str) -> None:
     """Off its centre, yaw and both sways are in roll and pitch: fewer states of their plants made unstable loops."""
     ground = {"kind": "broadband", "level": "VC-C"}
     eccentric = scenario(machine={"cg": [0.15, -0.08, 0.95]}, ground=ground, duration=1.0)
-    found = synthesised(eccentric, machines_of(eccentric), beginning(kind, CombinedSettings(delay=DELAY)))
+    begin = beginning(kind, CombinedSettings(delay=DELAY))
+    assert isinstance(begin, SynthesisSettings)
+    found = synthesised(begin, eccentric.plant, eccentric.sensors, machines_of(eccentric.plant))
     assert found.meets
     run = simulate(eccentric, controller=found.law)
     assert run.complete
@@ -326,11 +341,11 @@ def test_an_eccentric_machine_has_a_law_that_runs(kind: str) -> None:
 
 def test_too_little_phase_is_bought_with_slower_weights_and_not_with_gain(machines: Machines) -> None:
     begin = LqgSettings(delay=DELAY)
-    design = synthesised(scenario(), machines, begin, Requirements(phase_margin=50.0))
+    design = eased(begin, machines, Requirements(phase_margin=50.0))
     assert design.meets
-    eased = [name for name in MOTIONS if getattr(design.settings, name).integral < getattr(begin, name).integral]
-    assert eased
-    assert all(getattr(design.settings, name).bandwidth < getattr(begin, name).bandwidth for name in eased)
+    slower = [name for name in MOTIONS if getattr(design.settings, name).integral < getattr(begin, name).integral]
+    assert slower
+    assert all(getattr(design.settings, name).bandwidth < getattr(begin, name).bandwidth for name in slower)
 
 
 def test_the_command_writes_a_scenario_that_runs_the_law(tmp_path: Path) -> None:

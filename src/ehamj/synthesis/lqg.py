@@ -1,6 +1,6 @@
 """LQG synthesis: Kalman filter and optimal feedback for heave, roll and pitch.
 
-For each motion, with plant G (`ehamj.design.motions`, normalised by ω₀ = 2π·``bandwidth``, so that G ≈ ω₀/(s + c)),
+For each motion, with plant G (`ehamj.synthesis.plants`, normalised by ω₀ = 2π·``bandwidth``, so that G ≈ ω₀/(s + c)),
 
     y = d + G(u + g·e),   measured = y + n₁, and v/ω₀ + ``doubt``·n₂,   u = (s + ω₀)/(s + ω_l)·c,
     cost = E[y² + (``effort``·c)² + (``sway``·v/ω₀)²]
@@ -16,37 +16,39 @@ cancelled. The integrals end at ω_l, where d is 1/r times the noise, r being th
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from ehamj.control.blocks import Block
-from ehamj.design.motions import MotionWeights, SynthesisSettings, normalised, reduced, restored, towards_one
+from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
-from ehamj.scenario.model import Scenario
+from ehamj.plant.plant import Plant
+from ehamj.synthesis.images import normalised, reduced, restored, towards_one
+from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
 
 
 class LqgSettings(SynthesisSettings):
     """LQG control of the machine's motions beside feedforward."""
 
     kind: Literal["lqg"] = "lqg"
-    heave: MotionWeights = MotionWeights(bandwidth=94.4, integral=40.0, effort=0.00311, inside=0.0841)
-    roll: MotionWeights = MotionWeights(
-        bandwidth=116.0, integral=37.2, effort=0.00789, inside=0.415, sway=0.656, doubt=0.514
+    heave: MotionWeights = MotionWeights.stated(bandwidth=94.4, integral=40.0, effort=0.00311, inside=0.0841, gain=0.9)
+    roll: MotionWeights = MotionWeights.stated(
+        bandwidth=116.0, integral=33.0, effort=0.00789, inside=0.415, sway=0.7, doubt=0.514, gain=0.95
     )
-    pitch: MotionWeights = MotionWeights(
-        bandwidth=144.0, integral=57.1, effort=0.0032, inside=0.0632, sway=0.732, doubt=0.127
+    pitch: MotionWeights = MotionWeights.stated(
+        bandwidth=144.0, integral=50.0, effort=0.0032, inside=0.0632, sway=0.732, doubt=0.127, gain=0.9
     )
 
-    def loop(self, plant: Block, weights: MotionWeights, scenario: Scenario) -> Block:
+    def loop(self, motion: Block, weights: MotionWeights, plant: Plant, sensors: Sensors) -> Block:
         import control
 
-        integral, low = weights.integral / weights.bandwidth, self.low(weights, scenario)
-        G = normalised(plant, weights)
+        integral, low = weights.integral / weights.bandwidth, self.low(weights, sensors)
+        G = normalised(motion, weights)
         own = towards_one(1.0, low).then(G)  # from c
         # Floor: white noise through (s + integral)/(s + low)·1/(s + low).
         last = Block(np.array([[-low]]), np.array([[1.0]]), np.array([[1.0]]), np.zeros((1, 1)))
         floor = towards_one(integral, low).then(last)
         n, m, outputs = own.A.shape[0], floor.A.shape[0], G.C.shape[0]
-        A, B = np.asarray(block_diag(own.A, floor.A)), np.vstack([own.B, np.zeros((m, 1))])
+        A, B = np.asarray(scipy.linalg.block_diag(own.A, floor.A)), np.vstack([own.B, np.zeros((m, 1))])
         C, D = np.hstack([own.C, np.eye(outputs, 1) @ floor.C]), own.D
         behind = np.vstack([np.zeros((1, 1)), G.B, np.zeros((m, 1))])  # the state of (s + 1)/(s + low) comes first
         shakes = np.hstack([weights.inside * behind, np.vstack([np.zeros((n, 1)), floor.B])])
