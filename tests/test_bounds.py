@@ -1,13 +1,14 @@
 """Numbers that physics would not accept."""
 
+import re
 from typing import Any
 
 import pytest
 
-from ehamj.bounds import BOUNDS, INTEGER, check_magnitude, unit_of
+from ehamj.bounds import BOUNDS, INTEGER, OTHERS, check_magnitude, unit_of
 from ehamj.errors import InputError
-from ehamj.scenario.load import load_scenario
-from ehamj.settings import Settings
+from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.settings import Parameters, Settings
 
 
 @pytest.mark.parametrize(
@@ -41,16 +42,28 @@ def test_units_and_numbers_within_lists() -> None:
         check_magnitude({"a": [0.0, [1e8]]}, "Hz")
 
 
+def test_a_rest_of_a_sum_may_be_small_where_it_has_a_sign() -> None:
+    inertia = [[2000.0, 1e-14, 0.0], [1e-14, 3000.0, 0.0], [0.0, 0.0, 4000.0]]
+    assert parse_scenario({"machine": {"inertia": inertia}}).machine.inertia[0][1] == 1e-14  # type: ignore[index]
+
+
+def test_what_is_a_factor_is_bounded_too() -> None:
+    with pytest.raises(InputError, match=r"control\.gain = 1e\+300: must be at most 1e\+09 in magnitude"):
+        parse_scenario({"control": {"kind": "feedforward", "gain": 1e300}})
+
+
 def _known(kind: type[Settings]) -> Any:
     yield kind
     for one in kind.__subclasses__():
         yield from _known(one)
 
 
-def test_every_unit_of_a_quantity_has_bounds() -> None:
-    """Densities, drifts and what is per something are bounded as noise."""
+def test_every_quantity_has_a_unit_that_has_bounds() -> None:
+    """In brackets at the end of a description stands nothing but a unit, or a table's name."""
     load_scenario("recorded")
-    units = {unit_of(field.description) for kind in _known(Settings) for field in kind.model_fields.values()}
-    simple = {one for one in units if one and len(one) <= 5 and "√" not in one and one != "unit"}
-    assert {"m", "kg", "Pa", "Hz"} <= simple
-    assert simple - {"Pa/s", "m/s/s", "kg m"} <= BOUNDS.keys()
+    units = {unit for kind in _known(Parameters) for unit, *_ in kind.quantities().values()}
+    assert {"m", "kg", "Pa", "rad/s"} <= units
+    assert units <= {*BOUNDS, *OTHERS}
+    described = [field.description or "" for kind in _known(Settings) for field in kind.model_fields.values()]
+    written = {found[-1] for one in described if (found := re.findall(r"\[([^\[\]]+)\]$", one))}
+    assert {one for one in written if unit_of(f"[{one}]") is None} <= {"supply", "ground"}

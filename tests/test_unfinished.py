@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ehamj.folders import new_folder
-from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove_all
+from ehamj.unfinished import HELD, _host, beside, check_room, clear_leftovers, remove_all
 
 ABANDON = """
 import os, sys
@@ -71,11 +71,15 @@ def test_what_was_moved_aside_goes_back_where_nothing_replaced_it(tmp_path: Path
 def test_what_a_living_process_or_another_computer_has_begun_stays(tmp_path: Path) -> None:
     mine = beside(tmp_path / "a.nc")
     assert mine.suffix == ".nc"
-    theirs = mine.with_name(mine.name.replace("unfinished-", "unfinished-0000000").replace(mine.name[-14:], "x"))
-    for path in (mine, theirs):
-        path.touch()
-    clear_leftovers(tmp_path)
-    assert len(names(tmp_path)) == 2
+    dead = mine.with_name(mine.name.replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    theirs = dead.with_name(dead.name.replace(f"-{_host()}-", "-00000000-"))
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
+        living = mine.with_name(mine.name.replace(f"-{os.getpid()}-", f"-{other.pid}-"))
+        for path in (mine, dead, theirs, living):
+            path.touch()
+        clear_leftovers(tmp_path)
+        other.communicate(b"\n")
+    assert names(tmp_path) == sorted(path.name for path in (mine, theirs, living))
 
 
 def test_a_process_that_ends_at_once_removes_what_it_has_begun(tmp_path: Path) -> None:

@@ -43,29 +43,35 @@ BOUNDS: Final[dict[str, tuple[float, float]]] = {
     "unit": (1e-30, 1e30),
 }
 """Least magnitude of what is not zero, and largest, per unit; none at least where a small rest of a sum may stand."""
-NOISE: Final = (1e-30, 1e12)
-"""The same of densities, drifts and whatever has no unit of its own above."""
+OTHERS: Final = (
+    "m/√Hz", "m/s/√Hz", "m/s²/√Hz", "Pa/√Hz", "mA/√Hz", "m/√s", "m/s/√s", "m/s²/√s", "Pa/√s", "mA/√s",
+    "m/s/s", "m/s²/s", "Pa/s", "(SI of quantity)²/Hz", "SI of quantity", "unit",
+)  # fmt: skip
+"""Units of densities and drifts, and of what a file says."""
+NOISE: Final = (1e-60, 1e12)
+"""Bounds of those."""
 INTEGER: Final = 2**63 - 1
 """Largest integer that TOML has."""
 
 
 def unit_of(description: str | None) -> str | None:
-    """The unit that a description of a number ends with, in brackets; None where it has none."""
-    found = re.findall(r"\[([^\[\]]+)\]", description or "")
+    """The unit that a description of a number has in brackets, the last of them; None where it has none."""
+    found = [one for one in re.findall(r"\[([^\[\]]+)\]", description or "") if one in BOUNDS or one in OTHERS]
     return found[-1] if found else None
 
 
-def check_magnitude(value: Any, unit: str | None, endless: bool = False) -> Any:
+def check_magnitude(value: Any, unit: str | None, endless: bool = False, signed: bool = False) -> Any:
     """A number, or numbers within lists and tables, as they are.
 
     Raises:
-        ValueError: if one has a magnitude that nothing of its ``unit`` has. Infinity and zero pass, and however much
-            where infinity is usual, ``endless``.
+        ValueError: if one has a magnitude that nothing of its ``unit`` has. Infinity and zero pass, however much where
+            infinity is usual, ``endless``, and however little where it may be the rest of a sum, ``signed``.
     """
     for number in _numbers(value):
         if isinstance(number, int) and abs(number) > INTEGER:
             raise ValueError("an integer must fit into 64 bits")
         least, largest = BOUNDS.get(unit, NOISE) if unit is not None else (0.0, math.inf)
+        least = 0.0 if signed else least
         if number and math.isfinite(number) and not least <= abs(number) <= (math.inf if endless else largest):
             allowed = f"at most {largest:g}" if abs(number) > largest else f"zero or at least {least:g}"
             raise ValueError(f"must be {allowed} {'' if unit == '-' else unit}".rstrip() + " in magnitude")

@@ -68,8 +68,9 @@ def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[tuple[Path, Pat
     them, whole.
     """
     try:
-        (wanted.absolute().parent if wanted else RUNS).mkdir(parents=True, exist_ok=True)
-        clear_leftovers(wanted.absolute().parent if wanted else RUNS)
+        within = wanted.resolve().parent if wanted else RUNS
+        within.mkdir(parents=True, exist_ok=True)
+        clear_leftovers(within)
         folder = wanted or _numbered()
         final = folder.resolve()
         temporary = beside(final)

@@ -23,21 +23,18 @@ class Interrupted(BaseException):
     """The user interrupts. No `Exception`: nothing that handles failures is to handle it."""
 
 
-class _Asked:
-    """How many pools ask their threads to stop."""
+class _Own(threading.local):
+    """Of a thread: what asks it to stop, that of its pool and of the pools that this one works for."""
 
-    lock = threading.Lock()
-    pools = 0
+    asked: tuple[threading.Event, ...] = ()
 
-    @classmethod
-    def add(cls, number: int) -> None:
-        with cls.lock:
-            cls.pools += number
+
+_own = _Own()
 
 
 def check() -> None:
-    """Raise `Interrupted` where the threads of a pool are asked to stop; called by whatever runs for long."""
-    if _Asked.pools:
+    """Raise `Interrupted` where this thread's pool is asked to stop; called by whatever runs for long."""
+    if any(one.is_set() for one in _own.asked):
         raise Interrupted
 
 
@@ -46,15 +43,18 @@ def pool_of(threads: int | None = None) -> "Iterator[ThreadPoolExecutor]":
     """A pool of threads. Where its block fails or the user interrupts, none begins, and those that `check` stop."""
     from concurrent.futures import ThreadPoolExecutor
 
-    pool = ThreadPoolExecutor(threads)
+    stop = threading.Event()
+    asked = (*_own.asked, stop)
+
+    def begin() -> None:
+        _own.asked = asked
+
+    pool = ThreadPoolExecutor(threads, initializer=begin)
     try:
         yield pool
     except BaseException:
-        _Asked.add(1)
-        try:
-            pool.shutdown(wait=True, cancel_futures=True)
-        finally:
-            _Asked.add(-1)
+        stop.set()
+        pool.shutdown(wait=True, cancel_futures=True)
         raise
     pool.shutdown()
 
@@ -65,7 +65,8 @@ def _interrupt(*_: Any) -> None:
 
 @contextmanager
 def watched(give_up: Callable[[], None]) -> Iterator[None]:
-    """While the block lasts SIGTERM interrupts as SIGINT does; call it on the main thread.
+    """While the block lasts SIGTERM interrupts as SIGINT does, unless whoever began this process has it ignored; call
+    it on the main thread, of a process that ends with the block where it is interrupted.
 
     Python hears of a signal between two of its own instructions. Where a library computes or writes for longer than
     `GRACE`, a thread that waits for nothing else calls ``give_up``, and ends the process.
@@ -74,11 +75,15 @@ def watched(give_up: Callable[[], None]) -> Iterator[None]:
         yield
         return
     reading, writing = os.pipe()
-    os.set_blocking(writing, False)
-    before = {one: signal.signal(one, _interrupt) for one in INTERRUPTING}
+    if hasattr(os, "set_blocking"):
+        os.set_blocking(writing, False)
+    heard = [one for one in INTERRUPTING if signal.getsignal(one) not in (signal.SIG_IGN, None)]
+    before = {one: signal.signal(one, _interrupt) for one in heard}
     woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
 
     def watch() -> None:
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTING)
         while number := os.read(reading, 1)[0]:
             if number in before:
                 time.sleep(GRACE)

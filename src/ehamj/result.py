@@ -22,7 +22,7 @@ from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.unfinished import HELD, beside, check_room, remove
+from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove
 
 CONTROLLER_FILE = "controller.json"
 
@@ -207,6 +207,7 @@ def _model_of(path: Path) -> str:
 @contextlib.contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """A temporary name beside ``path`` to write to; renamed to ``path`` at the end, removed on failure."""
+    clear_leftovers(path.parent)
     temporary = beside(path)
     HELD.add(temporary)
     try:

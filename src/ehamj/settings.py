@@ -11,8 +11,9 @@ A source is one of
 import math
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
-from typing import Annotated, Any, Literal, Self, Union
+from typing import Annotated, Any, Literal, Self, Union, get_args
 
+from annotated_types import Ge, Gt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from ehamj.bounds import check_magnitude, unit_of
@@ -50,6 +51,11 @@ OVERRIDES = "overrides"
 """Marks a table that holds what of its scenario is otherwise."""
 
 
+def _holds_floats(kind: Any) -> bool:
+    """Whether a type is that of numbers, or of lists or tables of them."""
+    return kind is float or any(_holds_floats(part) for part in get_args(kind))
+
+
 class _Bounded(AfterValidator):
     """What `ehamj.bounds` checks of a field."""
 
@@ -66,7 +72,9 @@ class Settings(BaseModel):
         super().__pydantic_init_subclass__(**kwargs)
         for field in cls.model_fields.values():
             if not any(isinstance(one, _Bounded) for one in field.metadata):
-                own = {"unit": unit_of(field.description), "endless": field.default == math.inf}
+                least = any(isinstance(one, Gt | Ge) for one in field.metadata)
+                unit = unit_of(field.description) or ("-" if _holds_floats(field.annotation) else None)
+                own = {"unit": unit, "endless": field.default == math.inf, "signed": not least}
                 field.metadata.append(_Bounded(partial(check_magnitude, **own)))
 
     @model_validator(mode="before")

@@ -3,15 +3,20 @@
 A process that is killed leaves it there; the next one that writes in the same folder clears it.
 """
 
+import errno
 import os
+import platform
 import re
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Final, Literal
 from zlib import crc32
 
 _NAME: Final = re.compile(r"\.(?P<place>.+)\.(?P<kind>unfinished|replaced)-(?P<host>[0-9a-f]{8})-(?P<process>\d+)-.*")
 
+NO_ROOM: Final = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+"""What a system answers where there is no room."""
 MARGIN: Final = 2**20
 """Beside the numbers of a file, for what says what they are [B]."""
 
@@ -35,7 +40,9 @@ def check_room(path: Path, size: int) -> None:
         with path.open("wb") as file:
             os.posix_fallocate(file.fileno(), 0, size + MARGIN)
     except OSError as error:
-        raise OSError(error.errno, f"{error.strerror}; {size + MARGIN} bytes are needed", str(path.parent)) from error
+        if error.errno in NO_ROOM:  # others: a file system that cannot tell
+            said = f"{error.strerror}; {size + MARGIN} bytes are needed"
+            raise OSError(error.errno, said, str(path.parent)) from error
     finally:
         path.unlink(missing_ok=True)
 
@@ -53,9 +60,10 @@ def clear_leftovers(folder: Path) -> None:
         if told["kind"] == "replaced" and (not place.exists() or _empty(place)):
             with suppress(OSError):
                 path.replace(place)
-                continue
+            continue
+        was_there = path.exists()
         remove(path)
-        if told["kind"] == "unfinished" and _empty(place):
+        if told["kind"] == "unfinished" and was_there and not path.exists() and _empty(place):
             with suppress(OSError):
                 place.rmdir()  # it was made to hold the name
 
@@ -64,11 +72,11 @@ def remove(path: Path) -> None:
     """Remove a file or a folder, if it is there."""
     import shutil
 
-    HELD.discard(path)
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
     else:
         path.unlink(missing_ok=True)
+    HELD.discard(path)
 
 
 def remove_all() -> None:
@@ -82,16 +90,16 @@ def _empty(place: Path) -> bool:
     return place.is_dir() and not any(place.iterdir())
 
 
+@cache
 def _host() -> str:
-    """This computer, which may share a disk with others whose processes are not seen here."""
-    return f"{crc32(os.uname().nodename.encode()) if hasattr(os, 'uname') else 0:08x}"
+    """Where this process is seen: other computers, and containers, may share its disk."""
+    spaces = [Path("/proc/sys/kernel/random/boot_id"), Path("/proc/self/ns/pid")]
+    with suppress(OSError):
+        return f"{crc32(f'{spaces[0].read_text()} {spaces[1].stat().st_ino}'.encode()):08x}"
+    return f"{crc32(platform.node().encode()):08x}"
 
 
 def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass
-    return True
+    import psutil
+
+    return bool(psutil.pid_exists(process))

@@ -45,8 +45,17 @@ def test_an_error_that_nobody_foresaw_is_one_line_and_a_file_to_report(
 @pytest.mark.parametrize(
     ("error", "code", "said"),
     [
-        (OSError(errno.ENOSPC, "No space left on device", "/a/b"), 3, "'/a/b': No space left on device; nothing of"),
-        (MemoryError(), 2, "does not fit in memory; a shorter duration"),
+        (
+            OSError(errno.ENOSPC, "No space left on device", "/a/b"),
+            3,
+            "'/a/b': No space left on device; what could",
+        ),
+        (MemoryError(), 2, "this does not fit in memory"),
+        (
+            FileNotFoundError(errno.ENOENT, "No such file", "/a"),
+            3,
+            "FileNotFoundError: [Errno 2] No such file: '/a': this",
+        ),
         (SystemExit(2), 2, ""),
     ],
 )

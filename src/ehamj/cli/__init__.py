@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "main"]
 
+_said = False
+"""Whether the user knows that he interrupted."""
+
 
 def __getattr__(name: str) -> Any:
     """The app, imported when it is asked for: whoever interrupts while it is imported sees no traceback."""
@@ -28,17 +31,14 @@ def main() -> NoReturn:
 
             code = exit_code()
     except (Interrupted, KeyboardInterrupt):
-        _say_interrupted()
+        _give_up()
         code = EXIT_CODE
     sys.exit(code)
 
 
-def _say_interrupted() -> None:
-    sys.stderr.write("\nehamj: interrupted; nothing of this command is kept, what was there before is as it was\n")
-
-
 def _give_up() -> None:
-    """Remove what is half written, for a process that ends now."""
+    """Remove what is half written, for a process that ends now, and say so, once."""
+    global _said
     from multiprocessing import active_children
 
     from ehamj.unfinished import remove_all
@@ -46,4 +46,6 @@ def _give_up() -> None:
     for process in active_children():
         process.kill()
     remove_all()
-    _say_interrupted()
+    if not _said:
+        _said = True
+        sys.stderr.write("\nehamj: interrupted; what was not finished is not kept\n")

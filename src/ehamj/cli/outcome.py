@@ -1,5 +1,6 @@
 """How a command ends: one message and an exit code for whatever may go wrong, what should be known as a note."""
 
+import errno
 import os
 import platform
 import sys
@@ -13,10 +14,13 @@ from rich.markup import escape
 
 from ehamj.cli.frame import app, log
 from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
+from ehamj.unfinished import NO_ROOM
 
 DONE: Final = 0
 BAD_INPUT: Final = 2
 FAILED: Final = 3
+NOT_WRITTEN: Final = (*NO_ROOM, errno.EACCES, errno.EPERM, errno.EROFS, errno.EIO)
+"""What a system answers that lets nothing be written."""
 TOLD: Final = (DerivedAnew, Recompiled)
 """Warnings that a user is told as notes."""
 
@@ -34,15 +38,16 @@ def exit_code() -> int:
     except SystemExit as ended:
         return _flushed(ended.code)
     except MemoryError as error:
-        return _told(
-            f"does not fit in memory{_said(error)}; a shorter duration or a lower record_rate needs less", BAD_INPUT
-        )
-    except OSError as error:
-        where = f"{str(error.filename)!r}: " if error.filename else ""
-        return _told(f"{where}{error.strerror or error}; nothing of this command is kept there", FAILED)
+        return _told(f"this does not fit in memory{_said(error)}", BAD_INPUT)
     except Exception as error:
-        return _told(_unforeseen(error), FAILED)
+        refused = isinstance(error, OSError) and error.errno in NOT_WRITTEN
+        return _told(_not_written(error) if refused else _unforeseen(error), FAILED)
     return _flushed(DONE)
+
+
+def _not_written(error: Any) -> str:
+    where = f"{str(error.filename)!r}: " if error.filename else ""
+    return f"{where}{error.strerror}; what could not be written is not kept"
 
 
 def _told(message: str, code: int) -> int:

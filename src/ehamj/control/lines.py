@@ -70,7 +70,7 @@ class Line(NamedTuple):
         try:
             whole = [int(table[name]) for name in cls._fields[:2]]
             numbers = [float(table[name]) for name in cls._fields[2:]]
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"controller.lines: {error}; every entry must be a number") from error
         if any(table[name] != value for name, value in zip(cls._fields, whole, strict=False)):
             raise InputError("controller.lines: first and pairs must be whole numbers")

@@ -24,17 +24,20 @@ from ehamj.control.blocks import TWO_PI, Block, joined
 from ehamj.control.channels import UPSTREAM, axis_of
 from ehamj.control.inverse import creep
 from ehamj.control.upstream import Upstream
+from ehamj.errors import InputError
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
 
 ORDER: Final = 16
 """Laguerre functions: they carry half a second of preview at 5 Hz."""
+MOST_PERIODS: Final = 4.0
+"""Of f₀: the functions delay no longer."""
 POLES: Final = (0.4, 0.6, 0.9, 1.3)
 """Their pole over f₀: that is taken which is best."""
 ABOVE: Final = 4.0
 """Corner of the low-pass behind which they lie, over f₀."""
 REST: Final = 10.0 ** (-29.0 / 20.0)
-"""Share of the floor that may be left in the third octave at f₀."""
+"""Share of the floor that is aimed to be left at most in the third octave at f₀."""
 WEIGHTS: Final = np.geomspace(300.0, 5_000.0, 8)
 """R at f₀: the least is taken with which no more is left; more than the last of them is not worth its voltage."""
 EDGE: Final = 10.0**-0.05
@@ -113,6 +116,12 @@ def followed(plant: Plant, upstream: Upstream, frequency: float, weights: Array)
         frequency: from which isolation begins [Hz].
         weights: of each mount and axis in each output, (output, mount, axis).
     """
+    longest = float(np.max(upstream.times(plant.positions)))
+    if longest > MOST_PERIODS / frequency:
+        raise InputError(
+            f"sensors.upstream.position: the wave takes {longest:.3g} s from there to the mounts, more than is used "
+            f"where isolation begins at {frequency:g} Hz, {MOST_PERIODS / frequency:.3g} s; move the sensor nearer"
+        )
     times, which = np.unique(upstream.times(plant.positions), return_inverse=True)
     shape, shares = _best(tuple(times.tolist()), frequency, creep(plant))
     read = [axis for axis in range(len(AXES)) if np.any(weights[:, :, axis])]

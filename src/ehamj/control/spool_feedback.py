@@ -5,24 +5,26 @@ own); the compiled part is `ehamj.control.compiled.spools`.
 """
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ehamj.control.inverse import instrument_poles, lag
 from ehamj.control.sensors import Sensors
-from ehamj.control.spools import KnownSpool, opened, runs_away
+from ehamj.control.spools import MOST_DELAY, KnownSpool, opened, runs_away
 from ehamj.errors import InputError
 from ehamj.isolator.component import HUGE
 from ehamj.plant.plant import Plant
-from ehamj.settings import NotNegative, Positive, Settings
+from ehamj.settings import Positive, Settings
 
 
 class SpoolFeedback(Settings):
     """A loop about the spool of each valve, so that it stands where the law and the stage want it."""
 
     rate: Positive = Field(20_000.0, description="sampling rate [Hz]")
-    delay: NotNegative | None = Field(None, description="computation delay [s]; without: one of its samples")
+    delay: Annotated[float, Field(ge=0, le=MOST_DELAY)] | None = Field(
+        None, description="computation delay [s]; without: one of its samples"
+    )
     crossing: Positive = Field(300.0, description="frequency up to which errors of the spool are taken back [Hz]")
     rolloff: Positive = Field(
         8e-5, description="time constant, twice, to which the lead over the valve's lag is rolled off [s]"

@@ -11,6 +11,7 @@ import scipy
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
+from ehamj.control.clock import SHORTEST
 from ehamj.control.instruments import Instrument
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
@@ -18,6 +19,10 @@ from ehamj.plant.plant import Plant
 
 POSITIVE: Final = ("valve_gain", "valve_frequency", "valve_damping", "drive_limit", "rolloff", "limit", "period")
 """What must be positive of a known spool; the others must not be negative."""
+
+
+MOST_DELAY: Final = 2e-3
+"""Of a loop about a spool [s]: with more, none that is worth its sensor is stable."""
 
 
 class KnownSpool(NamedTuple):
@@ -62,12 +67,17 @@ class KnownSpool(NamedTuple):
             raise InputError(f"controller.spools: each must be a table of {', '.join(cls._fields)}")
         try:
             numbers = cls(*(float(table[name]) for name in cls._fields))
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"controller.spools: {error}; every entry must be a number") from error
         for name, value in numbers._asdict().items():
             if not math.isfinite(value) or value < 0.0 or (name in POSITIVE and value == 0.0):
                 allowed = "positive" if name in POSITIVE else "zero or positive"
                 raise InputError(f"controller.spools: {name} = {value:g} must be finite and {allowed}")
+        if numbers.period < SHORTEST or numbers.delay > MOST_DELAY:
+            raise InputError(
+                f"controller.spools: period = {numbers.period:g} s and delay = {numbers.delay:g} s must be at least "
+                f"{SHORTEST:g} s and at most {MOST_DELAY:g} s"
+            )
         return numbers
 
 

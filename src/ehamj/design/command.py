@@ -22,7 +22,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome, Progress, silent
 from ehamj.studies.page import files_of, write_outcome
 from ehamj.synthesis.judged import Design, judged
-from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of, outside
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, Variations, behind, machines_of
 from ehamj.synthesis.search import synthesised
 from ehamj.synthesis.settings import SynthesisSettings
 
@@ -125,12 +125,10 @@ def _machines(scenario: Scenario) -> Machines:
     """What the law must hold on, each behind what it makes good of the valves."""
     control, nominal = scenario.control, scenario.nominal
     assert isinstance(control, DigitalSettings)
-    known = control.known(nominal.plant, nominal.sensors)
-    if isinstance(control, SynthesisSettings):
-        known = outside(known, nominal.plant)
-    machines = machines_of(nominal.plant, variations_of(control), known)
+    known, outside = control.known(nominal.plant, nominal.sensors), isinstance(control, SynthesisSettings)
+    machines = machines_of(nominal.plant, variations_of(control), known, outside)
     if control.designed_for is not None:  # the law is derived for a machine that differs from the one it runs on
-        machines[RUNS_ON] = linear_model(behind(scenario.plant, known))
+        machines[RUNS_ON] = linear_model(behind(scenario.plant, known, outside))
     return machines
 
 
@@ -139,7 +137,7 @@ def _designed(scenario: Scenario, machines: Machines, wanted: Requirements, prog
     control, plant, sensors = scenario.control, scenario.plant, scenario.sensors
     assert isinstance(control, DigitalSettings)
     if isinstance(control, SynthesisSettings):
-        return synthesised(control, plant, sensors, machines, progress, scenario.seed)
+        return synthesised(control, plant, sensors, machines, progress)  # as a run finds it, whatever its seed
     progress("choosing crossings")
     if any(member.loops(plant) for member in control.members):
         return tune(scenario, machines, wanted)

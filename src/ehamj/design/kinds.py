@@ -23,5 +23,7 @@ def beginning(kind: str, control: ControlSettings) -> DigitalSettings:
         stated = forward[0] if forward else control.feedforward if isinstance(control, SynthesisSettings) else None
         if stated is not None:  # what is stated of it, about the synthesis's own
             own = {name: getattr(stated, name) for name in stated.model_fields_set.difference(SHARED, {"kind"})}
-            given["feedforward"] = begin.feedforward.model_copy(update=own)
+            given["feedforward"] = begin.feedforward.model_copy(update=own | {"isolate_from": 0.0})
+        begins = [one.isolate_from for one in control.members if hasattr(one, "isolate_from")]
+        given["isolate_from"] = max(begins, default=0.0)
     return begin.model_copy(update=given)

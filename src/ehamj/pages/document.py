@@ -46,13 +46,13 @@ def write_page(folder: Path, name: str, page: Page, figures: str = "figures") ->
         raise ValueError(f"{name}: two of the figures {', '.join(picture.name for picture in page.pictures)} are alike")
     target = folder / figures
     target.mkdir(exist_ok=True)
-    before = folder / name
+    before, known = folder / name, set[str]()
     if before.is_file():
-        known = re.findall(r'<figure id="figure-([\w-]+)"', before.read_text(encoding="utf-8"))
-        for old in set(known) - set(drawings):
-            (target / f"{old}.svg").unlink(missing_ok=True)
+        known = set(re.findall(r'<figure id="figure-([\w-]+)"', before.read_text(encoding="utf-8")))
     for picture, text in drawings.items():
         with written_whole(target / f"{picture}.svg") as path:
             path.write_text(text, encoding="utf-8")
     with written_whole(before) as path:
         path.write_text(render(page, drawings), encoding="utf-8")
+    for old in known - set(drawings):
+        (target / f"{old}.svg").unlink(missing_ok=True)

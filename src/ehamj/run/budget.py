@@ -19,8 +19,8 @@ STEP_SECONDS: Final = {"mujoco": 6e-6, "small-motion": 1e-6}
 """Time that a step takes, about, by engine [s]."""
 LONGEST: Final = 30 * 86_400.0
 """Beyond which a run was hardly meant [s]."""
-SHORTEST_STEP: Final = 2e-8
-"""Step below which the fastest part of a machine was hardly meant [s]."""
+FLOOR: Final = 2e-8
+"""Step below which whatever asks for it was hardly meant [s]."""
 
 
 def row_bytes(mounts: int) -> int:
@@ -67,13 +67,14 @@ def check_steps(scenario: Scenario, timestep: float) -> None:
     """
     steps = scenario.duration / timestep
     seconds = steps * STEP_SECONDS[scenario.engine]
-    stated = scenario.timestep != "auto"
-    if seconds <= LONGEST and (stated or timestep >= SHORTEST_STEP):
+    if seconds <= LONGEST and timestep >= FLOOR:
         return
-    why = f"timestep = {timestep:g} s" if stated else fastest_part(scenario.plant)
+    why = f"timestep = {timestep:g} s" if scenario.timestep != "auto" else fastest_part(scenario.plant)
+    if scenario.timestep == "auto" and scenario.load().longest_step < math.inf:
+        why += f", or a force that asks for steps of {scenario.load().longest_step:.3g} s"
     raise InputError(
         f"{why}: a step of {timestep:.3g} s is {steps:.3g} steps in duration = {scenario.duration:g} s, about "
-        f"{seconds / 3600.0:.3g} h; the step must be at least {SHORTEST_STEP:g} s and the run at most "
+        f"{seconds / 3600.0:.3g} h; the step must be at least {FLOOR:g} s and the run at most "
         f"{LONGEST / 3600.0:g} h"
     )
 

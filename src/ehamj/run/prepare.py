@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from ehamj.control import AnyController, LinearController, PythonController
+from ehamj.control.channels import UPSTREAM
 from ehamj.control.commands import Passive
 from ehamj.control.loop import DigitalLoop, make_loop
 from ehamj.control.noise import ReadingNoise
@@ -78,11 +79,20 @@ class Prepared:
             *self.scenario.where_slides_stand,
             *failing,
             *self._folded(),
+            *self._unread_upstream(read),
         )
         if not isinstance(self.controller, PythonController):
             return (*notes, *held(self.scenario))
         said = "the commands came from a Python function, which is not in the scenario: it runs again without"
         return (*notes, said)
+
+    def _unread_upstream(self, read: tuple[str, ...]) -> tuple[str, ...]:
+        if self.scenario.sensors.upstream is None or any(f" {UPSTREAM} " in name for name in read):
+            return ()
+        return (
+            "sensors.upstream is read by no law of this run: one that is told where isolation begins (isolate_from) "
+            "reads it",
+        )
 
     def _folded(self) -> tuple[str, ...]:
         rate = self.scenario.record_rate

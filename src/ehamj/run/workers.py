@@ -63,6 +63,8 @@ def worked_through(
         try:
             while wait(running, timeout=PATIENCE).not_done:
                 meanwhile()
+            for one in running:
+                one.result()  # where a pool that this one works for is asked to stop
         finally:  # as where the user interrupts
             stopped.set()
     meanwhile()

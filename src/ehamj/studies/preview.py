@@ -26,6 +26,7 @@ from ehamj.settings import Positive, Settings
 from ehamj.studies.outcome import Drawing, Outcome, Progress
 from ehamj.studies.study import among, study
 from ehamj.studies.variants import BANDS, RECORD_RATE, derived_law
+from ehamj.synthesis.kinds import CONTROLS
 
 BELIEFS: Final = ("right", "wrong")
 """Whether the wave is as fast as is believed."""
@@ -56,10 +57,11 @@ class PreviewSettings(Settings):
 def preview(scenario: Scenario, settings: PreviewSettings, progress: Progress) -> Outcome:
     """A scenario without a law that can be told where isolation begins is refused."""
     law = derived_law(scenario).isolating_from(settings.isolate_from)
+    able = sorted(name for name, one in CONTROLS.items() if "isolate_from" in one.model_fields)
     if law == scenario.control and law.isolating_from(2.0 * settings.isolate_from) == law:
         raise InputError(
-            f"control.kind = {law.kind!r}: cannot be told where isolation begins; 'feedforward', 'modal', 'skyhook' "
-            "and what is combined of them can"
+            f"control.kind = {law.kind!r}: cannot be told where isolation begins; "
+            f"{', '.join(map(repr, able))} and what is combined of them can"
         )
     found = preview_table(scenario, law, settings, progress)
     off = f"{100.0 * settings.off:g} %"

@@ -6,7 +6,6 @@ the static stiffness k: oil or gas that can leak around the piston holds nothing
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Annotated
 
 import numpy as np
@@ -16,6 +15,7 @@ from scipy.optimize import brentq
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
+from ehamj.interruption import pool_of
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS
 from ehamj.labels import table
@@ -222,7 +222,7 @@ def tipping_table(scenario: Scenario, settings: SoftMountSettings, progress: Pro
             (fell if down else stands)[i, j] = height
 
     runs = [(i, j, side) for i, j in np.ndindex(*shape) if widths[j] in settings.simulated for side in (-1, 1)]
-    with hydraulics(), ThreadPoolExecutor() as pool:
+    with hydraulics(), pool_of() as pool:
         list(pool.map(run, runs))
     half = 0.5 * np.ptp(positions(scenario), axis=0).min()
     return table(

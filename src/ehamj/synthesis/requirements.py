@@ -113,23 +113,19 @@ OUTSIDE: Final = Linearisation(pressure_drop=False, flow_curve=False, null_offse
 """Without overlap, hysteresis and threshold."""
 
 
-def outside(known: Mapping[str, Any], plant: Plant) -> dict[str, Any]:
-    """What a law has of its valves, or else the valves as they are outside overlap and play: a valve that rests within
-    passes nothing, and for it no law could be found."""
-    return {**known, "valves": known["valves"] or OUTSIDE.known(plant)}
-
-
-def behind(plant: Plant, known: Mapping[str, Any]) -> Plant:
+def behind(plant: Plant, known: Mapping[str, Any], outside: bool = False) -> Plant:
     """A plant behind what a law has of its valves (`SampledSettings.known`): their linearisation, and the loops about
-    their spools."""
-    return made_good(followed(plant, known["spools"]), known["valves"])
+    their spools. ``outside`` of what is left of overlap and play: a valve that rests within passes nothing, and for it
+    no law could be found."""
+    found = made_good(followed(plant, known["spools"]), known["valves"])
+    return made_good(found, OUTSIDE.known(found)) if outside else found
 
 
 def machines_of(
-    plant: Plant, variations: Variations | None = None, known: Mapping[str, Any] | None = None
+    plant: Plant, variations: Variations | None = None, known: Mapping[str, Any] | None = None, outside: bool = False
 ) -> dict[str, "LinearModel"]:
-    """A plant and its variations, each linearised about its equilibrium, behind what a law has of its valves."""
+    """A plant and its variations, each linearised about its equilibrium, `behind` what a law has of its valves."""
     from ehamj.linear.machine import linear_model
 
     found = (variations or Variations()).plants(plant)
-    return {name: linear_model(one if known is None else behind(one, known)) for name, one in found}
+    return {name: linear_model(one if known is None else behind(one, known, outside)) for name, one in found}

@@ -14,7 +14,7 @@ from ehamj.linear.machine import LinearModel
 from ehamj.plant.levers import MOTIONS
 from ehamj.plant.plant import Plant
 from ehamj.synthesis.judged import Design, Worst, judged
-from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of, outside
+from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of
 
 if TYPE_CHECKING:
     from ehamj.synthesis.settings import MotionWeights, SynthesisSettings
@@ -58,7 +58,7 @@ def find(settings: "SynthesisSettings", plant: Plant, sensors: Sensors) -> Found
         InputError: as `synthesised`.
     """
     began = time.perf_counter()
-    machines = machines_of(plant, settings.variations, outside(settings.known(plant, sensors), plant))
+    machines = machines_of(plant, settings.variations, settings.known(plant, sensors), outside=True)
     design = synthesised(settings, plant, sensors, machines)
     return Found(design, machines[NOMINAL], time.perf_counter() - began)
 
@@ -88,7 +88,7 @@ def synthesised(
         InputError: if no law exists, or none leaves the margins.
     """
     wanted = settings.margins
-    failure = InputError("design: no law was found")
+    failure: InputError | None = None
     best: tuple[float, str] = (-1.0, "")
     for turn in range(TRIES):
         progress(f"{settings.kind}, try {turn + 1} of at most {TRIES}")
@@ -96,7 +96,8 @@ def synthesised(
         try:
             feedback = settings.feedback(plant, sensors, machines[NOMINAL], seed)
         except InputError as error:
-            failure = InputError(f"{error} (the {settings.kind} synthesis, try {turn + 1} of {TRIES})")
+            said = f"{error} (the {settings.kind} synthesis, try {turn + 1} of {TRIES})"
+            failure = failure or InputError(said)  # the first: what follows may be of what was eased
         else:
             design = judged(settings, feedback, sensors, machines, wanted, seed)
             if design.meets:
@@ -104,7 +105,7 @@ def synthesised(
             lacking = {name: design.worst_of(name) for name in MOTIONS if not design.leaves(name)}
             best = max(best, _nearest(design, wanted))
         settings = _eased(settings, lacking, wanted)
-    if not best[1]:
+    if failure is not None and not best[1]:
         raise failure
     raise InputError(
         f"design: no {settings.kind} law was found that leaves {wanted.gain_margin:g} dB, {wanted.phase_margin:g}° and "

@@ -1,5 +1,6 @@
 """What every synthesised law has around the loops of heave, roll and pitch, and the margins that it is to leave."""
 
+import threading
 from abc import abstractmethod
 from collections import deque
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
@@ -29,8 +30,10 @@ NO_LOOP, NO_SWAY = MotionLoop(crossing=0.0), SwayDamping(gain=0.0, centre=70.0)
 THIRD = 2.0 ** (1 / 6) - 2.0 ** (-1 / 6)
 """Width of a third-octave over its centre."""
 
-_RECENT: Final[deque[tuple["SynthesisSettings", Plant, Sensors, "Found"]]] = deque(maxlen=8)
+_RECENT: Final[deque[tuple["SynthesisSettings", Plant, Sensors, "Found"]]] = deque(maxlen=64)
 """Laws that were found: a run asks for its law more than once."""
+_FINDING: Final = threading.Lock()
+"""Of threads that want one law, the first finds it."""
 
 
 class MotionWeights(Settings):
@@ -82,6 +85,11 @@ class SynthesisSettings(DigitalSettings):
         for name in self.feedforward.model_fields_set.intersection(SHARED):
             if getattr(self.feedforward, name) != getattr(self, name):
                 raise ValueError(f"feedforward.{name}: is stated once, for the whole law: control.{name}")
+        if self.feedforward.isolate_from:
+            raise ValueError(
+                f"feedforward.isolate_from = {self.feedforward.isolate_from:g} Hz: is stated once, for the whole law: "
+                "control.isolate_from"
+            )
         return self
 
     @field_serializer("feedforward", mode="wrap")
@@ -113,12 +121,13 @@ class SynthesisSettings(DigitalSettings):
         from ehamj.synthesis.search import find
 
         own = self.model_copy(update={"designed_for": None})
-        for settings, machine, instruments, known in tuple(_RECENT):  # threads may add to it
-            if settings == own and machine == plant and instruments == sensors:
-                return known
-        known = find(own, plant, sensors)
-        _RECENT.appendleft((own, plant, sensors, known))
-        return known
+        with _FINDING:
+            for settings, machine, instruments, known in _RECENT:
+                if settings == own and machine == plant and instruments == sensors:
+                    return known
+            known = find(own, plant, sensors)
+            _RECENT.appendleft((own, plant, sensors, known))
+            return known
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
         """The law that leaves the margins on a plant that is measured by ``sensors``, and on its variations."""
