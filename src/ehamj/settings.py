@@ -11,9 +11,9 @@ A source is one of
 import math
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
-from typing import Annotated, Any, Literal, Self, Union, get_args
+from typing import Annotated, Any, Final, Literal, Self, Union, get_args
 
-from annotated_types import Ge, Gt
+from annotated_types import Gt
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from ehamj.bounds import check_magnitude, unit_of
@@ -39,6 +39,18 @@ Direction = Annotated[Vector3, AfterValidator(_has_length)]
 """x, y, z of any length but none; see `unit`."""
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+SHORTEST_FADE: Final = 1e-9
+"""[s]"""
+
+
+def _lasts(fade: float) -> float:
+    if 0.0 < fade < SHORTEST_FADE:
+        raise ValueError(f"must be zero or at least {SHORTEST_FADE:g} s")
+    return fade
+
+
+Fade = Annotated[float, Field(ge=0), AfterValidator(_lasts)]
+"""Time over which something fades; at once, 0, or in a time that its rate of change does not suffer from [s]."""
 Unlimited = Annotated[float, Field(allow_inf_nan=True)]
 
 FILE = "file"
@@ -72,7 +84,7 @@ class Settings(BaseModel):
         super().__pydantic_init_subclass__(**kwargs)
         for field in cls.model_fields.values():
             if not any(isinstance(one, _Bounded) for one in field.metadata):
-                least = any(isinstance(one, Gt | Ge) for one in field.metadata)
+                least = any(isinstance(one, Gt) for one in field.metadata)
                 unit = unit_of(field.description) or ("-" if _holds_floats(field.annotation) else None)
                 own = {"unit": unit, "endless": field.default == math.inf, "signed": not least}
                 field.metadata.append(_Bounded(partial(check_magnitude, **own)))

@@ -236,6 +236,8 @@ def expected_channel(name: str, value: dict[str, float], of: linear.LinearMachin
     if variable in ("stroke", "stroke_velocity"):
         motion = "velocity" if variable == "stroke_velocity" else "displacement"
         return float(foot(motion, labels[0])[2]) - value[f"ground_{motion} {labels[0]} z"]
+    if variable == "edges":
+        return value[f"spool {labels[0]}"]  # without hysteresis there is no play between them
     if variable == "supply_pressure":
         return 0.0  # constant
     if variable == "load_pressure":

@@ -14,6 +14,7 @@ from ehamj.control.spools import KnownSpool, positions
 from ehamj.control.valves import KnownValve, measured
 from ehamj.errors import InputError
 from ehamj.plant.mounts import MOUNTS
+from ehamj.settings import SHORTEST_FADE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,8 @@ class Converter:
         _must(whole, "bits", self.bits, "a whole number from 2 to 52, or none")
         for name in ("switch_on", "fade"):
             _must(0.0 <= getattr(self, name) < np.inf, name, getattr(self, name), "zero or positive [s]")
-            _plausible(name, getattr(self, name), "s")
+        if 0.0 < self.fade < SHORTEST_FADE:
+            raise InputError(f"controller.fade = {self.fade:g}: must be zero or at least {SHORTEST_FADE:g} s")
         for name in ("valves", "learners", "spools"):
             each, count = getattr(self, name), len(self.mounts)
             _must(len(each) in (0, count), name, f"{len(each)} of them", f"one per mount, {count}, or none")

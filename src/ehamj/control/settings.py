@@ -21,7 +21,7 @@ from ehamj.control.windup import AntiWindup, limited_radius, parted
 from ehamj.errors import InputError
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.plant.plant import Plant
-from ehamj.settings import NotNegative, Positive, Settings
+from ehamj.settings import Fade, NotNegative, Positive, Settings
 from ehamj.signals import Signal, Zero
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class SampledSettings(ControlSettings):
     )
     bits: Annotated[int, Field(ge=2, le=52)] = Field(16, description="resolution of the command converter [bit]")
     switch_on: NotNegative = Field(0.0, description="time at which the controller takes over [s]")
-    fade: NotNegative = Field(0.0, description="time over which its commands fade in [s]")
+    fade: Fade = Field(0.0, description="time over which its commands fade in [s]")
     recovery: Positive = Field(
         0.15, description="time over which motion that the valves could not follow is made good [s]"
     )

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.plant.axes import DOFS
-from ehamj.settings import Settings, Vector3
+from ehamj.settings import Fade, Settings, Vector3
 from ehamj.signals import Array, Signal, faded
 
 PER_PERIOD = 20
@@ -50,7 +50,7 @@ class ForceSettings(Settings):
 class ContinuousForce(ForceSettings):
     """A force that lasts, up to a highest frequency."""
 
-    fade_in: float = Field(0.0, ge=0, description="time over which the force fades in [s]")
+    fade_in: Fade = Field(0.0, description="time over which the force fades in [s]")
 
     @property
     @abstractmethod

@@ -12,7 +12,7 @@ from ehamj.ground.lines import RandomGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.spectra import Spectrum
 from ehamj.ground.targets import Target
-from ehamj.settings import Positive
+from ehamj.settings import Fade, Positive
 from ehamj.signals import Array, Sample, Signal
 
 
@@ -84,7 +84,7 @@ class BurstGround(_Flat):
     last: Positive = Field(20.0, description="highest third-octave band of the flat part [Hz]")
     fall: float = Field(24.0, ge=0, description="fall above the flat part [dB/octave]")
     highest: Positive = Field(200.0, description="no motion above this frequency [Hz]")
-    fade_in: float = Field(0.0, ge=0, description="time over which the motion fades in from time 0 [s]")
+    fade_in: Fade = Field(0.0, description="time over which the motion fades in from time 0 [s]")
     begin: float = Field(1.0, ge=0, description="time at which the burst begins [s]")
     swell_time: Positive = Field(1.0, description="time from the beginning to the peak [s]")
     repeat: Positive | None = Field(None, description="time from one burst to the next [s]; without: there is one")

@@ -26,6 +26,7 @@ from ehamj.ground.spectra import Axis, Spectrum
 from ehamj.ground.waves import Coherence, Wave, spread
 from ehamj.plant.axes import AXES
 from ehamj.series import Lines, parts, room
+from ehamj.settings import Fade
 from ehamj.signals import Array, Product, Signal
 
 LEAST_PERIOD = 10.0
@@ -203,7 +204,7 @@ class RandomGround(GroundSettings):
     coherence: Coherence | None = Field(
         None, description="partial coherence between the mounts; without: they move alike but for the wave's delay"
     )
-    fade_in: float = Field(0.5, ge=0, description="time over which the motion fades in [s]")
+    fade_in: Fade = Field(0.5, description="time over which the motion fades in [s]")
 
     def random_floor(
         self,

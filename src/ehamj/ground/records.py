@@ -20,7 +20,7 @@ from ehamj.records.readers import READERS, check_used, reader_of
 from ehamj.records.seismic import EXAMPLE
 from ehamj.records.units import ORDERS
 from ehamj.series import Sampled, stored
-from ehamj.settings import FileName
+from ehamj.settings import Fade, FileName
 from ehamj.signals import Faded, Signal, Zero
 
 
@@ -42,7 +42,7 @@ class RecordGround(Choices, GroundSettings, Treatment):
         description="factor on the motion [-]; a table by axis, place or component, as in { z = 2.5e-9 }, gives each "
         "its own, and 1 to those that it does not name",
     )
-    fade_in: float = Field(0.0, ge=0, description="time over which the simulation's motion fades in [s]; 0: as taper")
+    fade_in: Fade = Field(0.0, description="time over which the simulation's motion fades in [s]; 0: as taper")
 
     @model_validator(mode="after")
     def _scale_wanted(self) -> Self:

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from ehamj.ground.motion import GroundSettings, Motion, Slab, Start
 from ehamj.ground.waves import Wave, spread
-from ehamj.settings import Positive
+from ehamj.settings import Fade, Positive
 from ehamj.signals import Array, Chirp, Multisine, Sample, Signal, rise
 
 Dof = Literal["x", "y", "z", "rx", "ry", "rz"]
@@ -29,7 +29,7 @@ class OneDof(GroundSettings):
 
     dof: Dof = Field("z", description="degree of freedom that moves (a wave: x, y or z)")
     wave: Wave | None = Field(None, description="pass below the machine as a plane wave; without: a rigid slab")
-    fade_in: float = Field(0.0, ge=0, description="time over which the motion fades in [s]")
+    fade_in: Fade = Field(0.0, description="time over which the motion fades in [s]")
 
     @abstractmethod
     def signal(self) -> Signal:
@@ -83,7 +83,7 @@ class SweepGround(OneDof):
     last: Positive = Field(100.0, description="frequency at the end [Hz]")
     sweep_time: Positive = Field(20.0, description="duration of the sweep [s]")
     begin: float = Field(0.0, ge=0, description="time at which the sweep begins [s]")
-    fade_in: float = Field(0.0, ge=0, description="time over which the sweep fades in from its beginning [s]")
+    fade_in: Fade = Field(0.0, description="time over which the sweep fades in from its beginning [s]")
 
     def signal(self) -> Signal:
         return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.begin)
