@@ -85,7 +85,10 @@ def test_the_command_line_notes_a_law_that_changed_with_its_machine(cli: Cli, tm
     weaker = ["--set", "actuators.isolator.flow_gain=1.8e-6"]
     said = cli(*short, *weaker, "--out", "one")
     assert said.code == 0
-    assert "note: the combined law was derived anew for the changed machine (actuators.isolator.flow_gain" in said.err
+    assert (
+        "note: the combined law was derived anew for the changed machine and instruments (actuators.isolator.flow_gain"
+        in said.err
+    )
     json.loads(said.out)
     said = cli(*short, *weaker, "--set", "control.designed_for=recorded", "--out", "other")
     assert "derived anew" not in said.err

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -59,8 +60,24 @@ def pool_of(threads: int | None = None) -> "Iterator[ThreadPoolExecutor]":
     pool.shutdown()
 
 
+_heard = threading.Event()
+
+
+def interrupted() -> bool:
+    """Whether the user has interrupted this command: what fails from then on may fail because of that, as a library
+    that is being imported."""
+    return _heard.is_set()
+
+
 def _interrupt(*_: Any) -> None:
+    _heard.set()
     raise KeyboardInterrupt
+
+
+def _unraisable(found: Any) -> None:
+    """Where C calls Python nobody can be told of an interruption."""
+    if not interrupted():
+        sys.__unraisablehook__(found)
 
 
 @contextmanager
@@ -79,6 +96,7 @@ def watched(give_up: Callable[[], None]) -> Iterator[None]:
         os.set_blocking(writing, False)
     heard = [one for one in INTERRUPTING if signal.getsignal(one) not in (signal.SIG_IGN, None)]
     before = {one: signal.signal(one, _interrupt) for one in heard}
+    shown, sys.unraisablehook = sys.unraisablehook, _unraisable
     woken = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
 
     def watch() -> None:
@@ -92,17 +110,15 @@ def watched(give_up: Callable[[], None]) -> Iterator[None]:
 
     thread = threading.Thread(target=watch, daemon=True)
     thread.start()
-    interrupted = False
     try:
         yield
-    except KeyboardInterrupt:
-        interrupted = True
-        raise Interrupted from None
-    except Interrupted:
-        interrupted = True
+    except BaseException:
+        if interrupted():
+            raise Interrupted from None
         raise
     finally:
-        if not interrupted:  # else the thread sees to it that the process ends
+        if not interrupted():  # else the thread sees to it that the process ends
+            sys.unraisablehook = shown
             signal.set_wakeup_fd(woken)
             os.write(writing, b"\0")
             thread.join()

@@ -17,7 +17,7 @@ from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.synthesis.kinds import CONTROLS, STANDARD
+from ehamj.synthesis.kinds import CONTROLS, STANDARD, SYNTHESES
 
 GIVEN: dict[str, dict[str, Any]] = {
     "resonant": {"lines": [25.0, 50.0]},
@@ -84,7 +84,7 @@ def test_a_loop_it_names_is_a_field_whose_crossing_counts(kind: str) -> None:
 
 
 def test_passive_signals_a_sum_and_a_file_are_controls_too() -> None:
-    assert set(CONTROLS) - set(ARCHITECTURES) == {"passive", "open-loop", "combined", "h-infinity", "lqg", "law"}
+    assert set(CONTROLS) - set(ARCHITECTURES) == {"passive", "open-loop", "combined", *SYNTHESES, "law"}
 
 
 # --- a law states its anti-windup ---------------------------------------------------------------------------------

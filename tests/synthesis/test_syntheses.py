@@ -28,6 +28,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.synthesis.hinfinity import HInfinitySettings, generalised, mixed_sensitivity
 from ehamj.synthesis.images import continuous, reduced
 from ehamj.synthesis.judged import Design
+from ehamj.synthesis.kinds import SYNTHESES
 from ehamj.synthesis.lqg import LqgSettings
 from ehamj.synthesis.plants import motion_plants
 from ehamj.synthesis.requirements import NOMINAL, Machines, Requirements, machines_of
@@ -215,7 +216,7 @@ def test_instruments_noisier_than_the_floor_are_refused(plants: dict[str, Block]
 
 # --- the laws --------------------------------------------------------------------------------------------------------
 
-KINDS = ("h-infinity", "lqg")
+KINDS = tuple(SYNTHESES)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -45,6 +45,7 @@ def design(
     Nichols plots with `--set output.nichols=true`.
     """
     from ehamj.design.command import DESIGN_FILES, design_controller, write_design
+    from ehamj.design.outcome import left_out
     from ehamj.design.page import attenuations
 
     check_out(out_folder, overwrite, DESIGN_FILES)
@@ -68,6 +69,8 @@ def design(
     shown = attenuations(found.limits, OCTAVES)
     if shown.rows:
         print_table(shown.title, shown.head, shown.rows)
+    for note in left_out(found.design):
+        say(f"note: {note}", words=True)
     for answer in found.outcome.answers:
         say(f"- {answer}", words=True)
     say(f"page, tables and figures: {folder / 'design.html'}")

@@ -14,6 +14,7 @@ from rich.markup import escape
 
 from ehamj.cli.frame import app, log
 from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
+from ehamj.interruption import interrupted
 from ehamj.unfinished import NO_ROOM
 
 DONE: Final = 0
@@ -36,10 +37,14 @@ def exit_code() -> int:
     except (InputError, SimulationFailed) as error:
         return _told(str(error), BAD_INPUT if isinstance(error, InputError) else FAILED)
     except SystemExit as ended:
+        if interrupted():
+            raise
         return _flushed(ended.code)
     except MemoryError as error:
         return _told(f"this does not fit in memory{_said(error)}", BAD_INPUT)
     except Exception as error:
+        if interrupted():
+            raise
         refused = isinstance(error, OSError) and error.errno in NOT_WRITTEN
         return _told(_not_written(error) if refused else _unforeseen(error), FAILED)
     return _flushed(DONE)

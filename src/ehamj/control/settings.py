@@ -44,6 +44,9 @@ Stage = Annotated[Linearisation | None, BeforeValidator(_switched, json_schema_i
 Spools = Annotated[SpoolFeedback | None, BeforeValidator(_switched, json_schema_input_type=SpoolFeedback | bool | None)]
 
 
+Learns = Annotated[Learning | None, BeforeValidator(_switched, json_schema_input_type=Learning | bool | None)]
+
+
 class SwingsUpError(InputError):
     """A law whose states run away while its commands are limited."""
 
@@ -93,8 +96,8 @@ class SampledSettings(ControlSettings):
     linearisation: Stage = Field(
         None, description="what of the valves is made good before the converter; without, or false: nothing"
     )
-    learning: Learning | None = Field(
-        None, description="what is learnt of each isolator while the law runs; without: nothing"
+    learning: Learns = Field(
+        None, description="what is learnt of each isolator while the law runs; without, or false: nothing"
     )
     spool_feedback: Spools = Field(
         None,

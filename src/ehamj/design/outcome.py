@@ -72,7 +72,7 @@ def outcome(
             "The prediction takes the scenario's own floor at each mount and axis through the closed loop, with what "
             "turbulent flow, compressed oil and turning add along that motion, and with noise and rounding as they are "
             "on average; a run scatters by some tenths of a decibel about it where noise binds.",
-            *_made_good(design),
+            *left_out(design),
             *limits.notes,
         ),
         numbers={
@@ -132,12 +132,12 @@ def _answers(scenario: Scenario, design: Design, limits: Budget, has_loop: bool)
     return found
 
 
-def _made_good(design: Design) -> tuple[str, ...]:
+def left_out(design: Design) -> tuple[str, ...]:
     """What the prediction leaves out of a law that linearises its valves."""
     said = (
         "The law linearises its valves, and the prediction has their pressure drop all the same: where nonlinear oil "
+        "and valves bind, a run shows more isolation."
     )
-    said += "and valves bind, a run shows more isolation."
     return (said,) if any(valve.numbers.most > 1.0 for valve in design.law.converter.valves) else ()
 
 

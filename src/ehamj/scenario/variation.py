@@ -110,9 +110,9 @@ def _warn(control: ControlSettings | None, before: Installation, new: "Scenario"
 def warn_derived(control: ControlSettings, found: Mapping[str, tuple[Any, Any]], depth: int = 2) -> None:
     """Say that a law was derived for a changed machine, which it so knows exactly."""
     warnings.warn(
-        f"the {control.name()} law was derived anew for the changed machine ({named(found)}) and so knows its values "
-        "exactly; to see what the law of the machine before does on this one, hold it: control.designed_for, or "
-        "scenario.varied({...}) in Python",
+        f"the {control.name()} law was derived anew for the changed machine and instruments ({named(found)}) and so "
+        "knows its values exactly; to see what the law of the machine before does on this one, hold it: "
+        "control.designed_for, or scenario.varied({...}) in Python",
         DerivedAnew,
         stacklevel=depth,
     )

@@ -111,7 +111,7 @@ def synthesised(
         f"design: no {settings.kind} law was found that leaves {wanted.gain_margin:g} dB, {wanted.phase_margin:g}° and "
         f"a disk margin of {wanted.disk_margin:g} on every machine, with loops lowered {TRIES - 1} times; the nearest "
         f"{best[1]}. Ask for less (control.margins; --gain-margin, --phase-margin, --disk-margin of a design), or take "
-        "the combined law (--architecture combined), whose crossings are tuned one by one"
+        "the combined law (control.kind; --architecture combined of a design), whose crossings are tuned one by one"
     )
 
 
