@@ -157,7 +157,7 @@ def across_overlap(scenario: Scenario, settings: ValveSettings) -> xr.Dataset | 
     what the law believes of its overlap (overlap, amplitude); None where there is no overlap, or no feedback."""
     if not settings.overlap:
         return None
-    machine = _machine(scenario, settings, settings.cases()[ALL], "with")
+    machine = _machine(scenario, settings, [*settings.cases().values()][-1], "with")
     law = machine.controller()
     if law is None or not feeds_back(law):
         return None
