@@ -4,9 +4,10 @@ Learnt are, of each mount, the `LEARNT` quantities; `ehamj.control.compiled.lear
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final, NamedTuple, Self
 
+from ehamj.control.tables import numbers_in
 from ehamj.errors import InputError
 
 POSITIVE: Final = ("area_1", "area_2", "area", "flow", "oil", "rate", "low", "high", "memory", "prior", "pace", "least")
@@ -92,12 +93,7 @@ class Learner(NamedTuple):
         Raises:
             InputError: if a key is missing or unknown, or a number is not one, or out of its range.
         """
-        if not isinstance(table, Mapping) or set(table) != set(cls._fields):
-            raise InputError(f"controller.learners: each must be a table of {', '.join(cls._fields)}")
-        try:
-            numbers = cls(*(float(table[name]) for name in cls._fields))
-        except (TypeError, ValueError) as error:
-            raise InputError(f"controller.learners: {error}; every entry must be a number") from error
+        numbers = cls(*numbers_in(table, cls._fields, "controller.learners"))
         if not all(map(math.isfinite, numbers)) or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(f"controller.learners: numbers must be finite, and {', '.join(POSITIVE)} positive")
         below = [name for name in NOT_NEGATIVE if getattr(numbers, name) < 0.0]

@@ -4,12 +4,13 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.control.tables import numbers_in
 from ehamj.errors import InputError
 
 NEAR: Final = 1e-3
@@ -65,16 +66,10 @@ class Line(NamedTuple):
         Raises:
             InputError: if a key is missing or unknown, or a number is not one.
         """
-        if not isinstance(table, Mapping) or set(table) != set(cls._fields):
-            raise InputError(f"controller.lines: each must be a table of {', '.join(cls._fields)}")
-        try:
-            whole = [int(table[name]) for name in cls._fields[:2]]
-            numbers = [float(table[name]) for name in cls._fields[2:]]
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"controller.lines: {error}; every entry must be a number") from error
-        if any(table[name] != value for name, value in zip(cls._fields, whole, strict=False)):
+        first, pairs, *numbers = numbers_in(table, cls._fields, "controller.lines")
+        if not first.is_integer() or not pairs.is_integer():
             raise InputError("controller.lines: first and pairs must be whole numbers")
-        return cls(*whole, *numbers)
+        return cls(int(first), int(pairs), *numbers)
 
 
 def check_lines(lines: Sequence[Line], A: Array, period: float) -> None:

@@ -2,7 +2,7 @@
 holds, and the loop that they make."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple, Self
 
@@ -13,6 +13,7 @@ from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.clock import SHORTEST
 from ehamj.control.instruments import Instrument
+from ehamj.control.tables import numbers_in
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.plant.plant import Plant
@@ -63,12 +64,7 @@ class KnownSpool(NamedTuple):
         Raises:
             InputError: if a key is missing or unknown, or a number is not one, or out of its range.
         """
-        if not isinstance(table, Mapping) or set(table) != set(cls._fields):
-            raise InputError(f"controller.spools: each must be a table of {', '.join(cls._fields)}")
-        try:
-            numbers = cls(*(float(table[name]) for name in cls._fields))
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"controller.spools: {error}; every entry must be a number") from error
+        numbers = cls(*numbers_in(table, cls._fields, "controller.spools"))
         for name, value in numbers._asdict().items():
             if not math.isfinite(value) or value < 0.0 or (name in POSITIVE and value == 0.0):
                 allowed = "positive" if name in POSITIVE else "zero or positive"
