@@ -16,6 +16,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 RANKS = (
     ("errors", "arrays", "bounds", "interruption", "labels", "plain", "stopped", "unfinished"),
     ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
+    ("belonging",),
     ("isolator", "estimate", "slides", "series"),
     ("plant",),
     ("records",),
@@ -27,6 +28,7 @@ RANKS = (
     ("linear",),
     ("synthesis",),
     ("scenario",),
+    ("variables",),
     ("views", "result", "smallmotion"),
     ("designs", "pages"),
     ("run", "replay"),

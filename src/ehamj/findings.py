@@ -1,5 +1,6 @@
 """What was found, typed: attributes in the code, keys of the JSON file for whoever reads it as plain data."""
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Self
@@ -53,7 +54,7 @@ class Finding(BaseModel, Mapping[str, Any]):
 
     @classmethod
     def read(cls, plain: Any, whose: str) -> Self:
-        """From plain data.
+        """From plain data, as JSON has it: a text is no number.
 
         Args:
             plain: what `to_dict` gave.
@@ -63,7 +64,7 @@ class Finding(BaseModel, Mapping[str, Any]):
             InputError: if a key is missing, unknown, or of another type.
         """
         try:
-            return cls.model_validate(plain)
+            return cls.model_validate_json(json.dumps(plain), strict=True)
         except ValidationError as error:
             first = error.errors()[0]
             key = ".".join(map(str, first["loc"]))

@@ -6,88 +6,43 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from ehamj.belonging import (
+    HISTORIES,
+    RUN,
+    SUMMARY,
+    changed,
+    check_own,
+    check_unchanged,
+    digest_of,
+    identity_of,
+    is_result,
+    kept,
+    marked,
+    summary_text,
+    unmarked,
+)
 from ehamj.control import LinearController, load_controller
+from ehamj.control.converter import check_mounts
 from ehamj.errors import InputError
-from ehamj.folders import RESULT_FILES, SAVING
+from ehamj.folders import SAVING
+from ehamj.interruption import pool_of
 from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
 from ehamj.plain.hdf5 import check_hdf5
-from ehamj.plain.text import json_of, text_of
+from ehamj.plain.text import text_of
 from ehamj.plain.xml import check_xml
-from ehamj.plant.axes import AXES, CHAMBERS, DOFS
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove
+from ehamj.variables import DIMENSIONS, FIXED, VARIABLES, check_histories
 
 CONTROLLER_FILE = "controller.json"
-
-FIXED: dict[str, Sequence[Any]] = {"axis": AXES, "dof": DOFS, "chamber": CHAMBERS}
-"""Dimensions whose labels are the same in every result; plant, scenario or controller give the others."""
-
-DIMENSIONS = {
-    "axis": "axis",
-    "dof": "degree of freedom of the machine, at the mount plane's centre",
-    "chamber": "chamber; oil in chamber 1 pushes the plate towards the machine",
-    "mount": "mount, by its name (+x front, +y left)",
-    "point": "point of the machine",
-    "slide_name": "slide of the machine",
-    "relative": "relative motion, as named in the scenario",
-    "sensor": "channel that the controller reads",
-    "law_state": "number of the controller's state",
-    "line": "line that the controller follows, as stated [Hz]",
-}
-"""Long name of each dimension beside ``time``."""
-
-VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "ground_displacement": (("mount", "axis"), "m", "displacement of the ground at each mount"),
-    "ground_velocity": (("mount", "axis"), "m/s", "velocity of the ground at each mount"),
-    "ground_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the ground at each mount"),
-    "machine_displacement": (("dof",), "m (rx, ry, rz: rad)", "displacement of the mount plane's centre"),
-    "machine_velocity": (("dof",), "m/s (rx, ry, rz: rad/s)", "velocity of the mount plane's centre"),
-    "foot_displacement": (("mount", "axis"), "m", "displacement of the machine's foot at each mount"),
-    "foot_velocity": (("mount", "axis"), "m/s", "velocity of the machine's foot at each mount"),
-    "foot_acceleration": (("mount", "axis"), "m/s^2", "acceleration of the machine's foot at each mount"),
-    "cg_displacement": (("axis",), "m", "displacement of the machine's centre of gravity"),
-    "cg_velocity": (("axis",), "m/s", "velocity of the machine's centre of gravity"),
-    "cg_acceleration": (("axis",), "m/s^2", "acceleration of the machine's centre of gravity"),
-    "point_displacement": (("point", "axis"), "m", "displacement of a point of the machine"),
-    "point_velocity": (("point", "axis"), "m/s", "velocity of a point of the machine"),
-    "point_acceleration": (("point", "axis"), "m/s^2", "acceleration of a point of the machine"),
-    "relative_displacement": (("relative", "axis"), "m", "displacement of one place relative to another"),
-    "relative_velocity": (("relative", "axis"), "m/s", "velocity of one place relative to another"),
-    "stroke": (("mount",), "m", "plate relative to its ground, along the mount's direction"),
-    "stroke_velocity": (("mount",), "m/s", "plate relative to its ground, along the mount's direction"),
-    "spool": (("mount",), "mA", "spool position"),
-    "valve_command": (("mount",), "V", "command to the valve"),
-    "actuator_force": (("mount",), "N", "force of the oil on the plate, towards the machine positive"),
-    "chamber_pressure": (("mount", "chamber"), "Pa", "absolute pressure in each chamber"),
-    "chamber_flow": (("mount", "chamber"), "m^3/s", "flow into each chamber"),
-    "supply_pressure": ((), "Pa", "absolute supply pressure"),
-    "chamber_void": (("mount", "chamber"), "m^3", "void by cavitation in each chamber"),
-    "oil_in": (("mount", "chamber"), "m^3", "oil that entered each chamber since the start, at atmospheric density"),
-    "oil_held": (("mount", "chamber"), "m^3", "oil in each chamber, at atmospheric density"),
-    "energy_in": ((), "J", "energy that flowed into all chambers since the start"),
-    "piston_work": ((), "J", "work of the oil on pistons and walls since the start"),
-    "supplied_energy": ((), "J", "energy drawn from the supply since the start"),
-    "throttled_energy": ((), "J", "energy lost over edges and leaks since the start"),
-    "oil_energy": ((), "J", "energy stored in the oil by compression"),
-    "slide": (("slide_name",), "m", "coordinate of a slide along its rail"),
-    "external_force": (("dof",), "N (rx, ry, rz: N m)", "force on the machine itself, at its centre of gravity"),
-    "measured": (("sensor",), "SI, as the channel", "what the controller last read of each channel"),
-    "controller_state": (("law_state",), "1", "states of the controller"),
-    "line_frequency": (("line",), "Hz", "frequency that the law follows of each line"),
-    "learnt_flow_gain": (("mount",), "1", "flow gain that the law has learnt, over the stated one"),
-    "learnt_compliance": (("mount",), "1", "compliance of the oil that the law has learnt, over the stated one"),
-    "learnt_overlap": (("mount",), "mA", "overlap of each edge that the law has learnt, more than stated"),
-    "learnt_play": (("mount",), "mA", "threshold and half of the hysteresis that the law has learnt, more than stated"),
-    "learnt_null_offset": (("mount",), "mA", "null offset that the law has learnt, more than stated"),
-}
-"""Every variable of a result beside ``time``: further dimensions, units, long name."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,53 +96,89 @@ class Result:
         for saving in SAVING:
             saving(self, folder, overwrite, variants)
 
-    def write(self, folder: Path) -> None:
-        """Write the result's files into an existing folder, each renamed into place when it is whole."""
-        summary = json.dumps(self.summary.to_dict(), indent=2, allow_nan=False) + "\n"
-        texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml, "summary.json": summary}
+    @property
+    def identity(self) -> str:
+        """What its files carry, so that those of one run are known (`ehamj.belonging`)."""
+        return identity_of(self._texts, self.summary.versions, self.dataset)
+
+    @property
+    def _texts(self) -> dict[str, str]:
+        """What the run came from, by the name of its file."""
+        texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml}
         if self.controller is not None:
-            with written_whole(folder / CONTROLLER_FILE) as path:
-                self.controller.save(path)
-        with written_whole(folder / "result.nc") as path:
+            texts[CONTROLLER_FILE] = json.dumps(self.controller.to_dict(), indent=1) + "\n"
+        return texts
+
+    def write(self, folder: Path, variants: Mapping[str, str] = MappingProxyType({})) -> None:
+        """Write the result's files into an existing folder, each renamed into place when it is whole.
+
+        Args:
+            folder: of the result.
+            variants: identity of each result that is written beside it, by the folder's name.
+        """
+        texts = self._texts
+        run = identity_of(texts, self.summary.versions, self.dataset)
+        with written_whole(folder / HISTORIES) as path:
             check_room(path, self.dataset.nbytes)
             # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
-            self.dataset.to_netcdf(path, engine="h5netcdf")
+            self.dataset.assign_attrs({RUN: run}).to_netcdf(path, engine="h5netcdf")
         for name, text in texts.items():
             with written_whole(folder / name) as path:
-                path.write_text(text, encoding="utf-8")
-
-
-def check_result(folder: str | Path) -> Path:
-    """A folder, checked to hold the files of a result; raises InputError otherwise."""
-    folder = Path(folder)
-    missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
-    if missing:
-        raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
-    return folder
+                path.write_text(marked(name, text, run), encoding="utf-8")
+        with written_whole(folder / SUMMARY) as path:
+            text = summary_text(self.summary.to_dict(), run, folder, (HISTORIES, *texts), variants)
+            path.write_text(text, encoding="utf-8")
 
 
 def load_result(folder: str | Path) -> Result:
     """Read a result folder.
 
     Raises:
-        InputError: if the folder is not a result, damaged, or its summary is not one of today's.
+        InputError: if the folder is no result, or its files are not those of one run as it wrote them, or not what
+            this version writes.
     """
-    folder = check_result(folder)
+    found = kept(is_result(folder))
+    folder, whose = found.folder, f"result {str(found.folder)!r}"
+    summary = Summary.read(found.summary, f"{whose}: {SUMMARY}")
+    check_own(found)
+    check_unchanged(found, [name for name in found.belongs.files if name != HISTORIES])
+    with pool_of(1) as pool:
+        digest = pool.submit(digest_of, folder / HISTORIES)
+        scenario, law = _ran(folder, whose)
+        try:
+            model = unmarked("model.xml", _model_of(folder / "model.xml"), found.belongs.run)
+            dataset = _histories_of(folder / HISTORIES)
+        except Exception as error:  # h5py and xarray raise what they like at damage
+            raise InputError(f"{whose}: is damaged: {error}") from error
+        try:
+            check_histories(dataset, scenario, law, summary)
+        except ValueError as error:
+            raise InputError(f"{whose}: {HISTORIES}: {error}") from error
+        if digest.result() != found.belongs.files[HISTORIES]:
+            raise changed(folder, HISTORIES)
+    return Result(scenario, dataset, summary, model, law)
+
+
+def _ran(folder: Path, whose: str) -> tuple[Scenario, LinearController | None]:
+    """What a result is of: its scenario, and the law that its file holds, if there is one."""
+    scenario, path = load_scenario(folder / "scenario.toml"), folder / CONTROLLER_FILE
+    if not path.is_file():
+        return scenario, None
+    law = load_controller(path)
     try:
-        check_hdf5(folder / "result.nc")
-        with xr.open_dataset(folder / "result.nc", engine="h5netcdf", phony_dims="access") as stored:
-            dataset = stored.load()
-        summary = json_of(folder / "summary.json")
-        model = _model_of(folder / "model.xml")
-    except Exception as error:  # h5py and xarray raise what they like at damage
-        raise InputError(f"result {str(folder)!r}: is damaged: {error}") from error
-    return Result(
-        scenario=load_scenario(folder / "scenario.toml"),
-        dataset=dataset,
-        summary=Summary.read(summary, f"result {str(folder)!r}: summary.json"),
-        model_xml=model,
-        controller=load_controller(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
-    )
+        check_mounts(law.converter, scenario.plant.mounts)
+    except InputError as error:
+        raise InputError(f"{whose}: {CONTROLLER_FILE}: {error}") from error
+    return scenario, law
+
+
+def _histories_of(path: Path) -> xr.Dataset:
+    """What a file holds, without the identity that it carries."""
+    check_hdf5(path)
+    with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
+        dataset = stored.load()
+    dataset.attrs.pop(RUN, None)
+    return dataset
 
 
 def _model_of(path: Path) -> str:

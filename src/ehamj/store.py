@@ -11,6 +11,9 @@ from ehamj.result import Result
 from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
 
+Work = tuple[Path, Shown, Mapping[str, str]]
+"""A run's folder, what it shows, and the identities of what is written beside it."""
+
 
 def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent, apart: bool = False) -> None:
     """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
@@ -20,10 +23,11 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     """
     shown = Shown.of(results)
     variants = {shown.scenario.variant(name).name: name for name in shown.scenario.compare}
-    work = [(folder, shown)]
-    for label in list(results)[1:]:
-        (folder / variants[label]).mkdir()
-        work.append((folder / variants[label], shown.only(label)))
+    beside = {variants[label]: label for label in list(results)[1:]}
+    work: list[Work] = [(folder, shown, {name: results[label].identity for name, label in beside.items()})]
+    for name, label in beside.items():
+        (folder / name).mkdir()
+        work.append((folder / name, shown.only(label), {}))
     # What takes longest begins first: pages before recordings before results, all runs together before one.
     jobs = [job for kind in zip_longest(*(_jobs(*one) for one in work)) for job in kind if job is not None]
     progress(f"{len(jobs)} files of {len(work)} runs")
@@ -31,8 +35,8 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     work_off(jobs, lambda name: progress(f"{next(numbers)} of {len(jobs)}, {name}"), apart)
 
 
-def _jobs(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
-    """Name and writer of each file of a run; none needs another."""
+def _jobs(folder: Path, shown: Shown, variants: Mapping[str, str]) -> "Iterator[tuple[str, Callable[[], None]]]":
+    """Name and writer of each file of a run, beside which others are written; none needs another."""
     result = shown.first
     output = result.scenario.output
     if result.dataset.time.size:  # else it failed before its first row: there is nothing to show
@@ -40,7 +44,7 @@ def _jobs(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]
             yield f"report of {shown.label}", lambda: write_report(folder, shown)
         if output.replay:
             yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
-    yield f"result of {shown.label}", lambda: result.write(folder)
+    yield f"result of {shown.label}", lambda: result.write(folder, variants)
 
 
 def _write_replay(path: Path, shown: Shown) -> None:

@@ -40,11 +40,11 @@ def replay(
     if compare and rebuild:
         raise InputError("--rebuild: is for RESULT's own recording; --compare always builds another, so leave one out")
     path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
-    _check_result(folder)
     built = bool(compare) or rebuild or not path.is_file()
     if built:
         _build_replay(path, [folder, *(compare or _variants(folder))])
     else:
+        _check_result(folder)
         _check_recording(path)
     why = open_viewer(path)
     if as_json:
@@ -78,8 +78,8 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
 
 
 def _check_result(folder: Path) -> None:
-    """Raise InputError unless a folder holds a result."""
-    from ehamj.result import check_result
+    """Raise InputError unless a folder holds a result as its run wrote it."""
+    from ehamj.belonging import check_result
 
     check_result(folder)
 
@@ -105,12 +105,15 @@ def _build_replay(path: Path, folders: Sequence[Path]) -> None:
 
 def _variants(folder: Path) -> list[Path]:
     """Folders of the variants that ran with a result, those that are still there."""
-    from ehamj.result import load_result
+    from ehamj.belonging import check_variant, is_result, kept
 
-    folders = [folder / name for name in load_result(folder).scenario.compare]
-    for gone in (one for one in folders if not one.is_dir()):
+    found = kept(is_result(folder))
+    here = [name for name in found.belongs.variants if (folder / name).is_dir()]
+    for name in here:
+        check_variant(found, name)
+    for gone in (folder / name for name in found.belongs.variants if name not in here):
         log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False)
-    return [one for one in folders if one.is_dir()]
+    return [folder / name for name in here]
 
 
 def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":

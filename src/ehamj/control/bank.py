@@ -10,10 +10,12 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ehamj.belonging import RUN
 from ehamj.control.clock import common_divisor, exact
 from ehamj.control.converter import Converter, difference, reads
-from ehamj.control.law import UNSTABLE, Controller, check_keys, read_table, stack
+from ehamj.control.law import UNSTABLE, Controller, stack
 from ehamj.control.lines import Line
+from ehamj.control.tables import check_keys, law_in
 from ehamj.errors import InputError
 
 LONGEST_PATTERN = 100_000
@@ -127,7 +129,7 @@ class ControllerBank:
         parts = table.get("parts")
         if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
             raise InputError("controller.parts: must be a list of laws")
-        check_keys("controller", table, ("parts",))
+        check_keys("controller", table, ("parts", RUN))
         return cls(tuple(Controller.from_dict(part) for part in parts))
 
     def _limited_radius(self) -> float:
@@ -168,5 +170,4 @@ def load_controller(path: str | Path) -> Controller | ControllerBank:
     Raises:
         InputError: if the file cannot be read, and as the classes.
     """
-    table = read_table(path)
-    return ControllerBank.from_dict(table) if "parts" in table else Controller.from_dict(table)
+    return law_in(path, lambda table: (ControllerBank if "parts" in table else Controller).from_dict(table))

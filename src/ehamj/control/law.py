@@ -6,9 +6,8 @@ and range took from them (``applied − wanted``, the rounding left out, which i
 through ``anti_windup``.
 """
 
-import difflib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, Literal, Self
@@ -17,16 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ehamj.arrays import Array
+from ehamj.belonging import RUN
 from ehamj.control import blocks
 from ehamj.control.channels import valve_commands
 from ehamj.control.converter import Sampled, difference
 from ehamj.control.learners import Learner
 from ehamj.control.lines import Line, check_lines
 from ehamj.control.spools import KnownSpool
+from ehamj.control.tables import check_keys, flag_in, law_in, names_in, number_in
 from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
 from ehamj.errors import InputError
-from ehamj.plain.text import json_of
 from ehamj.plant.mounts import MOUNTS
 
 UNSTABLE = 1.0 + 1e-9
@@ -197,18 +197,20 @@ class Controller(Sampled):
         missing = [KEYS[name] for name in NEEDED if KEYS[name] not in table]
         if missing:
             raise InputError(f"controller: {missing[0]} is missing; needed are {', '.join(KEYS[n] for n in NEEDED)}")
-        check_keys("controller", table, (*KEYS.values(), "outputs"))
+        check_keys("controller", table, (*KEYS.values(), "outputs", RUN))
         given = {name: table[key] for name, key in KEYS.items() if key in table}
         given["mounts"] = _mounts_of(table.get("outputs", list(valve_commands(MOUNTS))))
         try:
             given |= {name: list(given[name]) for name in "ABCD"}
+            given["inputs"] = names_in(given["inputs"])
+            given["from_rest"] = flag_in(given.get("from_rest", False))
             given["valves"] = tuple(map(KnownValve.from_dict, given.get("valves", ())))
             given["learners"] = tuple(map(Learner.from_dict, given.get("learners", ())))
             given["spools"] = tuple(map(KnownSpool.from_dict, given.get("spools", ())))
             given["lines"] = tuple(map(Line.from_dict, given.get("lines", ())))
             for name in ("period", "delay", "voltage_limit", "switch_on", "fade"):
                 if given.get(name) is not None:
-                    given[name] = float(given[name])
+                    given[name] = number_in(given[name], f"controller.{KEYS[name]}")
             return cls(**given)
         except InputError:
             raise
@@ -222,13 +224,16 @@ class Controller(Sampled):
         Raises:
             InputError: if the file cannot be read, and as the class.
         """
-        return cls.from_dict(read_table(path))
+        return law_in(path, cls.from_dict)
 
 
 def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
     """A matrix of a law, of its own and not to be written to; an empty one has the ``shape`` that is wanted."""
-    if np.iscomplexobj(np.asarray(given)):
+    plain = np.asarray(given)
+    if np.iscomplexobj(plain):
         raise InputError(f"controller.{name}: has complex entries; every entry must be a real number")
+    if plain.dtype.kind not in "fiu":
+        raise InputError(f"controller.{name}: has entries that are no numbers; every entry must be a real number")
     matrix = np.array(given, float, order="C")
     if matrix.size == 0 and 0 in shape:
         matrix = np.zeros(shape)
@@ -239,34 +244,6 @@ def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
         raise InputError(f"controller.{name}: has entries beyond {LARGEST_ENTRY:g}; scale the law's states")
     matrix.flags.writeable = False
     return matrix
-
-
-def check_keys(where: str, table: Mapping[str, Any], known: Sequence[str]) -> None:
-    """Refuse what stands in a law's file and means nothing there: with another key it may have been meant.
-
-    Raises:
-        InputError: which names the key and those that are known.
-    """
-    for key in table:
-        if key not in known:
-            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"{where}.{key}: unknown key; {hint}allowed: {', '.join(known)}")
-
-
-def read_table(path: str | Path) -> dict[str, Any]:
-    """The JSON object in a file.
-
-    Raises:
-        InputError: if there is none.
-    """
-    try:
-        table = json_of(Path(path))
-    except (OSError, ValueError) as error:
-        raise InputError(f"control.file = {str(path)!r}: cannot be read as a controller ({error})") from error
-    if not isinstance(table, dict):
-        raise InputError(f"control.file = {str(path)!r}: must hold one JSON object")
-    return table
 
 
 def stack(laws: Sequence[Controller]) -> Controller:

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any, Final, NamedTuple, Self
 
 from ehamj.control.channels import SUPPLY
+from ehamj.control.tables import number_in
 from ehamj.errors import InputError
 from ehamj.isolator.flow_curve import POINTS
 from ehamj.plant.axes import CHAMBERS
@@ -105,11 +106,10 @@ class KnownValve(NamedTuple):
         keys = (*Known._fields, "curve")
         if not isinstance(table, Mapping) or set(table) != set(keys):
             raise InputError(f"controller.valves: each must be a table of {', '.join(keys)}")
-        try:
-            numbers = Known(*(float(table[name]) for name in Known._fields))
-            curve = tuple(float(share) for share in table["curve"])
-        except (TypeError, ValueError) as error:
-            raise InputError(f"controller.valves: {error}; every entry must be a number") from error
+        numbers = Known(*(number_in(table[name], f"controller.valves.{name}") for name in Known._fields))
+        if not isinstance(table["curve"], list | tuple):
+            raise InputError("controller.valves.curve: must be a list of numbers")
+        curve = tuple(number_in(share, "controller.valves.curve") for share in table["curve"])
         whole = all(map(math.isfinite, (*numbers, *curve))) and len(curve) == POINTS
         if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(

@@ -1,8 +1,8 @@
 """The numbers a person asks for first: what summary.json holds, written and read by this model."""
 
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from ehamj.estimate.statistics import WORDS
 from ehamj.findings import Finding
@@ -18,7 +18,19 @@ OF_PARTS: Final = WORDS | {"rms": "RMS over each part by itself"}
 """Statistics in words, where parts of a run are judged."""
 
 ByMount = dict[str, float]
-ByChannel = dict[str, Any]
+
+
+def _levels(found: Any) -> Any:
+    """Levels, checked to be numbers however deep they stand."""
+    for name, level in found.items():
+        if isinstance(level, dict):
+            _levels(level)
+        elif isinstance(level, bool) or not isinstance(level, float | int | None):
+            raise ValueError(f"{name} is {level!r}; it must be a number or null")
+    return found
+
+
+ByChannel = Annotated[dict[str, Any], AfterValidator(_levels)]
 """Of each variable one number [its unit] per channel, nested as its dimensions are; None where it is not finite."""
 
 

@@ -1,0 +1,227 @@
+"""Which files belong to one run: the identity that each carries, and a digest of what each held when it was written.
+
+The identity is a digest of what a run came from and of where it ended: its scenario, model, law and versions, and the
+last row of every variable. So the same run comes out with the same identity, to the bit, and any other with another. It
+stands in a last line of ``scenario.toml`` and ``model.xml``, as ``run`` in ``controller.json`` and among the attributes
+of ``result.nc``. ``summary.json`` has it in its table ``belongs``, with the digest of every file (as ``sha256sum``
+prints it), of the summary itself, and the identities of the variants that ran beside it.
+"""
+
+import hashlib
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from ehamj.errors import InputError
+from ehamj.findings import Finding
+from ehamj.folders import RESULT_FILES
+from ehamj.plain.text import json_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUMMARY: Final = "summary.json"
+HISTORIES: Final = "result.nc"
+KEY: Final = "belongs"
+"""Of the table in a summary's file."""
+RUN: Final = "run"
+"""Key and attribute that hold the identity elsewhere."""
+
+COMMENTS: Final = {"scenario.toml": "# of run {}\n", "model.xml": "<!-- of run {} -->\n"}
+_CARRIED: Final = re.compile(rb'(?:of run |"run": ?")([0-9a-f]{32})\b')
+CARRYING: Final = ("scenario.toml", "model.xml", "controller.json", HISTORIES)
+"""Files that carry the identity, if they are there, beside the summary's."""
+
+
+class Belongs(Finding):
+    """What a summary's file says of the files beside it."""
+
+    run: str
+    """The identity."""
+    files: dict[str, str]
+    """Digest of each."""
+    variants: dict[str, str]
+    """Identity of each variant that ran beside it, by its folder."""
+    rest: str
+    """Digest of all else that the summary's file holds."""
+
+
+class Kept(NamedTuple):
+    """A result's folder as its summary's file tells it."""
+
+    folder: Path
+    summary: dict[str, Any]
+    belongs: Belongs
+
+
+def identity_of(texts: Mapping[str, str], versions: Mapping[str, str], dataset: "xr.Dataset") -> str:
+    """The identity of a run.
+
+    Args:
+        texts: of what it came from, by the name of their file.
+        versions: of what it ran on.
+        dataset: its histories, of which the last row is read.
+    """
+    found = hashlib.blake2b(digest_size=16)
+    for name, text in (*sorted(texts.items()), ("versions", json.dumps(versions, sort_keys=True))):
+        found.update(f"{name} {len(text)}\n{text}".encode())
+    rows = dataset.sizes["time"]
+    found.update(f"rows {rows}".encode())
+    for name in sorted(map(str, dataset.data_vars) if rows else ()):
+        found.update(name.encode() + dataset[name][rows - 1].values.tobytes())
+    return found.hexdigest()
+
+
+def marked(name: str, text: str, run: str) -> str:
+    """The text of a file with the identity in it."""
+    if name in COMMENTS:
+        return f"{text}\n{COMMENTS[name].format(run)}"
+    return text.replace("{", f'{{\n "{RUN}": "{run}",', 1)
+
+
+def unmarked(name: str, text: str, run: str) -> str:
+    """The inverse of `marked`, where a comment holds the identity."""
+    return text.removesuffix(f"\n{COMMENTS[name].format(run)}")
+
+
+def summary_text(
+    summary: Mapping[str, Any], run: str, folder: Path, names: Iterable[str], variants: Mapping[str, str]
+) -> str:
+    """The text of a summary's file, of a folder where all others are written: those with these names."""
+    files = {name: digest_of(folder / name) for name in names}
+    told = Belongs(run=run, files=files, variants=dict(variants), rest=_rest(summary))
+    return json.dumps({KEY: told.to_dict(), **summary}, indent=2, allow_nan=False) + "\n"
+
+
+def kept(folder: Path) -> Kept:
+    """A result's folder as its summary's file tells it, checked against nothing yet.
+
+    Raises:
+        InputError: if the file is damaged, or was written before results carried an identity.
+    """
+    whose = f"result {str(folder)!r}: {SUMMARY}"
+    try:
+        table = json_of(folder / SUMMARY)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{whose}: is damaged: {error}") from error
+    if not isinstance(table, dict):
+        raise InputError(f"{whose}: is damaged: it must hold one JSON object")
+    if KEY not in table:
+        raise InputError(
+            f"{whose}: does not say which files belong to it (an older ehamj wrote it); {_run_again(folder)}"
+        )
+    return Kept(folder, table, Belongs.read(table.pop(KEY), f"{whose}: {KEY}"))
+
+
+def check_own(found: Kept) -> None:
+    """Refuse a result that lacks a file, or has one that its run did not write.
+
+    Raises:
+        InputError: which names the file.
+    """
+    belongs, whose = found.belongs, f"result {str(found.folder)!r}"
+    carried = {name: _carried(found.folder / name) for name in CARRYING if (found.folder / name).is_file()}
+    carried[SUMMARY] = belongs.run
+    missing = [name for name in belongs.files if not (found.folder / name).is_file()]
+    if missing:
+        raise InputError(f"{whose}: {missing[0]} is missing, which its run wrote; {_run_again(found.folder)}")
+    most, count = Counter(filter(None, carried.values())).most_common(1)[0]
+    own = most if count > 1 else belongs.run
+    for name, run in sorted(carried.items()):
+        if run not in (own, None):
+            raise InputError(
+                f"{whose}: {name} is of another run ({run}, the others of {own}); put the one back that belongs there"
+            )
+        if name not in (*belongs.files, SUMMARY):
+            raise InputError(f"{whose}: {name} is none of the files that its run wrote; take it away")
+
+
+def check_unchanged(found: Kept, names: Iterable[str]) -> None:
+    """Refuse a result whose summary, or a file of ``names``, is not as its run wrote it.
+
+    Raises:
+        InputError: which names the file.
+    """
+    if _rest(found.summary) != found.belongs.rest:
+        raise changed(found.folder, SUMMARY)
+    for name in names:
+        if digest_of(found.folder / name) != found.belongs.files[name]:
+            raise changed(found.folder, name)
+
+
+def check_result(folder: str | Path) -> Kept:
+    """A folder, checked to hold the files of one result as its run wrote them; what they say is not looked at.
+
+    Raises:
+        InputError: if it does not.
+    """
+    found = kept(is_result(folder))
+    check_own(found)
+    check_unchanged(found, found.belongs.files)
+    return found
+
+
+def is_result(folder: str | Path) -> Path:
+    """A folder, checked to hold the files of a result, of whatever run; raises InputError otherwise."""
+    folder = Path(folder)
+    missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
+    if missing:
+        raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")
+    return folder
+
+
+def check_variant(found: Kept, name: str) -> None:
+    """Refuse a variant's folder that holds another run than the one beside this result.
+
+    Raises:
+        InputError: if it does.
+    """
+    own, whose = found.belongs.variants.get(name), f"result {str(found.folder)!r}: variant {name!r}"
+    if own is None:
+        raise InputError(f"{whose}: did not run beside it; take its folder away, or show it by --compare")
+    if (run := kept(is_result(found.folder / name)).belongs.run) != own:
+        raise InputError(
+            f"{whose}: holds another run ({run}) than the one beside it ({own}); put that back, or show the other by "
+            "--compare"
+        )
+
+
+def changed(folder: Path, name: str) -> InputError:
+    """What to say of a file that is not as its run wrote it."""
+    again = "runs what it says now" if name == "scenario.toml" else "makes the result anew"
+    return InputError(
+        f"result {str(folder)!r}: {name} is not as its run wrote it, damaged or changed by hand; put it back, or "
+        f"`ehamj run {folder / 'scenario.toml'}` {again}"
+    )
+
+
+def digest_of(path: Path) -> str:
+    """Of a file, as ``sha256sum`` prints it."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _run_again(folder: Path) -> str:
+    return f"`ehamj run {folder / 'scenario.toml'}` makes the result anew"
+
+
+def _rest(summary: Mapping[str, Any]) -> str:
+    """Digest of a summary, whatever its file looks like."""
+    return hashlib.sha256(json.dumps(summary, sort_keys=True).encode()).hexdigest()
+
+
+def _carried(path: Path) -> str | None:
+    """The identity that a file carries; None of one that has none, or cannot be read."""
+    try:
+        if path.name != HISTORIES:
+            said = _CARRIED.findall(path.read_bytes())
+            return str(said[-1], "ascii") if said else None
+        import h5py
+
+        with h5py.File(path, "r") as file:
+            return str(file.attrs[RUN])
+    except (OSError, KeyError, RuntimeError, TypeError, ValueError):  # h5py raises one or the other, as the damage lies
+        return None
