@@ -10,6 +10,7 @@ from ehamj.report import Shown, write_report
 from ehamj.result import Result
 from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
+from ehamj.scenario.variants import known_variants, labels
 
 Work = tuple[Path, Shown, Mapping[str, str]]
 """A run's folder, what it shows, and the identities of what is written beside it."""
@@ -21,11 +22,12 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
     what was finished, and how many of how many files that makes.
     """
-    shown = Shown.of(results)
-    variants = {shown.scenario.variant(name).name: name for name in shown.scenario.compare}
-    beside = {variants[label]: label for label in list(results)[1:]}
-    work: list[Work] = [(folder, shown, {name: results[label].identity for name, label in beside.items()})]
-    for name, label in beside.items():
+    names = labels([result.scenario for result in results.values()])
+    shown = Shown.of(dict(zip(names, results.values(), strict=True)))
+    variants = known_variants(shown.scenario)
+    beside = {variants[name]: (label, results[name]) for label, name in zip(names[1:], list(results)[1:], strict=True)}
+    work: list[Work] = [(folder, shown, {name: result.identity for name, (_, result) in beside.items()})]
+    for name, (label, _) in beside.items():
         (folder / name).mkdir()
         work.append((folder / name, shown.only(label), {}))
     # What takes longest begins first: pages before recordings before results, all runs together before one.
@@ -56,7 +58,7 @@ def _write_replay(path: Path, shown: Shown) -> None:
 def save(result: Result, folder: str | Path, overwrite: bool = False, variants: Iterable[Result] = ()) -> None:
     """What `ehamj.Result.save` does, see there."""
     folder, results = Path(folder), {result.scenario.name: result}
-    known = {result.scenario.variant(name).name: name for name in result.scenario.compare}
+    known = [full for full, name in known_variants(result.scenario).items() if name in result.scenario.compare]
     for one in variants:
         if one.scenario.name not in known:
             allowed = ", ".join(map(repr, known)) or "none, since its compare is empty"
