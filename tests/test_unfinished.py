@@ -15,8 +15,8 @@ import os, sys
 from pathlib import Path
 from ehamj.folders import new_folder
 os.chdir(sys.argv[1])
-with new_folder(Path(sys.argv[2]) if len(sys.argv) > 2 else None, True) as (folder, target):
-    (target / "new").write_text("half")
+with new_folder(Path(sys.argv[2]) if len(sys.argv) > 2 else None, True) as place:
+    (place.target / "new").write_text("half")
     os._exit(9)
 """
 
@@ -36,9 +36,9 @@ def test_what_a_dead_process_left_is_cleared_by_the_next_and_its_number_is_free(
     abandoned(tmp_path)
     assert len(names(tmp_path / "runs")) == 2
     monkeypatch.chdir(tmp_path)
-    with new_folder(None, False) as (folder, target):
-        (target / "whole").touch()
-    assert folder == Path("runs/0001")
+    with new_folder(None, False) as place:
+        (place.target / "whole").touch()
+    assert place.folder == Path("runs/0001")
     assert names(tmp_path / "runs") == ["0001"]
 
 
@@ -48,11 +48,11 @@ def test_what_is_replaced_is_there_until_the_new_one_is(tmp_path: Path) -> None:
     (place / "old").touch()
     abandoned(tmp_path, "result")
     assert names(place) == ["old"]
-    with pytest.raises(FileNotFoundError), new_folder(place, True) as (_, target):
-        (target / "nowhere" / "new").touch()
+    with pytest.raises(FileNotFoundError), new_folder(place, True) as place:
+        (place.target / "nowhere" / "new").touch()
     assert names(place) == ["old"]
-    with new_folder(place, True) as (_, target):
-        (target / "new").touch()
+    with new_folder(place, True) as place:
+        (place.target / "new").touch()
     assert names(place) == ["new"]
     assert names(tmp_path) == ["result"]
 
@@ -83,11 +83,11 @@ def test_what_a_living_process_or_another_computer_has_begun_stays(tmp_path: Pat
 
 
 def test_a_process_that_ends_at_once_removes_what_it_has_begun(tmp_path: Path) -> None:
-    with new_folder(tmp_path / "result", False) as (_, target):
-        assert target in HELD
+    with new_folder(tmp_path / "result", False) as place:
+        assert place.target in HELD
         remove_all()
-        assert not target.exists()
-        target.mkdir()
+        assert not place.target.exists()
+        place.target.mkdir()
     assert not HELD
 
 

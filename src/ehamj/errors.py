@@ -13,5 +13,9 @@ class DerivedAnew(UserWarning):
     """A law was derived for a changed machine: it knows what it could not know of a machine within tolerances."""
 
 
+class PutElsewhere(UserWarning):
+    """A result is not where it was to be: another run took the place while this one ran."""
+
+
 class Recompiled(UserWarning):
     """Compiled code that was kept is damaged: it is compiled anew, which takes a while."""

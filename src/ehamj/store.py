@@ -66,5 +66,5 @@ def save(result: Result, folder: str | Path, overwrite: bool = False, variants: 
         results[one.scenario.name] = one
     overwrite = overwrite or (folder.is_dir() and not any(folder.iterdir()))
     check_out(folder, overwrite, RESULT_FILES, "result.save", "overwrite=True")
-    with new_folder(folder, overwrite) as (_, target):
-        write_run(target, results)
+    with new_folder(folder, overwrite) as place:
+        write_run(place.target, results)

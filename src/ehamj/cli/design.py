@@ -53,10 +53,10 @@ def design(
     with doing("designing") as progress:
         found = design_controller(scenario, overrides or (), architecture, *margins, progress=progress)
         progress("writing page and figures")
-        with new_folder(out_folder, overwrite) as (folder, target):
-            write_design(target, found)
+        with new_folder(out_folder, overwrite) as place:
+            write_design(place.target, found)
     if as_json:
-        print_json({"folder": str(folder), "answers": list(found.outcome.answers), **found.outcome.numbers})
+        print_json({"folder": str(place.folder), "answers": list(found.outcome.answers), **found.outcome.numbers})
         return
     no = Text("NO", "bold red")
     rows = [
@@ -73,5 +73,5 @@ def design(
         say(f"note: {note}", words=True)
     for answer in found.outcome.answers:
         say(f"- {answer}", words=True)
-    say(f"page, tables and figures: {folder / 'design.html'}")
-    say(f"run it: ehamj run {folder / 'scenario.toml'}")
+    say(f"page, tables and figures: {place.folder / 'design.html'}")
+    say(f"run it: ehamj run {place.folder / 'scenario.toml'}")

@@ -13,7 +13,7 @@ from typing import Any, Final
 from rich.markup import escape
 
 from ehamj.cli.frame import app, log
-from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
+from ehamj.errors import DerivedAnew, InputError, PutElsewhere, Recompiled, SimulationFailed
 from ehamj.interruption import interrupted
 from ehamj.unfinished import NO_ROOM
 
@@ -22,7 +22,7 @@ BAD_INPUT: Final = 2
 FAILED: Final = 3
 NOT_WRITTEN: Final = (*NO_ROOM, errno.EACCES, errno.EPERM, errno.EROFS, errno.EIO)
 """What a system answers that lets nothing be written."""
-TOLD: Final = (DerivedAnew, Recompiled)
+TOLD: Final = (DerivedAnew, PutElsewhere, Recompiled)
 """Warnings that a user is told as notes."""
 
 

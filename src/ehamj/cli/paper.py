@@ -28,14 +28,14 @@ def paper(
 
     check_out(out_folder, overwrite, ("paper.json", "table.csv"))
     found = reproduce()
-    with new_folder(out_folder, overwrite) as (folder, target), doing("paper") as step:
+    with new_folder(out_folder, overwrite) as place, doing("paper") as step:
         step("page and figures")
-        write_paper(target, found)
+        write_paper(place.target, found)
         step("nonlinear runs of the amplitudes")
-        write_amplitude(target, amplitude_response(AmplitudeStudy(load_scenario("single-actuator"))))
+        write_amplitude(place.target, amplitude_response(AmplitudeStudy(load_scenario("single-actuator"))))
     if as_json:
-        print_json({"folder": str(folder), **found.to_dict()})
+        print_json({"folder": str(place.folder), **found.to_dict()})
         return
     rows = ((row.name, row.stated, row.computed, row.deviation, row.comment) for row in found.table)
     print_table("the paper, number by number", ("number", "paper", "computed", "deviation", "comment"), rows, whole=0)
-    say(f"figures, table and record: {folder}")
+    say(f"figures, table and record: {place.folder}")

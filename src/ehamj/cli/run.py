@@ -51,16 +51,16 @@ def run(
     results, failures = _simulate(loaded)
     from ehamj.store import write_run
 
-    with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
-        write_run(target, results, step, apart=True)
+    with new_folder(out_folder, overwrite) as place, doing("writing") as step:
+        write_run(place.target, results, step, apart=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
-        print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
+        print_json({"folder": str(place.folder), "summary": summary.to_dict(), "variants": variants})
     else:
-        _print_summary(summary, loaded.plant.mounts[0], folder)
+        _print_summary(summary, loaded.plant.mounts[0], place.folder)
         if not loaded.output.replay and summary.complete:
-            say(f"replay: none (output.replay = false); `ehamj replay {folder}` builds it")
+            say(f"replay: none (output.replay = false); `ehamj replay {place.folder}` builds it")
     if failures:
         raise failures[0]
 
@@ -72,7 +72,8 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
     from ehamj.compiled.told import telling
     from ehamj.ground.shared import Floors
     from ehamj.interruption import pool_of
-    from ehamj.run.simulate import simulate
+    from ehamj.mujoco import hydraulics
+    from ehamj.run.simulate import Ready, ready, stepped
 
     wanted = [scenario, *(scenario.variant(name) for name in scenario.compare)]
     bar = Progress(TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=log)
@@ -85,15 +86,15 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
 
     floors, importing = Floors(len(wanted)), cache(lambda: pool.submit(_import_writers, scenario.output))
 
-    def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
-        task = bar.add_task(f"simulating {escape(variant.name)}", total=1.0)
+    def one(run: Ready) -> "tuple[Result, Exception | None]":
+        task = bar.add_task(f"simulating {escape(run.prepared.scenario.name)}", total=1.0)
 
         def done(fraction: float) -> None:
             importing()
             bar.update(task, completed=fraction)
 
         try:
-            return simulate(variant, done, floors=floors), None
+            return stepped(run, done), None
         except SimulationFailed as failure:
             from ehamj.run.failures import Incomplete
 
@@ -101,8 +102,10 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
                 raise
             return failure.result, failure
 
-    with bar, telling(compiling), pool_of() as pool:
-        outcomes = list(pool.map(one, wanted))
+    with bar, telling(compiling), hydraulics(), pool_of() as pool:
+        # All are made ready before any steps: what cannot run is refused while nothing is lost by it.
+        runs = list(pool.map(lambda variant: ready(variant, floors=floors), wanted))
+        outcomes = list(pool.map(one, runs))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
     return results, [failure for _, failure in outcomes if failure is not None]
 

@@ -73,15 +73,15 @@ def _command(one: Study[Any]) -> Callable[..., None]:
         with doing(f"study {one.name}") as step:
             outcome = one(loaded, wanted, step)
             step("tables and figures")
-            with new_folder(out_folder, overwrite) as (folder, target):
-                write_outcome(target, one.name, outcome, loaded)
+            with new_folder(out_folder, overwrite) as place:
+                write_outcome(place.target, one.name, outcome, loaded)
         if as_json:
-            print_json({"folder": str(folder), **to_dict(one.name, outcome)})
+            print_json({"folder": str(place.folder), **to_dict(one.name, outcome)})
             return
         out.print(f"[bold]{escape(outcome.title)}[/]: {escape(outcome.question)}", highlight=False, soft_wrap=True)
         for answer in outcome.answers:
             say(f"- {answer}")
-        say(f"page, tables and figures: {folder / 'study.html'}")
+        say(f"page, tables and figures: {place.folder / 'study.html'}")
 
     return command
 

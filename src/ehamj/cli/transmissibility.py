@@ -64,17 +64,17 @@ def transmissibility(
         if OF_METHOD.get(name, settings.method) != settings.method:
             raise InputError(f"--{name}: belongs to --method {OF_METHOD[name]}; this measures by {settings.method}")
     found = _compare(source, stored, overrides or [], settings)
-    with new_folder(out_folder, overwrite) as (folder, target), doing("writing"):
-        (target / "scenario.toml").write_text(found.scenario.to_toml(), encoding="utf-8")
-        write_tables(target, found)
-        write_transmissibility(target, found)
+    with new_folder(out_folder, overwrite) as place, doing("writing"):
+        (place.target / "scenario.toml").write_text(found.scenario.to_toml(), encoding="utf-8")
+        write_tables(place.target, found)
+        write_transmissibility(place.target, found)
     if as_json:
-        print_json({"folder": str(folder), **_plain(found)})
+        print_json({"folder": str(place.folder), **_plain(found)})
         return
     _print_attenuation(found)
     for variant, rows in found.agreement().items():
         _say_agreement(variant, list(rows.values()))
-    say(f"page, figures and tables: {folder}")
+    say(f"page, figures and tables: {place.folder}")
 
 
 def _say_agreement(variant: str, rows: Sequence[Agreement]) -> None:

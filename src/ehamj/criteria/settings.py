@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 from ehamj.criteria import vc
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.norms import NORMS
+from ehamj.criteria.response_spectrum import frequencies
 from ehamj.estimate.statistics import BandStatistic
 from ehamj.records.table_choices import TableChoices
 from ehamj.settings import FileName, Settings
@@ -47,6 +48,11 @@ class ResponseSpectrumSettings(Settings):
     def _order(self) -> Self:
         if self.last < self.first:
             raise ValueError(f"last = {self.last:g} Hz must be at least first = {self.first:g} Hz")
+        if not frequencies(self.first, self.last, self.per_octave).size:
+            raise ValueError(
+                f"no natural frequency lies from first = {self.first:g} Hz to last = {self.last:g} Hz, with "
+                f"{self.per_octave} per octave from 1 Hz on; widen it"
+            )
         return self
 
 

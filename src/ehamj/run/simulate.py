@@ -50,9 +50,36 @@ def simulate(
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
+    with hydraulics():
+        return stepped(ready(as_scenario(scenario), controller, floors), progress)
+
+
+class Ready(NamedTuple):
+    """A run that has not begun, and that nothing refuses any more."""
+
+    prepared: Prepared
+    controller: Any
+    """What runs instead of the scenario's control, as it was given."""
+    seconds: float
+    """That preparing it took [s]."""
+
+
+def ready(scenario: Scenario, controller: Any = None, floors: Floors | None = None) -> Ready:
+    """A scenario made ready to step, arguments and errors as of `simulate`; call it with the hydraulics installed."""
     began = clock.perf_counter()
-    run = _observed(as_scenario(scenario), progress, controller, floors)
-    return judged(run, began, controller)
+    law = None if controller is None else as_controller(controller)
+    prepared = prepare(scenario, law, floors)
+    return Ready(prepared, controller, clock.perf_counter() - began)
+
+
+def stepped(run: Ready, progress: Progress | None = None) -> "Result":
+    """The result of a run that was made ready; call it with the hydraulics that it was made ready with.
+
+    Raises:
+        Incomplete: as `simulate`.
+    """
+    began = clock.perf_counter() - run.seconds
+    return judged(seen(run.prepared, driven_alone(run.prepared, progress)), began, run.controller)
 
 
 class Observed(NamedTuple):
@@ -73,16 +100,12 @@ class Observed(NamedTuple):
 def observed(scenario: Scenario, controller: Any = None) -> Observed:
     """As `simulate`, without a summary, which takes longer than most short runs."""
     began = clock.perf_counter()
-    run = _observed(scenario, None, controller)
+    with hydraulics():
+        prepared = ready(scenario, controller).prepared
+        run = seen(prepared, driven_alone(prepared))
     if run.failed is not None:
         judged(run, began, controller)  # raises
     return run
-
-
-def _observed(scenario: Scenario, progress: Progress | None, controller: Any, floors: Floors | None = None) -> Observed:
-    with hydraulics():
-        prepared = prepare(scenario, None if controller is None else as_controller(controller), floors)
-        return seen(prepared, driven_alone(prepared, progress))
 
 
 def driven_alone(prepared: Prepared, progress: Progress | None = None) -> Driven:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Variants = dict[str, Annotated[dict[str, Any], OVERRIDES]]
 """What of a scenario is otherwise, by the variant's name."""
-NAME: Final = re.compile(r"(?!figures$)[A-Za-z0-9][A-Za-z0-9_-]*", re.IGNORECASE)
+NAME: Final = re.compile(r"(?!figures$)[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.IGNORECASE)
 """What may be a variant's folder beside a result's files and its folder of figures."""
 OWN: Final = ("name", "description", "compare", "variants")
 """Keys that a variant does not change: what the whole is called, and what runs beside it."""
@@ -35,7 +35,7 @@ def check_variants(scenario: "Scenario") -> None:
             raise ValueError(f"variants.{name}: is the name of a standard control; choose another")
         if not NAME.fullmatch(name):
             raise ValueError(
-                f"variants: {name!r} must be letters, digits, '_' and '-', and not 'figures': it names a folder"
+                f"variants: {name!r} must be at most 64 letters, digits, '_' or '-', not 'figures': it names a folder"
             )
         if sum(other.casefold() == name.casefold() for other in scenario.variants) > 1:
             raise ValueError(f"variants.{name}: another one has this name but for capitals, and would have its folder")
@@ -49,6 +49,8 @@ def check_variants(scenario: "Scenario") -> None:
     for number, name in enumerate(scenario.compare):
         if name not in scenario.variants and name not in STANDARD:
             raise ValueError(f"compare.{number} = {name!r}: must be one of {_allowed(scenario)}")
+        if name in scenario.compare[:number]:
+            raise ValueError(f"compare.{number} = {name!r}: stands there twice; each variant runs once")
 
 
 def variant(scenario: "Scenario", name: str) -> "Scenario":
