@@ -48,7 +48,7 @@ def run(
     chosen = [] if engine is None else [f"engine={engine}"]
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
     check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
-    results, failures = _simulate(loaded)
+    results, failures = _simulate(loaded, RUNS if out_folder is None else out_folder.resolve().parent)
     from ehamj.store import write_run
 
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
@@ -65,8 +65,9 @@ def run(
         raise failures[0]
 
 
-def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
-    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
+def _simulate(scenario: "Scenario", within: Path) -> "tuple[dict[str, Result], list[Exception]]":
+    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short; rows that
+    are too many for memory go into files ``within`` a folder."""
     from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
     from ehamj.compiled.told import telling
@@ -93,7 +94,7 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
             bar.update(task, completed=fraction)
 
         try:
-            return simulate(variant, done, floors=floors), None
+            return simulate(variant, done, floors=floors, within=within), None
         except SimulationFailed as failure:
             from ehamj.run.failures import Incomplete
 
