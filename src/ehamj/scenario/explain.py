@@ -3,7 +3,7 @@
 import difflib
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from pydantic import ValidationError
 
@@ -12,6 +12,9 @@ from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
+
+MOST: Final = 8
+"""Keys of which one message tells what is wrong: more are of one mistake."""
 
 
 def checked(kind: type[T], table: Mapping[str, Any]) -> T:
@@ -36,9 +39,8 @@ def explain(error: ValidationError, kind: type[Settings]) -> str:
             continue  # only because pydantic left out the entry that another finding names
         what, allowed = _finding(found, kind)
         lines.setdefault(what, []).append(allowed)
-    return "\n".join(
-        f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
-    )
+    said = [f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()]
+    return "\n".join(said[:MOST] + [f"… and {len(said) - MOST} more"] * (len(said) > MOST))
 
 
 def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
