@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import psutil
 
 from ehamj.errors import InputError
@@ -83,14 +84,18 @@ def fastest_part(plant: Plant) -> str:
     """What of a machine's isolators is fastest, by the keys that make it so, and how fast."""
     found = [one for actuator in plant.actuators for one in _rates(actuator)]
     stiff = sum(_stiffness(actuator) for actuator in plant.actuators)
-    found.append((math.sqrt(stiff / plant.machine.mass), "machine.mass and the isolators' stiffness"))
+    damped = sum(actuator.membrane_damping for actuator in plant.actuators)
+    arm = max(float(np.square(place).sum()) for place in plant.positions)
+    moved = min(plant.machine.mass, float(np.linalg.eigvalsh(plant.machine.tensor).min()) / arm)
+    found.append((math.sqrt(stiff / moved), "machine.mass, machine.inertia and the isolators' stiffness"))
+    found.append((damped / moved, "machine.mass, machine.inertia and membrane_damping"))
     rate, keys = max(found)
     return f"the fastest part, from {keys}, has {rate:.3g} rad/s"
 
 
 def _rates(own: Actuator) -> list[tuple[float, str]]:
     """Rates of an isolator's parts by themselves [rad/s], and the keys that they come from."""
-    mass = own.plate_mass
+    mass = own.plate_mass or math.inf  # without one it has no motion of its own
     foot = 0.0 if math.isinf(own.foot_stiffness) else own.foot_stiffness
     leak = 4.0 * own.bulk_modulus / own.chamber_volume
     return [
