@@ -655,12 +655,3 @@ def test_an_oil_sets_what_belongs_to_it_and_yields_to_what_is_given() -> None:
     assert actuator.piston_area == FIRST_GENERATION.piston_area
     with pytest.raises(InputError, match=r"actuators\.isolator\.oil = 'olive'"):
         parse_scenario({"actuators": {"isolator": {"oil": "olive"}}})
-
-
-def test_a_message_tells_of_some_of_many_keys() -> None:
-    with pytest.raises(InputError) as refused:
-        parse_scenario({"force": [1.0] * 5000})
-    said = str(refused.value).splitlines()
-    assert said[0] == "force.0 = 1.0: must be a table"
-    assert len(said) == 9
-    assert said[-1] == "… and 4992 more"

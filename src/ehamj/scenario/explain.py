@@ -2,8 +2,8 @@
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any, Final, TypeVar
+from collections.abc import Mapping, Sequence, Sized
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -13,8 +13,10 @@ from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
 
-MOST: Final = 8
-"""Keys of which one message tells what is wrong: more are of one mistake."""
+LONG = 50
+"""Entries of a list or a table beyond which it is not shown."""
+MOST_SAID = 20
+"""Findings of which one speaks at a time."""
 
 
 def checked(kind: type[T], table: Mapping[str, Any]) -> T:
@@ -31,16 +33,17 @@ def checked(kind: type[T], table: Mapping[str, Any]) -> T:
 
 def explain(error: ValidationError, kind: type[Settings]) -> str:
     """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
-    findings = error.errors()
+    findings = error.errors(include_url=False)
     inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
     lines: dict[str, list[str]] = {}
-    for found in findings:
+    for found in findings[:MOST_SAID]:
         if found["type"] == "too_short" and found["loc"] in inside:
             continue  # only because pydantic left out the entry that another finding names
         what, allowed = _finding(found, kind)
         lines.setdefault(what, []).append(allowed)
     said = [f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()]
-    return "\n".join(said[:MOST] + [f"… and {len(said) - MOST} more"] * (len(said) > MOST))
+    left = len(findings) - MOST_SAID
+    return "\n".join(said + ([f"and {left} more"] if left > 0 else []))
 
 
 def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
@@ -65,6 +68,8 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     elif kind == "missing":
         return key, "is missing"
     elif kind == "value_error" and isinstance(value, Mapping):
+        return key, message
+    if isinstance(value, Sized) and len(value) > LONG and not isinstance(value, str):
         return key, message
     shown = repr(list(value) if isinstance(value, tuple) else value)
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
