@@ -10,6 +10,7 @@ from ehamj.report import Shown, write_report
 from ehamj.result import Result
 from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
+from ehamj.scenario.variants import known_variants, labels
 
 
 def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent, apart: bool = False) -> None:
@@ -18,12 +19,13 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
     what was finished, and how many of how many files that makes.
     """
-    shown = Shown.of(results)
-    variants = {shown.scenario.variant(name).name: name for name in shown.scenario.compare}
+    names = labels([result.scenario for result in results.values()])
+    shown = Shown.of(dict(zip(names, results.values(), strict=True)))
+    variants = known_variants(shown.scenario)
     work = [(folder, shown)]
-    for label in list(results)[1:]:
-        (folder / variants[label]).mkdir()
-        work.append((folder / variants[label], shown.only(label)))
+    for label, name in zip(names[1:], list(results)[1:], strict=True):
+        (folder / variants[name]).mkdir()
+        work.append((folder / variants[name], shown.only(label)))
     # What takes longest begins first: pages before recordings before results, all runs together before one.
     jobs = [job for kind in zip_longest(*(_jobs(*one) for one in work)) for job in kind if job is not None]
     progress(f"{len(jobs)} files of {len(work)} runs")
@@ -52,7 +54,7 @@ def _write_replay(path: Path, shown: Shown) -> None:
 def save(result: Result, folder: str | Path, overwrite: bool = False, variants: Iterable[Result] = ()) -> None:
     """What `ehamj.Result.save` does, see there."""
     folder, results = Path(folder), {result.scenario.name: result}
-    known = {result.scenario.variant(name).name: name for name in result.scenario.compare}
+    known = [full for full, name in known_variants(result.scenario).items() if name in result.scenario.compare]
     for one in variants:
         if one.scenario.name not in known:
             allowed = ", ".join(map(repr, known)) or "none, since its compare is empty"

@@ -466,7 +466,7 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
     before = tree()
     said = cli("report", "run", "--json")
     assert said.code == 0
-    assert said.json == {"report": "run/report.html", "results": ["workshop", "workshop, passive"]}
+    assert said.json == {"report": "run/report.html", "results": ["feedforward", "passive"]}
     after = tree()
     assert {name: after[name] for name in before} == before
     new = {Path(name).parts[1] for name in set(after) - set(before)}
@@ -476,7 +476,7 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
     assert Path("run/report.html").read_text() == page
     shutil.rmtree("run/passive")
     alone = cli("report", "run", "--json")
-    assert alone.json["results"] == ["workshop"]
+    assert alone.json["results"] == ["feedforward"]
     assert "the variant run/passive is gone" in alone.err
 
 
@@ -486,8 +486,7 @@ def test_a_comparison_has_a_page_of_its_own(cli: Cli) -> None:
     assert cli("report", "a/run").code == 0
     own = tree(Path("a/run"))
     said = cli("report", "a/run", "--compare", "b/run", "--json")
-    here = Path.cwd()
-    labels = [f"workshop ({here / one / 'run'})" for one in ("a", "b")]
+    labels = ["feedforward (a/run)", "feedforward (b/run)"]
     assert said.json == {"report": "a/run/report-compare.html", "results": labels}
     after = tree(Path("a/run"))
     assert {name: after[name] for name in own} == own

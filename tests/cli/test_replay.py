@@ -33,7 +33,7 @@ def result(cli: Cli) -> Path:
 
 def test_it_leaves_the_recording_that_is_there(cli: Cli, result: Path) -> None:
     both = shown_in(result / "replay.rrd")
-    assert both == {"workshop", "workshop, passive"}
+    assert both == {"feedforward", "passive"}
     before = (result / "replay.rrd").read_bytes()
     said = cli("replay", "a", "--json")
     assert (said.code, said.json) == (0, {"replay": "a/replay.rrd", "opened": False, "built": False})
@@ -65,7 +65,7 @@ def test_a_result_without_a_recording_gets_one(cli: Cli) -> None:
     said = cli(*RUN, "--no-replay", "--out", "a")
     assert "replay: none; `ehamj replay a` writes it" in said.out
     assert cli("replay", "a", "--json").json["built"]
-    assert shown_in(Path("a/replay.rrd")) == {"workshop", "workshop, passive"}
+    assert shown_in(Path("a/replay.rrd")) == {"feedforward", "passive"}
 
 
 def test_a_designed_scenario_writes_a_replay(cli: Cli) -> None:

@@ -45,6 +45,18 @@ def test_steps_that_nobody_meant_are_refused_by_the_fastest_part(table: dict[str
         simulate({**table, "duration": 0.01})
 
 
+def test_a_force_that_is_too_short_is_what_asks_for_short_steps() -> None:
+    blow = {"kind": "hammer", "peak": 10.0, "pulse_time": 1e-8}
+    with pytest.raises(InputError, match="a force that is so short or fast asks for steps of 5e-10 s"):
+        simulate(parse_scenario({"plates": "tied", "force": [blow], "duration": 1.0}))
+
+
+def test_a_random_force_of_too_many_lines_is_refused_before_they_are_drawn() -> None:
+    shaken = {"kind": "random", "rms": 1.0, "last": 1e7}
+    with pytest.raises(InputError, match=r"a random force up to last = 1e\+07 Hz .* has 1e\+10 lines"):
+        simulate(parse_scenario({"force": [shaken], "duration": 1000.0, "record_rate": 100.0}))
+
+
 def test_a_run_of_months_is_refused() -> None:
     with pytest.raises(InputError, match=r"timestep = 1e-08 s: a step of 1e-08 s is 1e\+13 steps .* 1\.67e\+04 h"):
         check_steps(parse_scenario({"duration": 1e5, "timestep": 1e-8}), 1e-8)

@@ -9,6 +9,7 @@ import pytest
 from ehamj.errors import InputError
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variants import labels
 
 TABLE: dict[str, Any] = {
     "name": "hall",
@@ -92,3 +93,23 @@ def test_a_name_of_no_variant_is_told_those_that_there_are() -> None:
         parse_scenario({**TABLE, "compare": ["heavy", "light"]})
     with pytest.raises(InputError, match="variant 'light': must be one of 'heavy'"):
         parse_scenario(TABLE).variant("light")
+
+
+def test_what_stands_side_by_side_is_called_by_what_it_is() -> None:
+    hall, other = parse_scenario(TABLE), parse_scenario({"name": "rig", "control": {"kind": "skyhook"}})
+    heavy, passive = hall.variant("heavy"), hall.variant("passive")
+    assert labels([hall]) == ["combined"]
+    assert labels([hall, heavy, passive]) == labels([stored(one) for one in (hall, heavy, passive)])
+    assert labels([hall, heavy, passive]) == ["combined", "heavy", "passive"]
+    assert labels([passive, hall]) == ["passive", "combined"]
+    assert labels([hall, other, passive]) == ["hall", "rig", "hall, passive"]
+    held = parse_scenario({"name": "hall"})
+    assert labels([held, held.variant("passive")]) == ["hall", "hall, passive"]
+
+
+def test_folders_tell_apart_what_is_alike() -> None:
+    hall, passive = parse_scenario(TABLE), parse_scenario({"name": "hall"})
+    folders = [Path("/runs/one/mill"), Path("/runs/two/mill"), Path("/runs/three")]
+    assert labels([hall, passive], folders[:2]) == ["combined", "passive"]
+    assert labels([hall, hall], folders[1:]) == ["combined (mill)", "combined (three)"]
+    assert labels([hall, hall, passive], folders)[1:] == ["combined (two/mill)", "passive (runs/three)"]

@@ -114,7 +114,7 @@ def _variants(folder: Path) -> list[Path]:
 
 
 def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
-    """Stored results by a label: their scenario's name, with the folder's name or path where that is not enough.
+    """Stored results by what tells each from the others.
 
     Args:
         folders: of the results.
@@ -124,17 +124,15 @@ def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
         InputError: if a folder is named twice, or holds no row.
     """
     from ehamj.result import load_result
+    from ehamj.scenario.variants import labels
 
     results = [load_result(folder) for folder in folders]
     paths = [folder.resolve() for folder in folders]
     for folder, path in zip(folders, paths, strict=True):
         if paths.count(path) > 1:
             raise InputError(f"result {str(folder)!r}: is named twice; each result is shown once")
-    labels = names = [result.scenario.name for result in results]
-    for wheres in ([path.name for path in paths], paths):
-        if len(set(labels)) < len(labels):
-            labels = [f"{name} ({where})" for name, where in zip(names, wheres, strict=True)]
-    for label, result in zip(labels, results, strict=True):
+    names = labels([result.scenario for result in results], paths)
+    for label, result in zip(names, results, strict=True):
         if not result.dataset.time.size:
             raise InputError(f"result {label!r}: failed before its first row, so that there is nothing to {to}")
-    return dict(zip(labels, results, strict=True))
+    return dict(zip(names, results, strict=True))

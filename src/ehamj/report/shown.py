@@ -14,7 +14,7 @@ from ehamj.evaluation import Evaluation, evaluate
 from ehamj.pages.words import CRITERION_AXES
 from ehamj.result import Result
 from ehamj.scenario.model import Scenario
-from ehamj.synthesis.kinds import STANDARD
+from ehamj.scenario.variants import known_variants
 
 Results = Mapping[str, Result]
 """Results by label; the first is the one reported, the others are variants beside it."""
@@ -81,7 +81,7 @@ class Shown:
     @property
     def together(self) -> bool:
         """Whether all results are of one scenario: itself and its variants."""
-        own = {self.scenario.name, *(self.scenario.variant(name).name for name in (*self.scenario.variants, *STANDARD))}
+        own = {self.scenario.name, *known_variants(self.scenario)}
         return all(result.scenario.name in own for result in self.results.values())
 
     @cached_property

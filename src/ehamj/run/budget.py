@@ -69,9 +69,12 @@ def check_steps(scenario: Scenario, timestep: float) -> None:
     seconds = steps * STEP_SECONDS[scenario.engine]
     if seconds <= LONGEST and timestep >= FLOOR:
         return
-    why = f"timestep = {timestep:g} s" if scenario.timestep != "auto" else fastest_part(scenario.plant)
-    if scenario.timestep == "auto" and scenario.load().longest_step < math.inf:
-        why += f", or a force that asks for steps of {scenario.load().longest_step:.3g} s"
+    if scenario.timestep != "auto":
+        why = f"timestep = {timestep:g} s"
+    elif (longest := scenario.load().longest_step) < 1.01 * timestep:
+        why = f"a force that is so short or fast asks for steps of {longest:.3g} s"
+    else:
+        why = fastest_part(scenario.plant)
     raise InputError(
         f"{why}: a step of {timestep:.3g} s is {steps:.3g} steps in duration = {scenario.duration:g} s, about "
         f"{seconds / 3600.0:.3g} h; the step must be at least {FLOOR:g} s and the run at most "
@@ -90,7 +93,7 @@ def fastest_part(plant: Plant) -> str:
 
 def _rates(own: Actuator) -> list[tuple[float, str]]:
     """Rates of an isolator's parts by themselves [rad/s], and the keys that they come from."""
-    mass = own.plate_mass
+    mass = own.plate_mass or math.inf  # a tied plate is part of the machine
     foot = 0.0 if math.isinf(own.foot_stiffness) else own.foot_stiffness
     leak = 4.0 * own.bulk_modulus / own.chamber_volume
     return [

@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
@@ -12,6 +12,11 @@ from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
+
+LONG = 50
+"""Entries of a list or a table beyond which it is not shown."""
+MOST_SAID = 20
+"""Findings of which one speaks at a time."""
 
 
 def checked(kind: type[T], table: Mapping[str, Any]) -> T:
@@ -28,17 +33,17 @@ def checked(kind: type[T], table: Mapping[str, Any]) -> T:
 
 def explain(error: ValidationError, kind: type[Settings]) -> str:
     """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
-    findings = error.errors()
+    findings = error.errors(include_url=False)
     inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
     lines: dict[str, list[str]] = {}
-    for found in findings:
+    for found in findings[:MOST_SAID]:
         if found["type"] == "too_short" and found["loc"] in inside:
             continue  # only because pydantic left out the entry that another finding names
         what, allowed = _finding(found, kind)
         lines.setdefault(what, []).append(allowed)
-    return "\n".join(
-        f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
-    )
+    said = [f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()]
+    left = len(findings) - MOST_SAID
+    return "\n".join(said + ([f"and {left} more"] if left > 0 else []))
 
 
 def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
@@ -63,6 +68,8 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     elif kind == "missing":
         return key, "is missing"
     elif kind == "value_error" and isinstance(value, Mapping):
+        return key, message
+    if isinstance(value, Sized) and len(value) > LONG and not isinstance(value, str):
         return key, message
     shown = repr(list(value) if isinstance(value, tuple) else value)
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message

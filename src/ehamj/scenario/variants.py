@@ -1,6 +1,9 @@
 """Variants that run beside a scenario: what of it is otherwise, or another control of its kind with all defaults."""
 
 import re
+from collections.abc import Sequence
+from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from ehamj.control.settings import DigitalSettings
@@ -60,6 +63,37 @@ def variant(scenario: "Scenario", name: str) -> "Scenario":
     return scenario.model_copy(update={"control": control, **_alone(scenario, name)})
 
 
+def known_variants(scenario: "Scenario") -> dict[str, str]:
+    """Every variant that a scenario may have: its scenario's name → the variant's own."""
+    return {_full_name(scenario, name): name for name in (*scenario.variants, *STANDARD)}
+
+
+def labels(scenarios: Sequence["Scenario"], folders: Sequence[Path] = ()) -> list[str]:
+    """What each of several scenarios is called where they stand beside each other: what tells it from the others.
+
+    A scenario beside its variants is called by the kind of its control, these by their names; scenarios that are not of
+    one family by their own names. What would be alike has in brackets as much of its folder's path as it takes.
+
+    Args:
+        scenarios: at least one; without folders no two have one name.
+        folders: that each is from, no two alike.
+    """
+    family = next((known_variants(one) | {one.name: ""} for one in scenarios if _of_one(scenarios, one)), {})
+    names, whole = [family.get(one.name) or one.control.kind for one in scenarios], [one.name for one in scenarios]
+    if not family or len(set(names)) < len(set(whole)):
+        names = whole
+    found, depths = names, count(1)
+    while len(set(found)) < len(folders):
+        depth = next(depths)
+        found = [f"{name} ({Path(*folder.parts[-depth:])})" for name, folder in zip(names, folders, strict=True)]
+    return found
+
+
+def _of_one(scenarios: Sequence["Scenario"], first: "Scenario") -> bool:
+    """Whether all are a scenario and its variants."""
+    return {one.name for one in scenarios} <= {first.name, *known_variants(first)}
+
+
 def _otherwise(scenario: "Scenario", name: str) -> "Scenario":
     """The scenario with what its variant states."""
     alone = scenario.model_copy(update=_alone(scenario, name))
@@ -67,7 +101,12 @@ def _otherwise(scenario: "Scenario", name: str) -> "Scenario":
 
 
 def _alone(scenario: "Scenario", name: str) -> dict[str, Any]:
-    return {"compare": (), "variants": {}, "name": f"{scenario.name}, {name}"}
+    return {"compare": (), "variants": {}, "name": _full_name(scenario, name)}
+
+
+def _full_name(scenario: "Scenario", name: str) -> str:
+    """Name of a variant's scenario."""
+    return f"{scenario.name}, {name}"
 
 
 def _allowed(scenario: "Scenario") -> str:
