@@ -74,7 +74,7 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
     if as_json:
         print_json({"report": str(path), "results": list(shown)})
     else:
-        say(f"report: {path}")
+        say(f"report: {path}", whole=True)
 
 
 def _check_result(folder: Path) -> None:
@@ -109,7 +109,7 @@ def _variants(folder: Path) -> list[Path]:
 
     folders = [folder / name for name in load_result(folder).scenario.compare]
     for gone in (one for one in folders if not one.is_dir()):
-        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False)
+        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False, soft_wrap=True)
     return [one for one in folders if one.is_dir()]
 
 
