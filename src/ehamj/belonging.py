@@ -1,10 +1,11 @@
 """Which files belong to one run: the identity that each carries, and a digest of what each held when it was written.
 
-The identity is a digest of what a run came from and of where it ended: its scenario, model, law and versions, and the
-last row of every variable. So the same run comes out with the same identity, to the bit, and any other with another. It
-stands in a last line of ``scenario.toml`` and ``model.xml``, as ``run`` in ``controller.json`` and among the attributes
-of ``result.nc``. ``summary.json`` has it in its table ``belongs``, with the digest of every file (as ``sha256sum``
-prints it), of the summary itself, and the identities of the variants that ran beside it.
+The identity is a digest of what a run came from and of where it ended: its scenario, versions, and the last row of
+every variable, in which a law shows too. So the same run comes out with the same identity and the same files, to the
+bit, and any other with another. It stands in a last line of ``scenario.toml`` and ``model.xml``, as ``run`` in
+``controller.json`` and among the attributes of ``result.nc``. ``summary.json`` has it in its table ``belongs``, with
+the digest of every file (as ``sha256sum`` prints it), of the summary itself, and the identities of the variants that
+ran beside it.
 """
 
 import hashlib
@@ -49,7 +50,7 @@ class Belongs(Finding):
     """Digest of all else that the summary's file holds."""
 
 
-class Kept(NamedTuple):
+class Told(NamedTuple):
     """A result's folder as its summary's file tells it."""
 
     folder: Path
@@ -57,19 +58,16 @@ class Kept(NamedTuple):
     belongs: Belongs
 
 
-def identity_of(texts: Mapping[str, str], versions: Mapping[str, str], dataset: "xr.Dataset") -> str:
+def identity_of(source: str, versions: Mapping[str, str], dataset: "xr.Dataset") -> str:
     """The identity of a run.
 
     Args:
-        texts: of what it came from, by the name of their file.
+        source: what it came from.
         versions: of what it ran on.
         dataset: its histories, of which the last row is read.
     """
-    found = hashlib.blake2b(digest_size=16)
-    for name, text in (*sorted(texts.items()), ("versions", json.dumps(versions, sort_keys=True))):
-        found.update(f"{name} {len(text)}\n{text}".encode())
     rows = dataset.sizes["time"]
-    found.update(f"rows {rows}".encode())
+    found = hashlib.blake2b(f"{source}\n{json.dumps(versions, sort_keys=True)}\n{rows}".encode(), digest_size=16)
     for name in sorted(map(str, dataset.data_vars) if rows else ()):
         found.update(name.encode() + dataset[name][rows - 1].values.tobytes())
     return found.hexdigest()
@@ -96,7 +94,7 @@ def summary_text(
     return json.dumps({KEY: told.to_dict(), **summary}, indent=2, allow_nan=False) + "\n"
 
 
-def kept(folder: Path) -> Kept:
+def told(folder: Path) -> Told:
     """A result's folder as its summary's file tells it, checked against nothing yet.
 
     Raises:
@@ -113,10 +111,10 @@ def kept(folder: Path) -> Kept:
         raise InputError(
             f"{whose}: does not say which files belong to it (an older ehamj wrote it); {_run_again(folder)}"
         )
-    return Kept(folder, table, Belongs.read(table.pop(KEY), f"{whose}: {KEY}"))
+    return Told(folder, table, Belongs.read(table.pop(KEY), f"{whose}: {KEY}"))
 
 
-def check_own(found: Kept) -> None:
+def check_own(found: Told) -> None:
     """Refuse a result that lacks a file, or has one that its run did not write.
 
     Raises:
@@ -139,7 +137,7 @@ def check_own(found: Kept) -> None:
             raise InputError(f"{whose}: {name} is none of the files that its run wrote; take it away")
 
 
-def check_unchanged(found: Kept, names: Iterable[str]) -> None:
+def check_unchanged(found: Told, names: Iterable[str]) -> None:
     """Refuse a result whose summary, or a file of ``names``, is not as its run wrote it.
 
     Raises:
@@ -152,13 +150,13 @@ def check_unchanged(found: Kept, names: Iterable[str]) -> None:
             raise changed(found.folder, name)
 
 
-def check_result(folder: str | Path) -> Kept:
+def check_result(folder: str | Path) -> Told:
     """A folder, checked to hold the files of one result as its run wrote them; what they say is not looked at.
 
     Raises:
         InputError: if it does not.
     """
-    found = kept(is_result(folder))
+    found = told(is_result(folder))
     check_own(found)
     check_unchanged(found, found.belongs.files)
     return found
@@ -173,7 +171,7 @@ def is_result(folder: str | Path) -> Path:
     return folder
 
 
-def check_variant(found: Kept, name: str) -> None:
+def check_variant(found: Told, name: str) -> None:
     """Refuse a variant's folder that holds another run than the one beside this result.
 
     Raises:
@@ -182,7 +180,7 @@ def check_variant(found: Kept, name: str) -> None:
     own, whose = found.belongs.variants.get(name), f"result {str(found.folder)!r}: variant {name!r}"
     if own is None:
         raise InputError(f"{whose}: did not run beside it; take its folder away, or show it by --compare")
-    if (run := kept(is_result(found.folder / name)).belongs.run) != own:
+    if (run := told(is_result(found.folder / name)).belongs.run) != own:
         raise InputError(
             f"{whose}: holds another run ({run}) than the one beside it ({own}); put that back, or show the other by "
             "--compare"

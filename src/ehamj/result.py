@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj import growing
 from ehamj.belonging import (
     HISTORIES,
     RUN,
@@ -22,19 +23,20 @@ from ehamj.belonging import (
     digest_of,
     identity_of,
     is_result,
-    kept,
     marked,
     summary_text,
+    told,
     unmarked,
 )
 from ehamj.control import LinearController, load_controller
 from ehamj.control.converter import check_mounts
 from ehamj.errors import InputError
 from ehamj.folders import SAVING
+from ehamj.growing import Kept
 from ehamj.interruption import pool_of
 from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
-from ehamj.plain.hdf5 import check_hdf5
+from ehamj.plain.hdf5 import LARGEST, check_hdf5
 from ehamj.plain.text import text_of
 from ehamj.plain.xml import check_xml
 from ehamj.scenario.load import load_scenario
@@ -59,6 +61,8 @@ class Result:
     summary: Summary
     model_xml: str = field(repr=False, default="")
     controller: LinearController | None = field(repr=False, default=None)
+    kept: Kept | None = field(repr=False, default=None)
+    """The file that the channels of a long run are read from."""
 
     @property
     def complete(self) -> bool:
@@ -99,15 +103,8 @@ class Result:
     @property
     def identity(self) -> str:
         """What its files carry, so that those of one run are known (`ehamj.belonging`)."""
-        return identity_of(self._texts, self.summary.versions, self.dataset)
-
-    @property
-    def _texts(self) -> dict[str, str]:
-        """What the run came from, by the name of its file."""
-        texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml}
-        if self.controller is not None:
-            texts[CONTROLLER_FILE] = json.dumps(self.controller.to_dict(), indent=1) + "\n"
-        return texts
+        given = self.dataset.attrs.get(RUN)  # none where it was put together by hand
+        return str(given) if given else identity_of(self.scenario.to_toml(), self.summary.versions, self.dataset)
 
     def write(self, folder: Path, variants: Mapping[str, str] = MappingProxyType({})) -> None:
         """Write the result's files into an existing folder, each renamed into place when it is whole.
@@ -116,28 +113,32 @@ class Result:
             folder: of the result.
             variants: identity of each result that is written beside it, by the folder's name.
         """
-        texts = self._texts
-        run = identity_of(texts, self.summary.versions, self.dataset)
+        texts = {"scenario.toml": self.scenario.to_toml(), "model.xml": self.model_xml}
+        if self.controller is not None:
+            texts[CONTROLLER_FILE] = json.dumps(self.controller.to_dict(), indent=1) + "\n"
         with written_whole(folder / HISTORIES) as path:
-            check_room(path, self.dataset.nbytes)
-            # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
-            self.dataset.assign_attrs({RUN: run}).to_netcdf(path, engine="h5netcdf")
+            if self.kept is not None and self.kept.dataset is self.dataset:
+                self.kept.put(path)
+            else:
+                check_room(path, self.dataset.nbytes)
+                # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
+                self.dataset.assign_attrs({RUN: self.identity}).to_netcdf(path, engine="h5netcdf")
         for name, text in texts.items():
             with written_whole(folder / name) as path:
-                path.write_text(marked(name, text, run), encoding="utf-8")
+                path.write_text(marked(name, text, self.identity), encoding="utf-8")
         with written_whole(folder / SUMMARY) as path:
-            text = summary_text(self.summary.to_dict(), run, folder, (HISTORIES, *texts), variants)
+            text = summary_text(self.summary.to_dict(), self.identity, folder, (HISTORIES, *texts), variants)
             path.write_text(text, encoding="utf-8")
 
 
 def load_result(folder: str | Path) -> Result:
-    """Read a result folder.
+    """Read a result folder; channels of a long run are read when they are asked for (`ehamj.growing.Kept`).
 
     Raises:
         InputError: if the folder is no result, or its files are not those of one run as it wrote them, or not what
             this version writes.
     """
-    found = kept(is_result(folder))
+    found = told(is_result(folder))
     folder, whose = found.folder, f"result {str(found.folder)!r}"
     summary = Summary.read(found.summary, f"{whose}: {SUMMARY}")
     check_own(found)
@@ -147,7 +148,7 @@ def load_result(folder: str | Path) -> Result:
         scenario, law = _ran(folder, whose)
         try:
             model = unmarked("model.xml", _model_of(folder / "model.xml"), found.belongs.run)
-            dataset = _histories_of(folder / HISTORIES)
+            kept, dataset = _channels_of(folder / HISTORIES)
         except Exception as error:  # h5py and xarray raise what they like at damage
             raise InputError(f"{whose}: is damaged: {error}") from error
         try:
@@ -156,7 +157,7 @@ def load_result(folder: str | Path) -> Result:
             raise InputError(f"{whose}: {HISTORIES}: {error}") from error
         if digest.result() != found.belongs.files[HISTORIES]:
             raise changed(folder, HISTORIES)
-    return Result(scenario, dataset, summary, model, law)
+    return Result(scenario, dataset, summary, model, law, kept)
 
 
 def _ran(folder: Path, whose: str) -> tuple[Scenario, LinearController | None]:
@@ -172,13 +173,15 @@ def _ran(folder: Path, whose: str) -> tuple[Scenario, LinearController | None]:
     return scenario, law
 
 
-def _histories_of(path: Path) -> xr.Dataset:
-    """What a file holds, without the identity that it carries."""
-    check_hdf5(path)
-    with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
-        dataset = stored.load()
-    dataset.attrs.pop(RUN, None)
-    return dataset
+def _channels_of(path: Path) -> tuple[Kept | None, xr.Dataset]:
+    """Stored channels in memory, or, of a long run, as they are asked for, in a file that is kept open."""
+    size = path.stat().st_size
+    check_hdf5(path, max(LARGEST, 2 * size))  # what is not compressed unfolds to what is there
+    kept = Kept.of(path)
+    if size > growing.IN_MEMORY:
+        return kept, kept.dataset
+    with kept.dataset as stored:
+        return None, stored.load()
 
 
 def _model_of(path: Path) -> str:

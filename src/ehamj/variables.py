@@ -1,11 +1,12 @@
 """What a result's histories are: every variable with its dimensions and units, and which of them a run has."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 
+from ehamj.columns import blocks
 from ehamj.control import AnyController, LinearController
 from ehamj.control.learners import Learnt
 from ehamj.judge.summary import Summary
@@ -83,9 +84,6 @@ ALWAYS: Final = (
     *("actuator_force", "chamber_pressure", "chamber_flow", "chamber_void", "supply_pressure"),
 )
 """What every run has."""
-
-BLOCK: Final = 2**24
-"""Values that are looked at together."""
 
 
 def labels_of(scenario: Scenario, law: AnyController | None) -> dict[str, list[Any]]:
@@ -195,17 +193,10 @@ def _check_time(time: xr.DataArray, scenario: Scenario, summary: Summary) -> Non
 def first_lost(dataset: xr.Dataset) -> tuple[str, float] | None:
     """The first variable with what is no finite number, and the time of its row [s]; None where there is none."""
     for name, channel in dataset.data_vars.items():
-        for begin, values in blocks(channel):
+        for rows in blocks(channel.sizes["time"]):
+            values = channel[rows].values
             if np.isfinite(values.sum()) or np.isfinite(values).all():  # a sum tells sooner whether any is lost
                 continue
-            row = begin + int(np.argwhere(~np.isfinite(values))[0][0])
+            row = rows.start + int(np.argwhere(~np.isfinite(values))[0][0])
             return str(name), float(dataset["time"][row])
     return None
-
-
-def blocks(channel: xr.DataArray) -> Iterator[tuple[int, np.ndarray]]:
-    """First row and values of one stretch of a variable after another, read as they are asked for."""
-    rows, size = channel.sizes["time"], max(1, channel.size)
-    stretch = max(1, BLOCK * rows // size)
-    for begin in range(0, rows, stretch):
-        yield begin, channel[begin : begin + stretch].values

@@ -74,7 +74,7 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
     if as_json:
         print_json({"report": str(path), "results": list(shown)})
     else:
-        say(f"report: {path}")
+        say(f"report: {path}", whole=True)
 
 
 def _check_result(folder: Path) -> None:
@@ -105,14 +105,14 @@ def _build_replay(path: Path, folders: Sequence[Path]) -> None:
 
 def _variants(folder: Path) -> list[Path]:
     """Folders of the variants that ran with a result, those that are still there."""
-    from ehamj.belonging import check_variant, is_result, kept
+    from ehamj.belonging import check_variant, is_result, told
 
-    found = kept(is_result(folder))
+    found = told(is_result(folder))
     here = [name for name in found.belongs.variants if (folder / name).is_dir()]
     for name in here:
         check_variant(found, name)
     for gone in (folder / name for name in found.belongs.variants if name not in here):
-        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False)
+        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False, soft_wrap=True)
     return [folder / name for name in here]
 
 

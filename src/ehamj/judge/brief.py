@@ -1,5 +1,6 @@
 """A run in ten lines: what a person asks for first."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -19,6 +20,13 @@ MEAN: Final = (
     "floor: mean of the mounts, of a foot the ground below it; no place moves more than the loudest mount "
     f"by over {LEAST:g} dB"
 )
+
+
+PROCESSING: Final = re.compile(
+    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
+    r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
+)
+"""Warnings that only say how a record was processed."""
 
 
 def brief(summary: Summary) -> dict[str, str]:
@@ -45,16 +53,16 @@ def brief(summary: Summary) -> dict[str, str]:
     found["valves"] = _valves(summary)
     if summary.made_good:
         found["made good"] = f"{', '.join(summary.made_good)} of the valves, as the law knows them"
-    found["margins"] = _margins(summary)
+    found["margins"] = margins_in_words(summary)
     if summary.spools is not None:
         found["spool feedback"] = _spools(summary.spools)
     if summary.followed:
         found["lines"] = ", ".join(line.words for line in summary.followed)
-    found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
+    found |= {mount: f"learnt: {learnt_in_words(told)}" for mount, told in summary.learnt.items()}
     return found | _rest(summary)
 
 
-def _learnt(told: dict[str, Belief]) -> str:
+def learnt_in_words(told: dict[str, Belief]) -> str:
     """What a mount has learnt."""
     if nothing(told):
         return "nothing"
@@ -129,7 +137,8 @@ def _valves(summary: Summary) -> str:
     return f"{said}at a limit: {', '.join(at)}" if at else f"{said}never at a limit"
 
 
-def _margins(summary: Summary) -> str:
+def margins_in_words(summary: Summary) -> str:
+    """What the control loop has in hand."""
     margins = summary.margins
     if margins is None:
         return "not known" if summary.python_law else "no feedback loop"

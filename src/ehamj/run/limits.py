@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.judge.summary import AtLimit, ByMount, Oil
+from ehamj.judge.summary import AtLimit, ByMount, Oil, Summary
 from ehamj.mujoco.rows import Tally
 from ehamj.plant.plant import Plant
 
@@ -16,6 +16,11 @@ WORDS = {
     "spool_drive": "the spool's drive was at its limit",
     "cavitation": "oil cavitated",
 }
+
+LIMITS = {"command": "voltage", "spool": "flow", "spool_drive": "speed of the spool", "cavitation": "cavitation"}
+"""What each limit is of."""
+NEAREST = {"valve_command": "voltage", "spool": "flow"}
+"""What the range of a channel limits."""
 
 
 def saturation(tally: Tally, states: int, mounts: tuple[str, ...]) -> dict[str, ByMount]:
@@ -38,6 +43,29 @@ def warnings(shares: Mapping[str, ByMount]) -> list[str]:
         for name, (mount, share) in worst.items()
         if share > 0
     ]
+
+
+def binding(summary: Summary, plant: Plant) -> str:
+    """Which limit binds, in words: those that were reached, the longest first; where none was, what is nearest to one.
+
+    Empty where nothing commands the valves.
+    """
+    worst = {name: max(of.items(), key=lambda item: item[1]) for name, of in summary.saturation.items() if of}
+    reached = sorted(((share, name, mount) for name, (mount, share) in worst.items() if share > 0.0), reverse=True)
+    if reached:
+        each = [f"{LIMITS[name]} ({WORDS[name]} for {_percent(share)} of the time, {m})" for share, name, m in reached]
+        return f"{', then '.join(each)}"
+    used = []
+    for limit, channel, unit in (("voltage_limit", "valve_command", "V"), ("spool_stroke", "spool", "mA")):
+        for mount, actuator in zip(plant.mounts, plant.actuators, strict=True):
+            most, of = summary.peak.get(channel, {}).get(mount) or 0.0, getattr(actuator, limit)
+            used.append((most / of, f"{most:.3g} of {of:g} {unit}", NEAREST[channel], mount))
+    share, told, name, mount = max(used, default=(0.0, "", "", ""))
+    return f"none was reached; nearest is {name}: {told} ({mount})" if share > 0.0 else ""
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
 
 
 def at_limit(dataset: xr.Dataset, plant: Plant, rate: float) -> dict[str, AtLimit | None]:

@@ -1,12 +1,16 @@
 """From recorded rows to the labelled channels of a result: one function per family of channels."""
 
+import platform
 from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.belonging import identity_of
 from ehamj.control import AnyController
 from ehamj.control.learners import Learnt
 from ehamj.isolator.chambers import held
@@ -22,13 +26,22 @@ from ehamj.scenario.model import Scenario
 
 Channels = dict[str, Array]
 
+REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
+
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
-def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr.Dataset:
-    """Everything that a result holds, from the recorded rows; ``struck`` are the faults of the run."""
+def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first: int = 0) -> xr.Dataset:
+    """Everything that a result holds, from recorded rows: whatever of a run is observed at once, rows are the same.
+
+    Args:
+        prepared: what was simulated.
+        rows: recorded, all or some that follow each other.
+        struck: faults of the run until then.
+        first: number of the first of these rows.
+    """
     scenario, plant = prepared.scenario, prepared.scenario.plant
-    times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
+    times = np.arange(first, first + len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
     mounts = len(plant.mounts)
     ground = prepared.motion.sample(times).below(mounts)
@@ -68,6 +81,18 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr
     return make_dataset(
         times, channels, {"title": scenario.name}, {name: along for name, along in labels.items() if len(along)}
     )
+
+
+def identity(prepared: Prepared, dataset: xr.Dataset) -> str:
+    """What a run and its files are told by (`ehamj.belonging`): all of its scenario but the law, which shows in how it
+    ends, and may come from elsewhere."""
+    return identity_of(prepared.scenario.model_dump_json(exclude={"control"}), versions(), dataset)
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Of Python and of the packages whose versions a summary reports."""
+    return {"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}}
 
 
 def _of_the_law(law: AnyController, rows: Rows) -> Channels:

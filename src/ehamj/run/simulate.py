@@ -3,8 +3,10 @@
 import threading
 import time as clock
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ehamj.belonging import RUN
 from ehamj.control import as_controller
 from ehamj.control.architectures.file import Law
 from ehamj.ground.shared import Floors
@@ -19,6 +21,7 @@ from ehamj.scenario.model import Scenario
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ehamj.growing import Kept
     from ehamj.result import Result
 
 _importing = threading.Lock()
@@ -33,9 +36,17 @@ def import_judging() -> None:
 
 
 def simulate(
-    scenario: Given, progress: Progress | None = None, controller: Any = None, *, floors: Floors | None = None
+    scenario: Given,
+    progress: Progress | None = None,
+    controller: Any = None,
+    *,
+    floors: Floors | None = None,
+    within: Path | None = None,
 ) -> "Result":
     """Run a scenario.
+
+    Rows that are too many for memory go to a file as they come. The result's channels are then read from it when they
+    are asked for; it goes when nobody holds them any more.
 
     Args:
         scenario: what to simulate: a scenario, a shipped name, a file, or a table (`ehamj.parse_scenario`).
@@ -45,13 +56,15 @@ def simulate(
             labels.
         floors: that it shares with other runs (`ehamj.ground.shared`); ground channels of the result are then shared
             too, and read-only.
+        within: folder for such a file, by default the system's for what is temporary; where a result is saved on the
+            same file system, that takes no time.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
     with hydraulics():
-        return stepped(ready(as_scenario(scenario), controller, floors), progress)
+        return stepped(ready(as_scenario(scenario), controller, floors, within), progress)
 
 
 class Ready(NamedTuple):
@@ -64,11 +77,13 @@ class Ready(NamedTuple):
     """That preparing it took [s]."""
 
 
-def ready(scenario: Scenario, controller: Any = None, floors: Floors | None = None) -> Ready:
+def ready(
+    scenario: Scenario, controller: Any = None, floors: Floors | None = None, within: Path | None = None
+) -> Ready:
     """A scenario made ready to step, arguments and errors as of `simulate`; call it with the hydraulics installed."""
     began = clock.perf_counter()
     law = None if controller is None else as_controller(controller)
-    prepared = prepare(scenario, law, floors)
+    prepared = prepare(scenario, law, floors, within)
     return Ready(prepared, controller, clock.perf_counter() - began)
 
 
@@ -90,6 +105,8 @@ class Observed(NamedTuple):
     dataset: "xr.Dataset"
     failed: str | None
     """What went wrong, in words; None where nothing did."""
+    kept: "Kept | None" = None
+    """The file of its channels, where they are too many for memory."""
 
     @property
     def scenario(self) -> Scenario:
@@ -119,11 +136,15 @@ def seen(prepared: Prepared, driven: Driven) -> Observed:
     """A run from what the stepping loop left of it; what reads it is imported here."""
     import_judging()
     from ehamj.run.failures import failure
-    from ehamj.run.observe import observe
+    from ehamj.run.observe import identity, observe
 
+    if driven.stream is not None:
+        kept, failed = driven.stream.ended(driven.stopped)
+        return Observed(prepared, driven, kept.dataset, failed, kept)
+    assert driven.rows is not None
     dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
-    dataset.attrs["complete"] = int(failed is None)
+    dataset.attrs |= {"complete": int(failed is None), RUN: identity(prepared, dataset)}
     return Observed(prepared, driven, dataset, failed)
 
 
@@ -138,7 +159,7 @@ def judged(run: Observed, began: float, controller: Any) -> "Result":
     summary = summarise(prepared, run.driven, run.dataset, clock.perf_counter() - began, run.failed)
     if law is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
-    result = Result(scenario, run.dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law)
+    result = Result(scenario, run.dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law, run.kept)
     if run.failed is not None:
         raise Incomplete(run.failed, result) from next(iter(prepared.loop.failures), None)
     return result

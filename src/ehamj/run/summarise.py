@@ -1,7 +1,5 @@
 """From a run and its channels to its summary."""
 
-import platform
-from importlib.metadata import version
 from typing import Any
 
 import xarray as xr
@@ -26,13 +24,12 @@ from ehamj.run.deciding import clipped_when_it_counts
 from ehamj.run.drive import Driven
 from ehamj.run.learnt import found_lines, learnt, unlearnt
 from ehamj.run.limits import at_limit, oil, saturation, warnings
+from ehamj.run.observe import versions
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
 from ehamj.run.why import worsened
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import unlike
-
-REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
 
 UNSTABLE = "the control loop is unstable: the linear machine runs away under this law"
 
@@ -94,7 +91,7 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
             ratio=simulated / driven.seconds if driven.seconds > 0 else None,
             engine=scenario.engine,
         ),
-        versions={"python": platform.python_version(), **{name: version(name) for name in REPORTED_VERSIONS}},
+        versions=dict(versions()),
         seed=scenario.seed,
     )
 

@@ -1,6 +1,5 @@
 """What stands on top of the page: attenuation at a few bands, classes met, warnings."""
 
-import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Final
@@ -8,7 +7,7 @@ from typing import Final
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.verdict import Verdict
 from ehamj.estimate.statistics import WORDS, Statistic
-from ehamj.judge.brief import MEAN
+from ehamj.judge.brief import MEAN, PROCESSING
 from ehamj.judge.decisive import place_in_words
 from ehamj.judge.faults import WHOLE
 from ehamj.judge.places import AtPlace
@@ -33,13 +32,6 @@ OLDER: Final = (
     "what strikes near its ends: run it again for those of the whole run"
 )
 """What to know of a result whose levels are not the whole run's."""
-
-PROCESSING: Final = re.compile(
-    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
-    r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
-)
-"""Warnings that only say how a record was processed."""
-
 
 MIXED: Final = f" Where something failed: {WHOLE}; see Faults for each part."
 
