@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from ehamj.folders import new_folder
+from ehamj.errors import PutElsewhere
+from ehamj.folders import Place, new_folder
 from ehamj.unfinished import HELD, _host, beside, check_room, clear_leftovers, remove_all
 
 ABANDON = """
 import os, sys
 from pathlib import Path
-from ehamj.folders import new_folder
+from ehamj.folders import Place, new_folder
 os.chdir(sys.argv[1])
 with new_folder(Path(sys.argv[2]) if len(sys.argv) > 2 else None, True) as place:
     (place.target / "new").write_text("half")
@@ -43,18 +44,53 @@ def test_what_a_dead_process_left_is_cleared_by_the_next_and_its_number_is_free(
 
 
 def test_what_is_replaced_is_there_until_the_new_one_is(tmp_path: Path) -> None:
-    place = tmp_path / "result"
-    place.mkdir()
-    (place / "old").touch()
+    result = tmp_path / "result"
+    result.mkdir()
+    (result / "old").touch()
     abandoned(tmp_path, "result")
-    assert names(place) == ["old"]
-    with pytest.raises(FileNotFoundError), new_folder(place, True) as place:
+    assert names(result) == ["old"]
+    with pytest.raises(FileNotFoundError), new_folder(result, True) as place:
         (place.target / "nowhere" / "new").touch()
-    assert names(place) == ["old"]
-    with new_folder(place, True) as place:
+    assert names(result) == ["old"]
+    with new_folder(result, True) as place:
         (place.target / "new").touch()
-    assert names(place) == ["new"]
+    assert names(result) == ["new"]
     assert names(tmp_path) == ["result"]
+
+
+def raced(wanted: Path, overwrite: bool) -> tuple[Place, Place]:
+    """Places of two that write one folder, the slower first."""
+    with new_folder(wanted, False) as slower:
+        (slower.target / "slower").touch()
+        with new_folder(wanted, overwrite) as quicker:
+            (quicker.target / "quicker").touch()
+    return slower, quicker
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_of_two_that_write_one_folder_the_slower_is_put_beside_it(tmp_path: Path, overwrite: bool) -> None:
+    wanted = tmp_path / "result"
+    (tmp_path / "result-2").mkdir()
+    (tmp_path / "result-2" / "other").touch()
+    with pytest.warns(PutElsewhere, match=r"result' was taken by another run meanwhile: this result is in .*result-3'"):
+        slower, quicker = raced(wanted, overwrite)
+    assert (quicker.folder, slower.folder) == (wanted, tmp_path / "result-3")
+    assert names(wanted) == ["quicker"]
+    assert names(slower.folder) == ["slower"]
+    assert names(tmp_path) == ["result", "result-2", "result-3"]
+
+
+def test_a_number_that_another_process_took_is_followed_by_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two that clear the same leftover, each as if the number were free."""
+    monkeypatch.chdir(tmp_path)
+    with new_folder(None, False) as place:
+        (place.target / "mine").touch()
+        (place.folder / "theirs").touch()
+    assert place.folder == Path("runs/0002")
+    assert names(tmp_path / "runs") == ["0001", "0002"]
+    assert names(place.folder) == ["mine"]
 
 
 def test_what_was_moved_aside_goes_back_where_nothing_replaced_it(tmp_path: Path) -> None:

@@ -9,6 +9,10 @@ class SimulationFailed(RuntimeError):
     """The simulation itself failed: the message says what, where and when. What was computed until then is kept."""
 
 
+class NotShown(RuntimeError):
+    """A run is kept, and something that shows or judges it is not: the message says what, why, and what makes it."""
+
+
 class DerivedAnew(UserWarning):
     """A law was derived for a changed machine: it knows what it could not know of a machine within tolerances."""
 

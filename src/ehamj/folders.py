@@ -121,10 +121,9 @@ def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[Place]:
     place = Place(folder, temporary)
     try:
         yield place
-        for other in _others(folder, wanted is None):
-            if _put(temporary, place.folder.resolve(), overwrite and place.folder == folder):
-                break
-            place.folder = other
+        others = _others(folder, wanted is None)
+        while not _put(temporary, place.folder.resolve(), overwrite and place.folder == folder):
+            place.folder = next(others)
         if wanted is not None and place.folder != folder:
             said = f"{str(folder)!r} was taken by another run meanwhile: this result is in {str(place.folder)!r}"
             warnings.warn(said, PutElsewhere, stacklevel=3)

@@ -1,26 +1,33 @@
 """A run's folder: the result, its variants in folders of their own, replay and report."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from itertools import count, zip_longest
 from pathlib import Path
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, NotShown
 from ehamj.folders import RESULT_FILES, check_out, new_folder
 from ehamj.report import Shown, write_report
 from ehamj.result import Result
 from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
+from ehamj.run.unjudged import in_words
 from ehamj.scenario.variants import known_variants, labels
 
 Work = tuple[Path, Shown, Mapping[str, str]]
 """A run's folder, what it shows, and the identities of what is written beside it."""
+Lost = Mapping[str, tuple[Path, Exception]]
+"""What could not be made, in which folder of the run's, and why."""
 
 
-def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent, apart: bool = False) -> None:
+def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = silent, apart: bool = False) -> Lost:
     """Write results by their scenarios' names into an existing folder; after the first its variants, those that ran.
 
     Replay and report show all of them together; a variant's folder holds its own as well. ``progress`` is called with
     what was finished, and how many of how many files that makes.
+
+    Returns:
+        What shows the run and could not be made, with the error: the results stand there all the same.
     """
     names = labels([result.scenario for result in results.values()])
     shown = Shown.of(dict(zip(names, results.values(), strict=True)))
@@ -30,23 +37,56 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     for name, (label, _) in beside.items():
         (folder / name).mkdir()
         work.append((folder / name, shown.only(label), {}))
-    # What takes longest begins first: pages before recordings before results, all runs together before one.
-    jobs = [job for kind in zip_longest(*(_jobs(*one) for one in work)) for job in kind if job is not None]
-    progress(f"{len(jobs)} files of {len(work)} runs")
-    numbers = count(1)
-    work_off(jobs, lambda name: progress(f"{next(numbers)} of {len(jobs)}, {name}"), apart)
+    # What takes longest begins first: pages before recordings, all runs together before one.
+    shows = [job for kind in zip_longest(*(_shows(*one[:2]) for one in work)) for job in kind if job is not None]
+    total, numbers, lost = len(work) + len(shows), count(1), dict[str, tuple[Path, Exception]]()
+    at_of = {shown.label: at.relative_to(folder) for at, shown, _ in work}
+    progress(f"{total} files of {len(work)} runs")
+
+    def finished(name: str) -> None:
+        progress(f"{next(numbers)} of {total}, {name}")
+
+    def failed(name: str, error: Exception) -> None:
+        lost[name] = at_of[name.partition(" of ")[2]], error
+
+    # Results stand before anything is made that shows them: what fails then takes none with it.
+    work_off([(f"result of {one.label}", partial(one.first.write, at, beside)) for at, one, beside in work], finished)
+    try:
+        work_off(shows, finished, apart, failed)
+    except Exception as error:  # a process that did it is gone
+        lost["report and replay"] = Path(), error
+    return lost
 
 
-def _jobs(folder: Path, shown: Shown, variants: Mapping[str, str]) -> "Iterator[tuple[str, Callable[[], None]]]":
-    """Name and writer of each file of a run, beside which others are written; none needs another."""
-    result = shown.first
-    output = result.scenario.output
-    if result.dataset.time.size:  # else it failed before its first row: there is nothing to show
+def _shows(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
+    """Name and writer of each file that shows a run; none needs another."""
+    output = shown.first.scenario.output
+    if shown.first.dataset.time.size:  # else it failed before its first row: there is nothing to show
         if output.report:
             yield f"report of {shown.label}", lambda: write_report(folder, shown)
         if output.replay:
             yield f"replay of {shown.label}", lambda: _write_replay(folder / "replay.rrd", shown)
-    yield f"result of {shown.label}", lambda: result.write(folder, variants)
+
+
+def check_shown(folder: Path, lost: Lost, results: Iterable[Result]) -> None:
+    """Say what of a run that is kept could not be shown or judged.
+
+    Raises:
+        NotShown: if there is anything.
+    """
+    for one in results:
+        for part, why in one.summary.unjudged.items():
+            raise NotShown(
+                f"{part} of {one.scenario.name!r} could not be judged: {why}. The run is kept in {str(folder)!r}, with "
+                f"all else; `ehamj report {folder}` shows it"
+            )
+    for name, (at, error) in lost.items():
+        what = name.partition(" of ")[0].split(" and ")
+        commands = [f"`ehamj {one} {folder / at}`" for one in what]
+        raise NotShown(
+            f"{name} could not be made: {in_words(error)}. The run is kept in {str(folder)!r}; {' or '.join(commands)} "
+            "makes it"
+        ) from error
 
 
 def _write_replay(path: Path, shown: Shown) -> None:
@@ -67,4 +107,5 @@ def save(result: Result, folder: str | Path, overwrite: bool = False, variants: 
     overwrite = overwrite or (folder.is_dir() and not any(folder.iterdir()))
     check_out(folder, overwrite, RESULT_FILES, "result.save", "overwrite=True")
     with new_folder(folder, overwrite) as place:
-        write_run(place.target, results)
+        lost = write_run(place.target, results)
+    check_shown(place.folder, lost, results.values())

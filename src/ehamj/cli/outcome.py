@@ -15,7 +15,7 @@ from rich.markup import escape
 from ehamj.cli.folding import fitted
 from ehamj.cli.frame import app, log
 from ehamj.cli.letters import write_any_letter
-from ehamj.errors import DerivedAnew, InputError, PutElsewhere, Recompiled, SimulationFailed
+from ehamj.errors import DerivedAnew, InputError, NotShown, PutElsewhere, Recompiled, SimulationFailed
 from ehamj.interruption import interrupted
 from ehamj.unfinished import NO_ROOM
 
@@ -37,7 +37,7 @@ def exit_code() -> int:
                 warnings.simplefilter("always", kind)
             warnings.showwarning = _noted
             app(prog_name="ehamj")  # also where another program runs it
-    except (InputError, SimulationFailed) as error:
+    except (InputError, SimulationFailed, NotShown) as error:
         return _told(str(error), BAD_INPUT if isinstance(error, InputError) else FAILED)
     except SystemExit as ended:
         if interrupted():

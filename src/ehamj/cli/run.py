@@ -50,10 +50,10 @@ def run(
     check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
     clock = context.obj
     results, failures = _simulate(loaded, clock, RUNS if out_folder is None else out_folder.resolve().parent)
-    from ehamj.store import write_run
+    from ehamj.store import check_shown, write_run
 
     with new_folder(out_folder, overwrite) as place, doing("writing") as step, clock.during("writing"):
-        write_run(place.target, results, step, apart=True)
+        lost = write_run(place.target, results, step, apart=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
@@ -64,6 +64,7 @@ def run(
         print_run(results, place.folder, clock.words("reading and compiling"))
     if failures:
         raise failures[0]
+    check_shown(place.folder, lost, results.values())
 
 
 def _simulate(scenario: "Scenario", clock: Clock, within: Path) -> "tuple[dict[str, Result], list[Exception]]":

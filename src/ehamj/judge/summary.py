@@ -180,6 +180,8 @@ class Summary(Isolation, Head):
     seed: int
     failure: str | None = None
     """What went wrong, of a run that is not complete."""
+    unjudged: dict[str, str] = Field(default_factory=dict)
+    """What could not be judged of the run, by its key here, and why; its histories are not concerned."""
 
     @property
     def directions(self) -> tuple[str, ...]:

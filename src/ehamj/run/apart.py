@@ -20,13 +20,19 @@ from ehamj.interruption import INTERRUPTING, pool_of
 from ehamj.run.workers import processors
 
 Job = Callable[[], None]
+Failed = Callable[[str, Exception], None]
 
 RARELY: Final = (50_000, 20, 100)
 """Thresholds of the garbage collector in a process that ends with its jobs: a figure is many small objects that refer
 to each other, and looking for those that nobody needs took a sixth of the time that drawing does."""
 
 
-def work_off(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], apart: bool = False) -> None:
+def work_off(
+    jobs: Sequence[tuple[str, Job]],
+    finished: Callable[[str], None],
+    apart: bool = False,
+    failed: Callable[[str, Exception], None] | None = None,
+) -> None:
     """Do jobs, which begin in order, as many at once as there are processors.
 
     Args:
@@ -35,26 +41,36 @@ def work_off(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], a
         apart: whether processes may do it, that know all that this one knows and share its memory: of a command, which
             knows what else runs beside it. A library's caller may have threads whose locks nobody would open there.
             They are forked, so that on systems where that is not safe threads do the jobs, as without ``apart``.
+        failed: called with the name of a job that failed and its error; the others go on.
 
     Raises:
-        Exception: of the first job that failed; no other job begins, and none goes on.
+        Exception: without ``failed``, of the first job that failed; no other job begins, and none goes on.
+        RuntimeError: if a process is gone before its job was done.
     """
     if not jobs:
         return
     count = min(processors(), len(jobs))
     own = apart and count > 1 and sys.platform == "linux" and threading.current_thread() is threading.main_thread()
-    (_forked if own else _threaded)(jobs, finished, count)
+    (_forked if own else _threaded)(jobs, finished, failed or _raised, count)
 
 
-def _threaded(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
+def _raised(name: str, error: Exception) -> None:
+    raise error
+
+
+def _threaded(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], failed: Failed, count: int) -> None:
     with pool_of(count) as pool:
         running = {pool.submit(job): name for name, job in jobs}
         for one in as_completed(running):
-            one.result()
-            finished(running[one])
+            try:
+                one.result()
+            except Exception as error:
+                failed(running[one], error)
+            else:
+                finished(running[one])
 
 
-def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], count: int) -> None:
+def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], failed: Failed, count: int) -> None:
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
     gc.collect()
@@ -81,8 +97,9 @@ def _forked(jobs: Sequence[tuple[str, Job]], finished: Callable[[str], None], co
                         raise RuntimeError(f"a process that wrote files ended with {process.exitcode}") from None
                     continue
                 if failure is not None:
-                    raise failure
-                finished(name)
+                    failed(name, failure)
+                else:
+                    finished(name)
     finally:
         for process in running.values():
             process.terminate()
@@ -119,9 +136,9 @@ def _work(jobs: Sequence[tuple[str, Job]], taken: Any, told: Any) -> None:
             job()
         except Exception as error:
             error.add_note(f"in the process that wrote the {name}:\n{traceback.format_exc()}")
-            _tell(told, (name, error))
-            return
-        _tell(told, (name, None))
+            _tell(told, (name, error))  # where nobody can do without it, this process is stopped
+        else:
+            _tell(told, (name, None))
 
 
 def _tell(told: Any, message: tuple[str, Exception | None]) -> None:

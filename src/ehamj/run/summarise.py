@@ -8,12 +8,14 @@ from ehamj.control import LinearController, PythonController
 from ehamj.errors import InputError
 from ehamj.findings import finite
 from ehamj.judge.extremes import peak_and_rms
-from ehamj.judge.isolation import isolation
+from ehamj.judge.faults import FaultFound
+from ehamj.judge.isolation import Isolation, isolation
 from ehamj.judge.levels import duration_of
 from ehamj.judge.lines import beyond
 from ehamj.judge.relative import relative_motions
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.summary import FoundLaw, Least, LoopMargins, PlaceMargins, Summary, Timing
+from ehamj.judge.worse import Worse
 from ehamj.linear.loop import Loop, closed_at_rest, feeds_back, linear_under
 from ehamj.linear.margins import report
 from ehamj.linear.smooth import NotSmooth, used_options
@@ -27,6 +29,7 @@ from ehamj.run.limits import at_limit, oil, saturation, warnings
 from ehamj.run.observe import versions
 from ehamj.run.prepare import Prepared
 from ehamj.run.reserves import reserves
+from ehamj.run.unjudged import Judging
 from ehamj.run.why import worsened
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import unlike
@@ -35,7 +38,7 @@ UNSTABLE = "the control loop is unstable: the linear machine runs away under thi
 
 
 def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: float, failure: str | None) -> Summary:
-    """The numbers a person asks for first.
+    """The numbers a person asks for first; what cannot be judged is named in ``unjudged``, and all else is there.
 
     Args:
         prepared: what was simulated.
@@ -45,29 +48,37 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         failure: what went wrong, in words; None where nothing did.
     """
     scenario, plant, steps = prepared.scenario, prepared.scenario.plant, driven.stopped.steps
-    rate, usable_to, usable_from = scenario.record_rate, prepared.motion.usable_to, prepared.motion.usable_from
+    rate, usable_to = scenario.record_rate, prepared.motion.usable_to
     # Counted: one state before each step and, at the end of a complete run, the last one.
     states = max(steps + (failure is None), 1)
     shares = saturation(driven.tally, states, plant.mounts)
-    isolated, undecided = isolation(dataset, plant, rate, usable_to, prepared.norms, usable_from)
-    clipped = clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law)
-    margins, doubts = loop_margins(scenario, prepared.law)
-    louder = worsened(prepared, dataset, isolated, shares, margins is not None and not margins.stable)
-    limits = [*warnings(shares), *clipped, *reserves(dataset, plant)]
-    peak, rms = peak_and_rms(dataset)
+    judging = Judging()
+    part = judging.of
+
+    isolated, undecided = part(
+        "isolation", lambda: _isolated(prepared, dataset), lambda: _isolated(prepared, dataset.isel(time=slice(0)))
+    )
+    clipped = part(
+        "clipping", lambda: clipped_when_it_counts(dataset, plant, rate, isolated.criterion, prepared.law), list[str]
+    )
+    margins, doubts = part("margins", lambda: loop_margins(scenario, prepared.law), lambda: (None, []))
+    unstable = margins is not None and not margins.stable
+    louder = part("worse", lambda: worsened(prepared, dataset, isolated, shares, unstable), list[Worse])
+    limits = [*warnings(shares), *clipped, *part("reserves", lambda: reserves(dataset, plant), list[str])]
+    peak, rms = part("peak, rms", lambda: peak_and_rms(dataset), lambda: ({}, {}))
     simulated = duration_of(dataset)
     asked: dict[str, Any] = {"law": _found(prepared)} | ({} if failure is None else {"failure": failure})
-    struck = aftermath(prepared, driven.struck, dataset)
+    struck = part("fault", lambda: aftermath(prepared, driven.struck, dataset), list[FaultFound])
     asked |= {"fault": struck} if struck else {}
     judged = [*undecided, *(one.in_words() for one in louder)] if failure is None else []  # nothing is of a part of it
-    found, idle = _learnt(prepared, dataset)
-    about, swings = loops_about_spools(scenario, prepared.law)
+    found, idle = part("learnt", lambda: _learnt(prepared, dataset), lambda: ({}, []))
+    about, swings = part("spools", lambda: loops_about_spools(scenario, prepared.law), lambda: (None, []))
     asked |= found if about is None else found | {"spools": about}
-    said = [*told(struck), *prepared.notes, *doubts, *swings, *judged, *limits, *idle]
-    if scenario.relative:
-        asked["relative"] = relative_motions(dataset, scenario.relative, rate, usable_to)
-    if (spectrum := scenario.criteria.response_spectrum) is not None:
-        asked["response_spectrum"] = response_spectra(dataset, rate, usable_to, spectrum)
+    asked |= _asked_for(scenario, dataset, usable_to, judging)
+    limited = part("at_limit", lambda: at_limit(dataset, plant, rate), dict)
+    said = [*judging.warnings, *told(struck), *prepared.notes, *doubts, *swings, *judged, *limits, *idle]
+    if judging.lost:
+        asked["unjudged"] = judging.lost
     return Summary(
         name=scenario.name,
         complete=failure is None,
@@ -78,22 +89,50 @@ def summarise(prepared: Prepared, driven: Driven, dataset: xr.Dataset, seconds: 
         peak=peak,
         rms=rms,
         saturation=shares,
-        at_limit=at_limit(dataset, plant, rate),
+        at_limit=limited,
         oil=oil(driven.tally, states, steps * prepared.timestep),
         margins=margins,
         python_law=isinstance(prepared.controller, PythonController),
-        timing=Timing(
-            simulated_s=simulated,
-            wall_s=seconds,
-            stepping_s=driven.seconds,
-            steps=steps,
-            timestep_s=prepared.timestep,
-            ratio=simulated / driven.seconds if driven.seconds > 0 else None,
-            engine=scenario.engine,
-        ),
+        timing=_timing(prepared, driven, simulated, seconds),
         versions=dict(versions()),
         seed=scenario.seed,
     )
+
+
+def _isolated(prepared: Prepared, dataset: xr.Dataset) -> tuple[Isolation, list[str]]:
+    """How the machine is isolated, by some rows of the run."""
+    scenario, motion = prepared.scenario, prepared.motion
+    return isolation(
+        dataset, scenario.plant, scenario.record_rate, motion.usable_to, prepared.norms, motion.usable_from
+    )
+
+
+def _timing(prepared: Prepared, driven: Driven, simulated: float, seconds: float) -> Timing:
+    """What was stepped of ``simulated`` time, and in how many ``seconds`` in all."""
+    return Timing(
+        simulated_s=simulated,
+        wall_s=seconds,
+        stepping_s=driven.seconds,
+        steps=driven.stopped.steps,
+        timestep_s=prepared.timestep,
+        ratio=simulated / driven.seconds if driven.seconds > 0 else None,
+        engine=prepared.scenario.engine,
+    )
+
+
+def _asked_for(scenario: Scenario, dataset: xr.Dataset, usable_to: float, judging: Judging) -> dict[str, Any]:
+    """What a scenario asks to be judged beside the usual."""
+    asked: dict[str, Any] = {}
+    rate, spectrum = scenario.record_rate, scenario.criteria.response_spectrum
+    if scenario.relative:
+        asked["relative"] = judging.of(
+            "relative", lambda: relative_motions(dataset, scenario.relative, rate, usable_to), dict
+        )
+    if spectrum is not None:
+        asked["response_spectrum"] = judging.of(
+            "response_spectrum", lambda: response_spectra(dataset, rate, usable_to, spectrum), lambda: None
+        )
+    return asked
 
 
 def _found(prepared: Prepared) -> FoundLaw | None:
