@@ -77,6 +77,18 @@ def check_name(path: Path, said: str) -> None:
         )
 
 
+def check_file(path: Path, said: str) -> None:
+    """Raise InputError unless a file may be written at a path, in place of one that is there."""
+    check_name(path, said)
+    folder = path.absolute().parent
+    if path.is_dir():
+        raise InputError(f"{said} {str(path)!r}: is a folder")
+    if not folder.is_dir():
+        raise InputError(f"{said} {str(path)!r}: cannot be written, since {str(folder)!r} is no folder")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise InputError(f"{said} {str(path)!r}: cannot be written")
+
+
 def _numbered() -> Path:
     """Make the next number under runs/; of two runs that end together each gets its own."""
     RUNS.mkdir(exist_ok=True)

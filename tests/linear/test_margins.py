@@ -8,18 +8,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from ehamj.control import Controller
+from ehamj.control import Controller, LinearController
 from ehamj.control.architectures.modal import ModalSettings
 from ehamj.control.architectures.resonant import ResonantSettings
 from ehamj.control.kinds import CombinedSettings
 from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, margins_behind, report
+from ehamj.linear.margins import LoopReport, Margins, disk_margin, grid, margins, margins_behind, report
 from ehamj.linear.sampled import STABLE, sampled_machine, spectral_radius
+from ehamj.linear.unstable import UnstablePole
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.synthesis.judged import Design
+from ehamj.synthesis.requirements import Requirements
+from ehamj.synthesis.search import _nearest
 
 HERTZ = np.geomspace(0.01, 5000.0, 6000)
 S = 2j * np.pi * HERTZ
@@ -290,3 +294,57 @@ def test_a_resonator_of_a_law_is_seen_however_narrow_it_is(model: LinearModel) -
     x = 2 * 5e-4 * np.sqrt(30.0**2 - 1.0)
     wanted = 24.5 * (np.sqrt(1.0 + 0.25 * x**2) + 0.5 * x * np.array([-1.0, 1.0]))
     np.testing.assert_allclose(found.crossings, wanted, rtol=1e-3)
+
+
+# --- the worst of several -----------------------------------------------------------------------------------------
+
+
+def made(gain: float, phase: float, disk: float, peak: float = 1.0) -> Margins:
+    return Margins(gain, phase, disk, peak, 10.0 * peak, (phase,))
+
+
+def test_lines_that_are_followed_leave_the_least_of_each_margin_at_each_place() -> None:
+    """Neither end of the range has it all: margin by margin, place by place."""
+    scenario = parse_scenario(
+        {"control": {"kind": "combined", "parts": [{"kind": "modal"}, {"kind": "adaptive", "lines": [24.5]}]}}
+    )
+    law = scenario.controller()
+    assert law is not None
+    model, loop = linear_model(scenario.plant), Loop.of(scenario, law)
+    found = report(model, loop)
+    ends = [report(model, replace(loop, law=_fixed(law.turned(end)))) for end in ("low", "high")]
+    each = [report(model, replace(loop, law=_fixed(law))), *ends]
+    for kind in ("valves", "motions", "readings"):
+        for name, own in getattr(found, kind).items():
+            for margin in ("gain", "phase", "disk"):
+                assert getattr(own, margin) == min(getattr(getattr(one, kind)[name], margin) for one in each)
+    assert found.worst == tuple(min(one.worst[k] for one in each) for k in range(3))
+    assert len({one.worst for one in each}) == 3
+
+
+def _fixed(law: LinearController) -> LinearController:
+    """A law whose lines stay where they are."""
+    return replace(law, lines=()) if isinstance(law, Controller) else replace(
+        law, parts=tuple(replace(part, lines=()) for part in law.parts)
+    )  # fmt: skip
+
+
+def test_the_worst_margins_say_where_they_are() -> None:
+    found = LoopReport(
+        None, 0.7, {"a": made(9.0, 40.0, 0.9)}, {"heave": made(8.0, 50.0, 0.8)}, {"stroke a": made(7.0, 60.0, 1.0)}
+    )
+    assert found.worst_places == ((7.0, "reading stroke a"), (40.0, "valve a"), (0.7, "all valves at once"))
+    assert found.worst == (7.0, 40.0, 0.7)
+
+
+def test_a_search_says_at_which_place_a_margin_is_lacking() -> None:
+    loops = LoopReport(
+        None, 1.2, {"a": made(9.0, 80.0, 1.2)}, {"heave": made(8.0, 70.0, 1.1)}, {"s": made(3.0, 75.0, 1.0)}
+    )
+    away = replace(loops, unstable=UnstablePole(30.0, -0.1, 5.0, "heave", 1))
+    wanted = Requirements(gain_margin=6.0, phase_margin=45.0, disk_margin=0.5)
+    design = Design(
+        ModalSettings.stated(), Controller(*np.zeros((3, 0, 0)), np.zeros((4, 0)), ()), {"light": loops}, wanted
+    )
+    assert _nearest(design, wanted) == (0.5, "leaves a gain margin of 3 dB (light, reading s)")
+    assert _nearest(replace(design, reports={"light": away}), wanted) == (0.0, "is unstable (light)")

@@ -87,9 +87,7 @@ def test_a_failed_page_of_a_variant_leaves_the_other_pages(file: Path, monkeypat
         store, "write_report", lambda folder, shown: (fails if folder.name == "passive" else real)(folder, shown)
     )
     scenario = parse_scenario({**SHORT, "compare": ["passive"], "output": {"replay": False}})
-    with pytest.raises(
-        NotShown, match=r"report of .*passive could not be made: .*`ehamj report kept/passive` makes it"
-    ):
+    with pytest.raises(NotShown, match=r"report of .*passive could not be made.*`ehamj report kept/passive`"):
         simulate(scenario).save("kept", variants=[simulate(scenario.variant("passive"))])
     assert Path("kept/report.html").is_file()
     assert not Path("kept/passive/report.html").exists()

@@ -9,6 +9,7 @@ from ehamj.cli.frame import Json, app
 from ehamj.cli.printing import print_json, print_names, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
+from ehamj.folders import check_file
 
 SUFFIX = ".svg"
 
@@ -63,5 +64,4 @@ def _check(figure: Path) -> None:
     """Raise InputError unless the figure may be written; called before anything is timed."""
     if figure.suffix != SUFFIX:
         raise InputError(f"--figure {str(figure)!r}: must end with {SUFFIX}, which is what is drawn")
-    if not figure.absolute().parent.is_dir():
-        raise InputError(f"--figure {str(figure)!r}: cannot be written, since {str(figure.parent)!r} is no folder")
+    check_file(figure, "--figure")

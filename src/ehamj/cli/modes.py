@@ -15,10 +15,11 @@ from ehamj.cli.progress import doing
 from ehamj.designs.sensitivity import sensitivities
 from ehamj.errors import InputError
 from ehamj.findings import finite
+from ehamj.folders import check_file
 from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.modes import Mode
 from ehamj.linear.modes import modes as modes_of
-from ehamj.rig.modal_test import KINDS, ModalTest, kind_of, modal_test
+from ehamj.rig.modal_test import KINDS, ModalTest, check_test, kind_of, modal_test
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 
@@ -72,6 +73,8 @@ def modes(
     """
     if noise != 0.0 and measured is None:
         raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
+    if measured is not None:
+        check_test(measured, noise)
     if replay is not None:
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
@@ -144,8 +147,7 @@ def _check_recording(path: Path, overwrite: bool) -> None:
         raise InputError(f"--replay {str(path)!r}: must end in .rrd")
     if path.exists() and not (overwrite and path.is_file()):
         raise InputError(f"--replay {str(path)!r}: exists already; name another file or add --overwrite")
-    if not path.absolute().parent.is_dir():
-        raise InputError(f"--replay {str(path)!r}: {str(path.parent)!r} is no folder")
+    check_file(path, "--replay")
 
 
 def _points(given: Sequence[str], mounts: Sequence[str]) -> dict[str, tuple[float, float, float]]:

@@ -12,7 +12,7 @@ from ehamj.pages.words import NEGLIGIBLE, number
 from ehamj.plant.axes import DOFS
 from ehamj.plant.layout import MOTION_NAMES
 from ehamj.scenario.load import load_scenario
-from ehamj.views.statics import GOALS, StaticLoads, static_loads
+from ehamj.views.statics import GOALS, StaticLoads, check_goal, static_loads
 
 ROUNDING = 1e-6
 """Share of the weight below which a load is none."""
@@ -34,6 +34,8 @@ def statics(
     Forces are those on valves centred and ground at zero: along a mount's direction by membrane and oil, across it by
     its lateral membrane and the guide of its plate. Shims are `mount.height` of the scenario.
     """
+    if shims is not None:
+        check_goal(shims)
     loads = static_loads(load_scenario(scenario, overrides or ()))
     heights = None if shims is None else loads.shims(shims)
     if as_json:

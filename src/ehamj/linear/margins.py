@@ -45,6 +45,14 @@ class Margins:
     peak_hertz: float
     crossings: tuple[float, ...]
 
+    @classmethod
+    def worst_of(cls, found: "Sequence[Margins]") -> "Margins":
+        """The least of each margin among several loop gains; the peak with its frequency, and the crossings of the one
+        with the least phase."""
+        highest, latest = max(found, key=lambda one: one.peak), min(found, key=lambda one: one.phase)
+        gain, disk = min(one.gain for one in found), min(one.disk for one in found)
+        return cls(gain, latest.phase, disk, highest.peak, highest.peak_hertz, latest.crossings)
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data; null where a margin is infinite."""
         return {
@@ -76,8 +84,33 @@ class LoopReport:
     @property
     def worst(self) -> tuple[float, float, float]:
         """Least gain [dB], phase [deg] and disk margin over valves, motions and readings, and all valves at once."""
-        found = [*self.valves.values(), *self.motions.values(), *self.readings.values()]
-        return min(m.gain for m in found), min(m.phase for m in found), min(self.disk, *(m.disk for m in found))
+        gain, phase, disk = (one[0] for one in self.worst_places)
+        return gain, phase, disk
+
+    @property
+    def worst_places(self) -> tuple[tuple[float, str], ...]:
+        """The same margins, each with the place that has it."""
+        kinds = (("valve ", self.valves), ("", self.motions), ("reading ", self.readings))
+        found = [(f"{kind}{name}", one) for kind, places in kinds for name, one in places.items()]
+        gain, phase, disk = (
+            min((getattr(one, name), place) for place, one in found) for name in ("gain", "phase", "disk")
+        )
+        return gain, phase, min(disk, (self.disk, "all valves at once"))
+
+    @classmethod
+    def worst_of(cls, found: "Sequence[LoopReport]") -> "LoopReport":
+        """The least of each margin at each place among several; the pole that grows fastest, if one does."""
+        poles = [one.unstable for one in found if one.unstable is not None]
+
+        def places(kind: str) -> dict[str, Margins]:
+            tables = [getattr(one, kind) for one in found]
+            return {name: Margins.worst_of([table[name] for table in tables]) for name in tables[0]}
+
+        return cls(
+            max(poles, key=lambda pole: pole.growth, default=None),
+            min(one.disk for one in found),
+            *map(places, ("valves", "motions", "readings")),
+        )
 
     def to_dict(self, places: Sequence[str] = ("valves", "motions", "readings")) -> dict[str, Any]:
         """As plain data, with the margins at some kinds of ``places``."""
@@ -139,8 +172,8 @@ def loop_gains(model: LinearModel, loop: Loop, hertz: ArrayLike) -> dict[str, Co
 
 
 def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
-    """Margins at every place where the loop can be broken; of a law that follows lines with these where they are
-    stated, or all at one end of their ranges, whichever leaves least.
+    """Margins at every place where the loop can be broken; of a law that follows lines the least that any of three has
+    there: with these where they are stated, and all at one end of their ranges, or the other.
 
     Args:
         model: linearised machine.
@@ -155,7 +188,7 @@ def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> Lo
     found = [_report(model, loop, hertz)]
     if any(line.low < line.high for line in loop.law.lines):
         found += [_report(model, replace(loop, law=loop.law.turned(end)), hertz) for end in ENDS]
-    return min(found, key=lambda one: (one.stable, one.worst[2]))
+    return LoopReport.worst_of(found) if len(found) > 1 else found[0]
 
 
 def _report(model: LinearModel, loop: Loop, hertz: ArrayLike | None) -> LoopReport:

@@ -97,6 +97,13 @@ def kind_of(name: str) -> Kind:
     raise InputError(f"measured = {name!r}: must be one of {', '.join(KINDS)}")
 
 
+def check_test(kind: str, noise: float) -> None:
+    """Raise InputError where there is no such kind of measurement, or no such noise."""
+    kind_of(kind)
+    if not 0.0 <= noise < 1.0:
+        raise InputError(f"noise = {noise:g}: must be from 0 up to 1, as a share of the signal")
+
+
 def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations: int | None = None) -> ModalTest:
     """Identify the machine's modes from a simulated measurement, valves held.
 
@@ -113,9 +120,7 @@ def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations:
         InputError: if an argument is impossible, the machine is unstable, or its modes lie too far apart for one
             measurement.
     """
-    kind_of(kind)
-    if not 0.0 <= noise < 1.0:
-        raise InputError(f"noise = {noise:g}: must be from 0 up to 1, as a share of the signal")
+    check_test(kind, noise)
     if realisations is None:
         realisations = 3 if noise > 0.0 else 1
     if realisations < 1:

@@ -136,10 +136,15 @@ def _nearest(design: Design, wanted: Requirements) -> tuple[float, str]:
     """How near a design comes to the margins, one being there, and what it lacks most, in words."""
     found = []
     for machine, one in design.reports.items():
-        gain, phase, disk = one.worst if one.stable else (0.0, 0.0, 0.0)
-        asked = ((gain, wanted.gain_margin, " dB"), (phase, wanted.phase_margin, "°"), (disk, wanted.disk_margin, ""))
-        for (value, least, unit), what in zip(asked, ("gain", "phase", "disk"), strict=True):
+        if not one.stable:
+            found.append((0.0, f"is unstable ({machine})"))
+            continue
+        asked = (
+            ("gain", wanted.gain_margin, " dB"),
+            ("phase", wanted.phase_margin, "°"),
+            ("disk", wanted.disk_margin, ""),
+        )
+        for (value, place), (what, least, unit) in zip(one.worst_places, asked, strict=True):
             share = value / least if least > 0.0 else np.inf
-            place = min(one.motions, key=lambda name: getattr(one.motions[name], what))
             found.append((float(share), f"leaves a {what} margin of {value:.3g}{unit} ({machine}, {place})"))
     return min(found)

@@ -27,6 +27,12 @@ GOALS: Final = {
 """What shims are to do, beside that the machine stands without tilt."""
 
 
+def check_goal(goal: str) -> None:
+    """Raise InputError where shims are to do what is none of `GOALS`."""
+    if goal not in GOALS:
+        raise InputError(f"shims {goal!r}: must be one of {', '.join(GOALS)}")
+
+
 @dataclass(frozen=True)
 class StaticLoads:
     """What each mount carries at rest, valves centred and ground at zero; arrays have one row per mount."""
@@ -66,8 +72,7 @@ class StaticLoads:
         Raises:
             InputError: if no shims do.
         """
-        if goal not in GOALS:
-            raise InputError(f"shims {goal!r}: must be one of {', '.join(GOALS)}")
+        check_goal(goal)
         try:
             return level_shims(self.plant, self.oil, goal == "equal")
         except ValueError as error:
