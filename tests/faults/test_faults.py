@@ -112,7 +112,7 @@ def test_a_channel_needs_no_mount() -> None:
         ({"kind": "valve-stuck", "opening": 1.2}, "fault.0.opening = 1.2"),
         ({"kind": "spool-drift", "rate": 0.0}, "rate = 0 mA/s must not be zero"),
         ({"kind": "chamber-leak", "path": {}}, "fault.0.path = {}: must be 'piston' or 'outside'"),
-        ({"kind": "sensor-dead", "sensor": "nose"}, "fault.0.sensor = 'nose' must be one of ground, inertial"),
+        ({"kind": "sensor-dead", "sensor": "nose"}, "fault.0.sensor = 'nose': must be one of ground, inertial"),
         (
             {"kind": "sensor-dead", "sensor": "foot_velocity front z"},
             "no mount has this name: 'front' in fault.0.sensor",
