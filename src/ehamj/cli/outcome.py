@@ -14,6 +14,7 @@ from rich.markup import escape
 
 from ehamj.cli.folding import fitted
 from ehamj.cli.frame import app, log
+from ehamj.cli.letters import write_any_letter
 from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
 from ehamj.interruption import interrupted
 from ehamj.unfinished import NO_ROOM
@@ -29,6 +30,7 @@ TOLD: Final = (DerivedAnew, Recompiled)
 
 def exit_code() -> int:
     """Run the command that the command line asks for; what it ends with."""
+    write_any_letter()
     try:
         with warnings.catch_warnings():
             for kind in TOLD:

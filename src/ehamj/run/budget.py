@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import psutil
 
 from ehamj.errors import InputError
@@ -86,7 +87,11 @@ def fastest_part(plant: Plant) -> str:
     """What of a machine's isolators is fastest, by the keys that make it so, and how fast."""
     found = [one for actuator in plant.actuators for one in _rates(actuator)]
     stiff = sum(_stiffness(actuator) for actuator in plant.actuators)
-    found.append((math.sqrt(stiff / plant.machine.mass), "machine.mass and the isolators' stiffness"))
+    damped = sum(actuator.membrane_damping for actuator in plant.actuators)
+    arm = max(float(np.square(place).sum()) for place in plant.positions)
+    moved = min(plant.machine.mass, float(np.linalg.eigvalsh(plant.machine.tensor).min()) / arm)
+    found.append((math.sqrt(stiff / moved), "machine.mass, machine.inertia and the isolators' stiffness"))
+    found.append((damped / moved, "machine.mass, machine.inertia and membrane_damping"))
     rate, keys = max(found)
     return f"the fastest part, from {keys}, has {rate:.3g} rad/s"
 

@@ -5,6 +5,7 @@ import xarray as xr
 
 from ehamj.errors import SimulationFailed
 from ehamj.judge.levels import duration_of
+from ehamj.mujoco.warned import warned
 from ehamj.result import Result
 from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
@@ -31,6 +32,8 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
         return _stopped(prepared, stopped, duration_of(dataset))
     if lost := not_finite(dataset):
         return lost
+    if doubt := warned(prepared.data):
+        return f"simulation failed: {doubt}. Kept to the end, marked incomplete"
     if scenario.timestep == "auto" or all(follows(plant, timestep) for plant in plants(scenario)):
         return None
     whose = "" if not follows(scenario.plant, timestep) else " of the machine with its faults"
