@@ -106,7 +106,7 @@ def test_a_channel_needs_no_mount() -> None:
         ({"kind": "rust"}, "fault.0.kind = 'rust': must be one of 'valve-stuck'"),
         (
             {"kind": "valve-stuck", "mount": "front"},
-            "no mount has this name: 'front' in fault.0.mount; [[mount]] has front-left",
+            "no mount has this name: 'front' in fault.0.mount; did you mean 'front-left'? [[mount]] has front-left",
         ),
         ({"kind": "valve-stuck", "time": 10.0}, "fault.0.time = 10 s must be before the end, duration = 10 s"),
         ({"kind": "valve-stuck", "opening": 1.2}, "fault.0.opening = 1.2"),
