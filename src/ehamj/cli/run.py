@@ -1,6 +1,7 @@
 """The command that simulates."""
 
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -48,7 +49,7 @@ def run(
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
     check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
     clock = context.obj
-    results, failures = _simulate(loaded, clock)
+    results, failures = _simulate(loaded, clock, RUNS if out_folder is None else out_folder.resolve().parent)
     from ehamj.store import write_run
 
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step, clock.during("writing"):
@@ -65,10 +66,11 @@ def run(
         raise failures[0]
 
 
-def _simulate(scenario: "Scenario", clock: Clock) -> "tuple[dict[str, Result], list[Exception]]":
+def _simulate(scenario: "Scenario", clock: Clock, within: Path) -> "tuple[dict[str, Result], list[Exception]]":
     """Results of the scenario and of its variants by name, side by side on threads, and what cut them short.
 
-    The ``clock`` counts the stages of the scenario's own run, and for how long its variants went on.
+    The ``clock`` counts the stages of the scenario's own run, and for how long its variants went on. Rows that are too
+    many for memory go into files ``within`` a folder.
     """
     from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
@@ -99,7 +101,7 @@ def _simulate(scenario: "Scenario", clock: Clock) -> "tuple[dict[str, Result], l
             bar.update(task, completed=fraction)
 
         try:
-            return simulate(variant, done, floors=floors), None
+            return simulate(variant, done, floors=floors, within=within), None
         except SimulationFailed as failure:
             from ehamj.run.failures import Incomplete
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import mujoco
@@ -57,6 +58,8 @@ class Prepared:
     """What to know of the step."""
     found: Found | None = None
     """How the law was found, where it was found for the machine at hand."""
+    within: Path | None = None
+    """Folder for the file of rows that are too many for memory; None: the system's for what is temporary."""
 
     @property
     def timestep(self) -> float:
@@ -118,13 +121,16 @@ def found_for(scenario: Scenario) -> Found | None:
     return control.found(nominal.plant, nominal.sensors) if isinstance(control, SynthesisSettings) else None
 
 
-def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors | None = None) -> Prepared:
+def prepare(
+    scenario: Scenario, controller: AnyController | None, floors: Floors | None = None, within: Path | None = None
+) -> Prepared:
     """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
 
     Args:
         scenario: what to simulate.
         controller: runs instead of the scenario's control.
         floors: that variants of a run share.
+        within: folder for rows that are too many for memory.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
@@ -164,4 +170,4 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         noise = None if made.silent else made
     of_step = () if timestep == usual else (shorter_step(timestep, usual),)
     driven = (motion, commands, load, courses, controller, loop, noise)
-    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step, found)
+    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step, found, within)
