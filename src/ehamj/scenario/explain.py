@@ -17,6 +17,8 @@ LONG = 50
 """Entries of a list or a table beyond which it is not shown."""
 QUOTED = re.compile(r"'([^']*)'")
 """What is allowed, of a list in words."""
+LONGEST_KEY = 80
+"""Letters of a key that are shown: longer ones are none of ours."""
 MOST_SAID = 20
 """Findings of which one speaks at a time."""
 
@@ -98,6 +100,10 @@ def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:
     return ".".join(_walk(location, settings)[0])
 
 
+def _short(key: str) -> str:
+    return key if len(key) <= LONGEST_KEY else f"{key[:LONGEST_KEY]}…"
+
+
 def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], Any]:
     """Where a location leads: the keys as the user wrote them (without the tags of unions), and the type there."""
     keys: list[str] = []
@@ -108,6 +114,6 @@ def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[li
         elif len(choices(kind)) > 1 and only(kind) is None:
             kind = None
         else:
-            keys.append(str(part))
+            keys.append(_short(str(part)))
             kind = inside(only(kind), part)
     return keys, kind
