@@ -1,12 +1,11 @@
 """What a law's file holds: keys that are known, numbers that are no texts."""
 
-import difflib
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.plain.text import json_of
 
 T = TypeVar("T")
@@ -45,9 +44,7 @@ def check_keys(where: str, table: Mapping[str, Any], known: Sequence[str]) -> No
     """
     for key in table:
         if key not in known:
-            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"{where}.{key}: unknown key; {hint}allowed: {', '.join(known)}")
+            raise InputError(f"{where}.{key}: unknown key; {did_you_mean(key, known)}allowed: {', '.join(known)}")
 
 
 def names_in(names: Any) -> tuple[str, ...]:
