@@ -106,6 +106,11 @@ def _print(tally: Tally, out: Path, asked: argparse.Namespace) -> None:
         slow, most = tally.slowest.get(kind, 0.0), tally.largest.get(kind, 0.0)
         pace = 1000 * tally.seconds[kind] / count
         print(f"{kind:12}{count:8}  {share:>8}  {slow:6.2f} s  {most:5.0f} MiB  {pace:6.0f}  {ends}")
+    if tally.ended:
+        half, most = (sorted(tally.ended)[int(share * (len(tally.ended) - 1))] for share in (0.5, 0.95))
+        print(
+            f"asked to, commands ended within {half:.2f} s (half), {most:.2f} s (95 %), {max(tally.ended):.2f} s (all)"
+        )
     for signature, one in sorted(tally.findings.items(), key=lambda found: -found[1]["count"]):
         case = one["first"]
         print(f"\n{one['count']} × {signature}")

@@ -46,8 +46,9 @@ class Worker:
         self.stack = Path(name)
         arguments = [sys.executable, "-m", "fuzz.worker", str(writing), str(self.kept), name]
         quiet = {"COLUMNS": "200", "NO_COLOR": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "default"}
+        seen = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
         self.process = subprocess.Popen(
-            arguments, stdin=subprocess.PIPE, pass_fds=[writing], env={**os.environ, **quiet}, cwd=tempfile.gettempdir()
+            arguments, stdin=subprocess.PIPE, pass_fds=[writing], env={**seen, **quiet}, cwd=tempfile.gettempdir()
         )
         os.close(writing)
         self.began = time.monotonic()
@@ -95,6 +96,8 @@ class Tally:
     largest: dict[str, float] = field(default_factory=dict)
     named: dict[str, list[int]] = field(default_factory=dict)
     seconds: Counter[str] = field(default_factory=Counter)
+    ended: list[float] = field(default_factory=list)
+    """How long commands took to end that were asked to [s]."""
 
     def add(self, kind: str, end: str, found: list[str], case: dict[str, Any]) -> None:
         """Count a case that ended so, with what was found of it; the shortest of each finding is kept."""
@@ -113,7 +116,7 @@ class Tally:
         return {
             "cases": dict(self.cases), "ends": {kind: dict(one) for kind, one in self.ends.items()},
             "named": self.named, "slowest_refusal_s": self.slowest, "largest_refusal_mib": self.largest,
-            "seconds": dict(self.seconds), "findings": self.findings,
+            "ended_s": sorted(self.ended), "seconds": dict(self.seconds), "findings": self.findings,
         }  # fmt: skip
 
 
@@ -159,7 +162,7 @@ def _turn(
                 if len(pool) < workers and following is not None:  # the first has compiled what the others load
                     pool.append(Worker(kept))
         for one in list(pool):
-            if (one.order is not None and time.monotonic() - one.began > TIME) or (
+            if (one.order is not None and time.monotonic() - one.began > _limit(one.order)) or (
                 not one.ready and time.monotonic() - one.began > START
             ):
                 pool.remove(one)
@@ -176,11 +179,18 @@ def _turn(
         told()
 
 
+def _limit(order: dict[str, Any]) -> float:
+    from fuzz.signals import PATIENCE
+
+    return 4 * PATIENCE if order["kind"] == "signal" else TIME
+
+
 def _count(answer: dict[str, Any], tally: Tally, seconds: float) -> None:
     from fuzz.judge import findings, named
 
     kind, code = answer["kind"], answer["codes"][-1]
     tally.seconds[kind] += seconds
+    tally.ended += [] if answer["ended"] is None else [answer["ended"]]
     if code == 2:
         tally.slowest[kind] = max(tally.slowest.get(kind, 0.0), answer["seconds"][-1])
         tally.largest[kind] = max(tally.largest.get(kind, 0.0), answer["memory"][-1])

@@ -15,7 +15,17 @@ LONGEST: Final = 5000
 """Length of what is said of a refusal."""
 LINES: Final = 30
 """A message has a line per key that is wrong, a table drawn at random may have some."""
-USUAL: Final = ("simulating ", "compiling ", "writing", "note: ", "finding ", "deriving ")
+USUAL: Final = (
+    "simulating ",
+    "compiling ",
+    "writing",
+    "measuring",
+    "drawing ",
+    "building ",
+    "note: ",
+    "finding ",
+    "deriving ",
+)
 """Lines that tell what is being done, before a message."""
 CODES: Final = (0, 2, 3, 130)
 
@@ -43,13 +53,19 @@ def findings(kind: str, outcome: dict[str, Any]) -> Iterator[str]:
         yield f"traceback: {_last(said)}"
     if "should not happen" in said:
         yield f"unforeseen: {same(_message(said))}"
-    warning = re.search(r"^.*?(\w*Warning): (.*)$", said, re.MULTILINE)
+    warning = re.search(r"^\S+:\d+: (\w*Warning): (.*)$", said, re.MULTILINE)
     if warning:
         yield f"warning: {warning[1]} {same(warning[2])}"
+    beyond = re.search(r"^note: somewhere numbers are .*\((.*)\)$", said, re.MULTILINE)
+    if beyond:
+        yield f"beyond numbers: {same(beyond[1])}"
     if outcome["executed"]:
         yield f"executed: {outcome['executed'][0][:60]}"
     if outcome["whole"]:
         yield f"result: {same(outcome['whole'])[:120]}"
+    if kind == "signal":
+        yield from _ended(outcome)
+        return
     if code == 2:
         yield from _refusal(outcome, said)
     if code == 3 and "simulation failed" not in said and "should not happen" not in said:
@@ -63,10 +79,21 @@ def findings(kind: str, outcome: dict[str, Any]) -> Iterator[str]:
         yield f"left: {same(strange[0])}"
 
 
+def _ended(outcome: dict[str, Any]) -> Iterator[str]:
+    from fuzz.signals import LIMIT
+
+    if outcome["codes"][-1] not in (0, 130):
+        yield f"interrupted, it ends with {outcome['codes'][-1]}: {same(_message(outcome['said']))}"
+    if (outcome["ended"] or 0.0) > LIMIT:
+        yield f"it ended later than {LIMIT:g} s after it was asked to"
+
+
 def _strange(name: str) -> bool:
     """Whether a file is none that a command is to leave."""
     first, *_, last = [*name.split("/"), name.split("/")[-1]]
-    return bool(UNFINISHED.fullmatch(last)) or first not in ("out", "runs") or last == "MUJOCO_LOG.TXT"
+    return (
+        bool(UNFINISHED.fullmatch(last)) or first not in ("out", "runs", "result", "good") or last == "MUJOCO_LOG.TXT"
+    )
 
 
 def _refusal(outcome: dict[str, Any], said: str) -> Iterator[str]:
@@ -83,7 +110,7 @@ def _refusal(outcome: dict[str, Any], said: str) -> Iterator[str]:
         yield f"slow refusal: {same(_message(said))[:100]}"
     if outcome["memory"][-1] > MOST:
         yield f"memory of a refusal: {same(_message(said))[:100]}"
-    if any(name.startswith(("out", "runs")) for name in outcome["left"]) and len(outcome["codes"]) == 1:
+    if outcome["left"] and len(outcome["codes"]) == 1:
         yield f"left by a refusal: {same(outcome['left'][0])}"
     if not named(outcome, said):
         yield f"unnamed: {same(_message(said))[:140]}"
@@ -96,7 +123,7 @@ def named(outcome: dict[str, Any], said: str) -> bool:
     own = {part for key in outcome["keys"] for part in re.split(r"[ .]", key) if len(part) > 1 and not part.isdigit()}
     if any(part in message for part in own) or message.startswith(tuple(PLACES)):
         return True
-    if any(re.search(rf"\b{name}\b[.\[ ]", message) for name in PLACES):
+    if any(re.search(rf"\b{name}(\.\w| = |\[)", message) for name in PLACES):
         return True
     return bool(re.match(r"standard output", message))
 

@@ -46,6 +46,8 @@ class Outcome:
     keys: list[str] = field(default_factory=list)
     commands: list[list[str]] = field(default_factory=list)
     damaged: bool = False
+    ended: float | None = None
+    """How long a command took to end that was asked to [s]."""
 
 
 _heard: list[str] = []
@@ -106,13 +108,27 @@ def called(arguments: tuple[str, ...] | list[str]) -> int:
         return int(ended.code or 0)
 
 
+@contextlib.contextmanager
+def _own_folder(keep: Path | None) -> Iterator[Path]:
+    folder = keep or Path(tempfile.mkdtemp(prefix="fuzz-"))
+    try:
+        yield folder
+    finally:
+        if keep is None:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
 def tried(kind: str, seed: int, number: int, kept: Path, keep: Path | None = None) -> Outcome:
     """Put a case before the command line, in a folder of its own or in one to ``keep``."""
     global _hearing
     from fuzz.case import MARK, chance
     from fuzz.kinds import KINDS
 
-    case = KINDS[kind].make(chance(kind, seed, number), kept)
+    random, trial = chance(kind, seed, number), KINDS[kind].try_out
+    if trial is not None:
+        with _own_folder(keep) as folder:
+            return trial(random, kept, folder)
+    case = KINDS[kind].make(random, kept)
     found = Outcome(
         told=case.told, keys=list(case.keys), commands=[list(one) for one in case.commands], damaged=case.damaged
     )

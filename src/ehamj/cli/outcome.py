@@ -24,6 +24,7 @@ BAD_INPUT: Final = 2
 FAILED: Final = 3
 NOT_WRITTEN: Final = (*NO_ROOM, errno.EACCES, errno.EPERM, errno.EROFS, errno.EIO)
 """What a system answers that lets nothing be written."""
+BEYOND: Final = "somewhere numbers are too large or too small to compute with; look whether all values are meant"
 TOLD: Final = (DerivedAnew, Recompiled)
 """Warnings that a user is told as notes."""
 
@@ -99,5 +100,7 @@ def _noted(message: Warning | str, category: type[Warning], *where: Any, **more:
     """A warning as a line on standard error; one that is not for the user as Python shows it."""
     if issubclass(category, TOLD):
         log.print(fitted(f"note: {message}", log), markup=False, highlight=False, soft_wrap=True)
+    elif issubclass(category, RuntimeWarning):
+        log.print(f"note: {BEYOND} ({message})", markup=False, highlight=False, soft_wrap=True)
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

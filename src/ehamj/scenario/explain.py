@@ -15,6 +15,8 @@ T = TypeVar("T", bound=Settings)
 
 LONG = 50
 """Entries of a list or a table beyond which it is not shown."""
+LONGEST_KEY = 80
+"""Letters of a key that are shown: longer ones are none of ours."""
 MOST_SAID = 20
 """Findings of which one speaks at a time."""
 
@@ -86,6 +88,10 @@ def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:
     return ".".join(_walk(location, settings)[0])
 
 
+def _short(key: str) -> str:
+    return key if len(key) <= LONGEST_KEY else f"{key[:LONGEST_KEY]}…"
+
+
 def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], Any]:
     """Where a location leads: the keys as the user wrote them (without the tags of unions), and the type there."""
     keys: list[str] = []
@@ -96,6 +102,6 @@ def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[li
         elif len(choices(kind)) > 1 and only(kind) is None:
             kind = None
         else:
-            keys.append(str(part))
+            keys.append(_short(str(part)))
             kind = inside(only(kind), part)
     return keys, kind
