@@ -4,7 +4,6 @@ import difflib
 from collections.abc import Iterable
 from typing import Final
 
-
 LONGEST_WORD: Final = 80
 """Letters of what was written that are compared."""
 
