@@ -71,10 +71,7 @@ def modes(
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
-    if noise != 0.0 and measured is None:
-        raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
-    if measured is not None:
-        check_test(measured, noise)
+    _check_test(measured, noise)
     if replay is not None:
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
@@ -139,6 +136,14 @@ def _modes_under(
 ) -> Sequence[Mode]:
     model = linear_under(scenario.plant, None if loop is None else loop.law)
     return modes_of(model, loop, bypassed, places)
+
+
+def _check_test(measured: str | None, noise: float) -> None:
+    """Raise InputError unless what is to be measured can be; called before anything is computed."""
+    if measured is not None:
+        check_test(measured, noise)
+    elif noise != 0.0:
+        raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
 
 
 def _check_recording(path: Path, overwrite: bool) -> None:
