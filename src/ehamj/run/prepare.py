@@ -149,7 +149,7 @@ def prepare(
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
-    check_rows(scenario)
+    check_rows(scenario, folder=within)
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()
