@@ -86,7 +86,10 @@ def test_every_quantity_has_a_unit_that_has_bounds() -> None:
     load_scenario("recorded")
     units = {unit for kind in _known(Parameters) for unit, *_ in kind.quantities().values()}
     assert {"m", "kg", "Pa", "rad/s"} <= units
-    assert units <= {*BOUNDS, *OTHERS}
+    assert units <= {*BOUNDS, *OTHERS}, (
+        f"{sorted(units - {*BOUNDS, *OTHERS})}: state in src/ehamj/bounds.py which magnitudes a new unit may have"
+    )
     described = [field.description or "" for kind in _known(Settings) for field in kind.model_fields.values()]
     written = {found[-1] for one in described if (found := re.findall(r"\[([^\[\]]+)\]$", one))}
-    assert {one for one in written if unit_of(f"[{one}]") is None} <= {"supply", "actuators.NAME"}
+    strange = {one for one in written if unit_of(f"[{one}]") is None} - {"supply", "actuators.NAME"}
+    assert not strange, f"{sorted(strange)}: no unit of src/ehamj/bounds.py; state there which magnitudes it may have"

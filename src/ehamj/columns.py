@@ -5,8 +5,9 @@ memory is that of a few columns, however many there are. In memory and on disk t
 and what comes out is the same to the bit.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import blake2b
 from typing import Any, Final, Protocol
 
@@ -30,7 +31,7 @@ class Samples(Protocol):
         """Some of it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Made:
     """Columns (time, n) that are made of other samples, a block of rows at a time, each time that one is asked for."""
 
@@ -44,6 +45,28 @@ class Made:
         for rows in blocks(self.shape[0]):
             found[rows] = self.rows(rows)[:, key[1]]
         return found
+
+    @cached_property
+    def known_by(self) -> bytes:
+        """See `fingerprint`."""
+        return _known_by(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Picked:
+    """Some columns of samples, (time, n)."""
+
+    samples: Samples
+    at: Sequence[tuple[int, ...]]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(time, n)."""
+        return self.samples.shape[0], len(self.at)
+
+    def __getitem__(self, key: tuple[slice, int]) -> Array:
+        """One column; ``key`` is all of the time, and which."""
+        return column(self.samples, *self.at[key[1]])
 
 
 def blocks(count: int) -> Iterator[slice]:
@@ -75,6 +98,20 @@ def of_each(samples: Samples, compute: Callable[[Array], Any]) -> Array:
 def peaks(samples: Samples) -> Array:
     """Largest absolute value of each column, shaped as the columns are; NaN where one has it."""
     return of_each(samples, lambda one: np.abs(one).max())
+
+
+def finite(samples: Samples) -> bool:
+    """Whether all of it is finite."""
+    return all(bool(np.isfinite(one).all()) for one in columns(samples))
+
+
+def fingerprint(samples: Samples) -> tuple[tuple[int, ...], bytes]:
+    """Shape of samples, and what they are told by."""
+    return samples.shape, samples.known_by if isinstance(samples, Made) else _known_by(samples)
+
+
+def _known_by(samples: Samples) -> bytes:
+    return blake2b(b"".join(map(digest, columns(samples)))).digest()
 
 
 def digest(values: Array) -> bytes:

@@ -4,7 +4,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.plain.text import text_of, toml_of
 
 LARGEST = 2**20
@@ -30,7 +30,8 @@ def scenario_path(source: str | Path) -> Path:
     if path.is_dir() and (path / "scenario.toml").is_file():
         return path / "scenario.toml"
     if not path.is_file():
-        raise InputError(f"scenario {str(source)!r}: no such file, and the shipped ones are {', '.join(shipped)}")
+        near = did_you_mean(str(source), shipped)
+        raise InputError(f"scenario {str(source)!r}: no such file; {near}the shipped ones are {', '.join(shipped)}")
     return path
 
 

@@ -1,11 +1,12 @@
 """Limits that a run reached, by the tally of every step and by the recorded rows; and the oil that it drew."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ehamj.columns import column
 from ehamj.judge.summary import AtLimit, ByMount, Oil, Summary
 from ehamj.mujoco.rows import Tally
 from ehamj.plant.plant import Plant
@@ -70,14 +71,19 @@ def _percent(share: float) -> str:
 
 def at_limit(dataset: xr.Dataset, plant: Plant, rate: float) -> dict[str, AtLimit | None]:
     """When each limit was reached, by the recorded rows at ``rate`` [Hz]; None where it was in none of them."""
-    return {name: _longest(states, rate, plant.mounts) for name, states in reached(dataset, plant).items()}
+    stretches: dict[str, list[tuple[int, int]]] = {name: [] for name in WORDS}
+    for mount in range(len(plant.mounts)):
+        for name, states in reached(dataset, plant, mount).items():
+            stretches[name].append(_stretches(states))
+    return {name: _longest(found, rate, plant.mounts) for name, found in stretches.items()}
 
 
-def reached(dataset: xr.Dataset, plant: Plant) -> dict[str, NDArray[np.bool_]]:
-    """Which rows and mounts are at each limit, (time, mount)."""
-    command, spool = dataset["valve_command"].values, dataset["spool"].values
+def reached(dataset: xr.Dataset, plant: Plant, mount: int) -> dict[str, NDArray[np.bool_]]:
+    """Which rows of a mount, by its number, are at each limit, (time,)."""
+    command, spool = (column(dataset[name].variable, mount) for name in ("valve_command", "spool"))
+    void = dataset["chamber_void"].variable[:, mount]
     limit, stroke, gain, frequency, drive = (
-        np.array([getattr(actuator, name) for actuator in plant.actuators])
+        getattr(plant.actuators[mount], name)
         for name in ("voltage_limit", "spool_stroke", "valve_gain", "valve_frequency", "spool_drive_limit")
     )
     target = gain * np.clip(command, -limit, limit)
@@ -85,16 +91,23 @@ def reached(dataset: xr.Dataset, plant: Plant) -> dict[str, NDArray[np.bool_]]:
         "command": np.abs(command) >= limit,
         "spool": np.abs(spool) >= stroke,
         "spool_drive": np.abs(frequency**2 * (target - spool)) >= drive,
-        "cavitation": (dataset["chamber_void"].values > 0.0).any(axis=2),
+        "cavitation": (column(void, 0) > 0.0) | (column(void, 1) > 0.0),
     }
 
 
-def _longest(states: NDArray[np.bool_], rate: float, mounts: tuple[str, ...]) -> AtLimit | None:
-    """First time and longest stretch of states (time, mount), None if they are never true."""
-    if not states.any():
+def _stretches(states: NDArray[np.bool_]) -> tuple[int, int]:
+    """The first row of states (time,) that is true, and how many there are at most without one between that is not; of
+    none both are zero."""
+    # One row before and one after, false, so that each stretch has a beginning and an end.
+    edges = np.diff(np.pad(states.astype(np.int8), 1))
+    begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return (int(begins[0]), int((ends - begins).max())) if begins.size else (0, 0)
+
+
+def _longest(found: Sequence[tuple[int, int]], rate: float, mounts: tuple[str, ...]) -> AtLimit | None:
+    """First time and longest stretch of all mounts, None if none was at the limit."""
+    longest = [rows for _, rows in found]
+    if not any(longest):
         return None
-    # One row before and one after, all false, so that each stretch of a mount has a beginning and an end.
-    edges = np.diff(np.pad(states.T.astype(int), ((0, 0), (1, 1))), axis=1)
-    longest = [int((np.flatnonzero(of == -1) - np.flatnonzero(of == 1)).max(initial=0)) for of in edges]
-    first = int(np.argmax(states.any(axis=1)))
+    first = min(begin for begin, rows in found if rows)
     return AtLimit(first_s=first / rate, longest_s=max(longest) / rate, mount=mounts[int(np.argmax(longest))])

@@ -82,6 +82,7 @@ class Prepared:
             *self.scenario.where_slides_stand,
             *failing,
             *self._folded(),
+            *self._exact_spools(),
             *self._unread_upstream(read),
         )
         if not isinstance(self.controller, PythonController):
@@ -95,6 +96,19 @@ class Prepared:
         return (
             "sensors.upstream is read by no law of this run: one that is told where isolation begins (isolate_from) "
             "reads it",
+        )
+
+    def _exact_spools(self) -> tuple[str, ...]:
+        """That loops about spools read what no sensor shows."""
+        if self.controller is None or not self.controller.converter.spools:
+            return ()
+        sensor = self.scenario.sensors.spool
+        if sensor is not None and (sensor.noise > 0.0 or sensor.resolution > 0.0):
+            return ()
+        exact = "no sensors.spool is stated" if sensor is None else "its noise and resolution are 0"
+        return (
+            f"control.spool_feedback reads where the spools stand exactly, since {exact}; one as it is sold has noise: "
+            "sensors.spool = {}",
         )
 
     def _folded(self) -> tuple[str, ...]:
@@ -135,7 +149,7 @@ def prepare(
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
-    check_rows(scenario)
+    check_rows(scenario, folder=within)
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import Made, Samples
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band
 from ehamj.estimate.remembered import remembered
@@ -61,9 +62,11 @@ class Reasons:
     def __init__(self, prepared: Prepared, dataset: xr.Dataset, shares: dict[str, ByMount]) -> None:
         self.scenario, self.law, self.shares = prepared.scenario, prepared.law, shares
         self.noisy, self.python = prepared.noise is not None, prepared.law is None and prepared.controller is not None
-        ground = dataset["ground_velocity"].values
+        ground = dataset["ground_velocity"].variable
         fit = np.linalg.pinv(levers(prepared.scenario.plant.positions))
-        self.floor = ground.reshape(len(ground), -1) @ fit.T
+        self.floor = Made(
+            (ground.shape[0], len(DOFS)), lambda rows: (own := ground[rows].values).reshape(len(own), -1) @ fit.T
+        )
         """Velocity of the rigid floor that is nearest to the mounts', (time, DOFS) [m/s, rad/s]."""
 
     def of(self, one: Worse) -> Worse:
@@ -202,7 +205,7 @@ class Reasons:
 
 
 @remembered(16)
-def _floor_levels(floor: Array, rate: float, band: Band) -> Array:
+def _floor_levels(floor: Samples, rate: float, band: Band) -> Array:
     """Whole-run RMS in a band of the rigid floor's velocity (time, DOFS), which variants share, (DOFS,)."""
     return rms_in_bands(floor, rate, (band,))[0]
 
