@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.memory import activations
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
@@ -30,7 +30,7 @@ GOALS: Final = {
 def check_goal(goal: str) -> None:
     """Raise InputError where shims are to do what is none of `GOALS`."""
     if goal not in GOALS:
-        raise InputError(f"shims {goal!r}: must be one of {', '.join(GOALS)}")
+        raise InputError(f"shims {goal!r}: {did_you_mean(goal, GOALS)}must be one of {', '.join(GOALS)}")
 
 
 @dataclass(frozen=True)
