@@ -128,7 +128,7 @@ def _import_writers(output: "Output") -> None:
     before the first step does not."""
     from importlib import import_module
 
-    from ehamj.run.simulate import import_judging
+    from ehamj.run.judging import import_judging
 
     import_judging()
     wanted = ["ehamj.store", "h5netcdf"]
