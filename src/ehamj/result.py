@@ -172,6 +172,8 @@ class Result:
 def check_result(folder: str | Path) -> Path:
     """A folder, checked to hold the files of a result; raises InputError otherwise."""
     folder = Path(folder)
+    if not folder.exists():
+        raise InputError(f"result {str(folder)!r}: there is no such folder")
     missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
     if missing:
         raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")

@@ -10,17 +10,18 @@ from ehamj.cli.frame import Json, app, log
 from ehamj.cli.printing import print_json, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
+from ehamj.folders import RUNS
 
 if TYPE_CHECKING:
     from ehamj.result import Result
 
-ResultFolder = Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")]
+ResultFolder = Annotated[Path | None, typer.Argument(metavar="RESULT", help="A result folder, such as runs/0001.")]
 Compare = Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")]
 
 
 @app.command()
 def replay(
-    folder: ResultFolder,
+    folder: ResultFolder = None,
     compare: Compare = None,
     rebuild: Annotated[
         bool, typer.Option("--rebuild", help="Build RESULT/replay.rrd anew, with RESULT's own variants as `run` did.")
@@ -39,6 +40,7 @@ def replay(
 
     if compare and rebuild:
         raise InputError("--rebuild: is for RESULT's own recording; --compare always builds another, so leave one out")
+    folder = _named(folder)
     path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
     _check_result(folder)
     built = bool(compare) or rebuild or not path.is_file()
@@ -58,7 +60,7 @@ def replay(
 
 
 @app.command()
-def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False) -> None:
+def report(folder: ResultFolder = None, compare: Compare = None, as_json: Json = False) -> None:
     """Build the report of a stored result anew, variants that ran with it beside it, as RESULT/report.html.
 
     With `--compare` (repeatable) the page shows RESULT and the others named, side by side, without RESULT's own
@@ -66,6 +68,7 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
     """
     from ehamj.report import write_report
 
+    folder = _named(folder)
     shown = _side_by_side([folder, *(compare or _variants(folder))], "report")
     name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
     with doing("drawing the report"):
@@ -75,6 +78,15 @@ def report(folder: ResultFolder, compare: Compare = None, as_json: Json = False)
         print_json({"report": str(path), "results": list(shown)})
     else:
         say(f"report: {path}", whole=True)
+
+
+def _named(folder: Path | None) -> Path:
+    """The folder that was named; raises InputError where none was, which names the latest there is."""
+    if folder is not None:
+        return folder
+    there = sorted(path.parent for path in RUNS.glob("*/summary.json"))
+    latest = f"the latest here is {str(there[-1])!r}" if there else "`ehamj run` makes one"
+    raise InputError(f"RESULT: is missing; name a result folder, {latest}")
 
 
 def _check_result(folder: Path) -> None:
