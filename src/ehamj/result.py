@@ -3,11 +3,11 @@
 import contextlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -68,6 +68,11 @@ class Result:
     def complete(self) -> bool:
         """Whether the simulation reached its end."""
         return self.summary.complete
+
+    def in_memory(self) -> Self:
+        """The same with all channels in memory, which pages and recordings need; raises InputError where they do not
+        fit."""
+        return self if self.kept is None else replace(self, dataset=self.kept.load(), kept=None)
 
     def __repr__(self) -> str:
         state = "complete" if self.complete else "INCOMPLETE"

@@ -113,7 +113,7 @@ def test_a_failed_page_of_a_variant_leaves_the_other_pages(file: Path, monkeypat
             ["compare=['other']", "variants.other.criteria={norms=['nowhere.csv']}"],
             "nowhere.csv",
         ),
-        ([f"variants.{'a' * 65}.seed=1"], "must be at most 64 letters"),
+        ([f"variants.{'a' * 65}.seed=1"], "(64 at most)"),
     ],
 )
 def test_what_is_wrong_is_refused_before_any_step(

@@ -128,6 +128,16 @@ def _variants(folder: Path) -> list[Path]:
     return [folder / name for name in here]
 
 
+def _in_memory(folder: Path) -> "Result":
+    from ehamj.result import load_result
+
+    try:
+        return load_result(folder).in_memory()
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith("result ") else f"result {str(folder)!r}: {said}") from error
+
+
 def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     """Stored results by what tells each from the others.
 
@@ -138,10 +148,9 @@ def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     Raises:
         InputError: if a folder is named twice, or holds no row.
     """
-    from ehamj.result import load_result
     from ehamj.scenario.variants import labels
 
-    results = [load_result(folder) for folder in folders]
+    results = [_in_memory(folder) for folder in folders]
     paths = [folder.resolve() for folder in folders]
     for folder, path in zip(folders, paths, strict=True):
         if paths.count(path) > 1:

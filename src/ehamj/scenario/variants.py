@@ -35,7 +35,7 @@ def check_variants(scenario: "Scenario") -> None:
             raise ValueError(f"variants.{name}: is the name of a standard control; choose another")
         if not NAME.fullmatch(name):
             raise ValueError(
-                f"variants: {name!r} must be at most 64 letters, digits, '_' or '-', not 'figures': it names a folder"
+                f"variants: {name!r} must be letters, digits, '_', '-' (64 at most), not 'figures': it names a folder"
             )
         if sum(other.casefold() == name.casefold() for other in scenario.variants) > 1:
             raise ValueError(f"variants.{name}: another one has this name but for capitals, and would have its folder")
