@@ -23,6 +23,7 @@ from ehamj.criteria.vc import CLASSES
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.evaluation import FREQUENCIES
 from ehamj.ground import Start
+from ehamj.judge.brief import brief
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
@@ -153,7 +154,9 @@ def test_three_significant_digits(given: float | None, shown: str) -> None:
 def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
     criterion = json.loads((folder / "summary.json").read_text())["criterion"]
     verdict, loudest = criterion["verdict"], criterion["max_1s"]["verdict"]
-    lines = [" ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li')]
+    lines = [
+        " ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li[not(@class="worse")]')
+    ]
     vertical, horizontal, by, second = lines
     assert vertical.startswith(f"vertical {verdict['vertical']}. Machine worst at ")
     assert horizontal.startswith(f"horizontal {verdict['horizontal']}")
@@ -161,6 +164,22 @@ def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
     both = "; ".join(f"{name} {loudest[name]}" for name in ("vertical", "horizontal"))
     assert second == f"by the largest 1 s RMS {both}"
     assert "actuated" in verdict["vertical"]
+
+
+def test_the_verdict_says_where_the_machine_is_worse_than_its_floor(results: dict[str, Result], whole: Any) -> None:
+    """In one sentence: axis, decibel, band and reason of the worst, and how much it is elsewhere."""
+    found = results["feedforward"].summary.worse
+    assert len(found) > 1
+    (said,) = whole.xpath('//*[@id="verdict"]/li[@class="worse"]')
+    text = " ".join(said.text_content().split())
+    worst = max(found, key=lambda one: one.amplification_db if one.amplification_db is not None else one.beside_db)
+    assert text.startswith(f"worse than its floor {worst.in_words()}; also ")
+    for part in (f"{worst.amplification_db:.1f} dB in the {worst.band} Hz band", worst.why):
+        assert part in text
+    for other in found:
+        if other is not worst and other.amplification_db is not None:
+            assert f" {other.amplification_db:.1f} dB at {other.band} Hz" in text
+    assert brief(results["feedforward"].summary)["worse"] == text.removeprefix("worse than its floor ")
 
 
 def test_headline_attenuation_is_the_summarys(results: dict[str, Result], whole: Any) -> None:

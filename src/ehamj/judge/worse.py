@@ -6,7 +6,7 @@ Roll, pitch and yaw are held against those of the rigid slab fitted to the floor
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from pydantic import Field
@@ -73,6 +73,28 @@ class Worse(Finding):
                 f"{self.band} Hz band{at}{span}"
             )
         return f"{said}; {self.why}" if self.why else said
+
+    @property
+    def amount(self) -> float:
+        """By how much the machine moves more [dB], than the floor's strongest motion where it does not move along the
+        axis."""
+        return (self.amplification_db if self.amplification_db is not None else self.beside_db) or 0.0
+
+    def briefly(self) -> str:
+        """Axis, amount and band, as they stand beside others."""
+        along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]}"
+        if self.amplification_db is None:
+            return f"{along} {1e6 * (self.level or 0.0):.3g} µm/s at {self.band} Hz, where the floor does not move"
+        return f"{along} {self.amplification_db:.1f} dB at {self.band} Hz"
+
+
+def in_a_sentence(found: Sequence[Worse]) -> str:
+    """The worst with its reason, and by how much the machine moves more than its floor elsewhere; empty of none."""
+    if not found:
+        return ""
+    first, *others = sorted(found, key=lambda one: -one.amount)
+    said = first.in_words()
+    return f"{said}; also {', '.join(one.briefly() for one in others)}" if others else said
 
 
 def worse(isolated: Isolation) -> list[Worse]:
