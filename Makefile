@@ -1,13 +1,16 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test check format clean
+.PHONY: run test fuzz check format clean
 
 run: .venv/.ready
 	$(BIN)/ehamj run
 
 test: .venv/.ready
 	$(BIN)/python -m pytest
+
+fuzz: .venv/.ready
+	PYTHONPATH=tests $(BIN)/python -m fuzz $(FUZZ)
 
 check: .venv/.ready
 	$(BIN)/ruff check .

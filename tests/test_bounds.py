@@ -52,6 +52,29 @@ def test_what_is_a_factor_is_bounded_too() -> None:
         parse_scenario({"control": {"kind": "feedforward", "gain": 1e300}})
 
 
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            {"ground": {"kind": "multisine", "frequencies": [9.0] * 10_001, "velocities": [1e-6]}},
+            r"frequencies: .*10000",
+        ),
+        ({"force": [{"kind": "sine", "amplitude": 1.0, "frequency": 9.0}] * 1001}, r"^force: has 1001 .* at most 1000"),
+        ({"points": {f"p{k}": [0.0, 0.0, 1.0] for k in range(1001)}}, r"^points: has 1001 entries; at most 1000"),
+        ({"control": {"kind": "resonant", "lines": [9.0] * 101}}, r"^control.lines: .* at most 100 items"),
+    ],
+)
+def test_a_list_that_nobody_writes_is_refused_before_it_is_read(changed: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        parse_scenario(changed)
+
+
+def test_of_many_findings_the_first_are_said() -> None:
+    with pytest.raises(InputError, match="and 880 more") as told:
+        parse_scenario({"force": [{"kind": "sine"}] * 450})
+    assert len(str(told.value).splitlines()) == 21
+
+
 def _known(kind: type[Settings]) -> Any:
     yield kind
     for one in kind.__subclasses__():
@@ -63,7 +86,10 @@ def test_every_quantity_has_a_unit_that_has_bounds() -> None:
     load_scenario("recorded")
     units = {unit for kind in _known(Parameters) for unit, *_ in kind.quantities().values()}
     assert {"m", "kg", "Pa", "rad/s"} <= units
-    assert units <= {*BOUNDS, *OTHERS}
+    assert units <= {*BOUNDS, *OTHERS}, (
+        f"{sorted(units - {*BOUNDS, *OTHERS})}: state in src/ehamj/bounds.py which magnitudes a new unit may have"
+    )
     described = [field.description or "" for kind in _known(Settings) for field in kind.model_fields.values()]
     written = {found[-1] for one in described if (found := re.findall(r"\[([^\[\]]+)\]$", one))}
-    assert {one for one in written if unit_of(f"[{one}]") is None} <= {"supply", "actuators.NAME"}
+    strange = {one for one in written if unit_of(f"[{one}]") is None} - {"supply", "actuators.NAME"}
+    assert not strange, f"{sorted(strange)}: no unit of src/ehamj/bounds.py; state there which magnitudes it may have"

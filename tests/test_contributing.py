@@ -148,6 +148,8 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A force",
         "A fault",
         "An architecture",
+        "A synthesis",
+        "A setting or unit",
         "A norm",
         "A study",
         "A report section",

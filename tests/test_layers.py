@@ -15,7 +15,18 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
     ("errors", "arrays", "bounds", "interruption", "labels", "plain", "stopped", "unfinished"),
-    ("settings", "registry", "findings", "scenario_files", "folders", "compiled", "signals", "plots"),
+    (
+        "settings",
+        "registry",
+        "findings",
+        "scenario_files",
+        "folders",
+        "compiled",
+        "signals",
+        "plots",
+        "columns",
+        "growing",
+    ),
     ("isolator", "estimate", "slides", "series"),
     ("plant",),
     ("records",),

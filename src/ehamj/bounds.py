@@ -1,8 +1,9 @@
-"""What physics would accept of a number, by its unit: beyond is a slip of the unit or of the decimal point."""
+"""What physics would accept of a number, by its unit, and how many of them: beyond is a slip."""
 
 import math
 import re
 from collections.abc import Iterable
+from itertools import islice
 from typing import Any, Final
 
 BOUNDS: Final[dict[str, tuple[float, float]]] = {
@@ -52,6 +53,25 @@ NOISE: Final = (1e-60, 1e12)
 """Bounds of those."""
 INTEGER: Final = 2**63 - 1
 """Largest integer that TOML has."""
+
+
+MOST_NUMBERS: Final = 10_000
+"""In a list that stands in a scenario; a longer one is a record, and belongs into a file."""
+MOST_TABLES: Final = 1000
+"""In a list of tables, or in a table of names."""
+
+
+def check_count(value: Any) -> Any:
+    """A list or a table, as it is; called before what is in it is looked at.
+
+    Raises:
+        ValueError: if it holds more than anybody writes.
+    """
+    if isinstance(value, tuple | list | dict):
+        most = MOST_NUMBERS if all(isinstance(one, int | float) for one in islice(value, MOST_TABLES)) else MOST_TABLES
+        if len(value) > most:
+            raise ValueError(f"has {len(value)} entries; at most {most} are allowed")
+    return value
 
 
 def unit_of(description: str | None) -> str | None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 
 T = TypeVar("T")
 
@@ -40,7 +40,8 @@ class Registry(Mapping[str, T]):
             InputError: if there is none; it lists those that there are.
         """
         if name not in self._entries:
-            raise InputError(f"{self.kind} {name!r}: must be one of {', '.join(self._entries)}")
+            near = did_you_mean(name, self._entries)
+            raise InputError(f"{self.kind} {name!r}: {near}must be one of {', '.join(self._entries)}")
         return self._entries[name]
 
     def __getitem__(self, name: str) -> T:

@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj import growing
 from ehamj.control import LinearController, load_controller
 from ehamj.errors import InputError
 from ehamj.folders import RESULT_FILES, SAVING
+from ehamj.growing import Kept
 from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
-from ehamj.plain.hdf5 import check_hdf5
+from ehamj.plain.hdf5 import LARGEST, check_hdf5
 from ehamj.plain.text import json_of, text_of
 from ehamj.plain.xml import check_xml
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
@@ -104,6 +106,8 @@ class Result:
     summary: Summary
     model_xml: str = field(repr=False, default="")
     controller: LinearController | None = field(repr=False, default=None)
+    kept: Kept | None = field(repr=False, default=None)
+    """The file that the channels of a long run are read from."""
 
     @property
     def complete(self) -> bool:
@@ -149,9 +153,12 @@ class Result:
             with written_whole(folder / CONTROLLER_FILE) as path:
                 self.controller.save(path)
         with written_whole(folder / "result.nc") as path:
-            check_room(path, self.dataset.nbytes)
-            # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
-            self.dataset.to_netcdf(path, engine="h5netcdf")
+            if self.kept is not None and self.kept.dataset is self.dataset:
+                self.kept.put(path)
+            else:
+                check_room(path, self.dataset.nbytes)
+                # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
+                self.dataset.to_netcdf(path, engine="h5netcdf")
         for name, text in texts.items():
             with written_whole(folder / name) as path:
                 path.write_text(text, encoding="utf-8")
@@ -167,16 +174,14 @@ def check_result(folder: str | Path) -> Path:
 
 
 def load_result(folder: str | Path) -> Result:
-    """Read a result folder.
+    """Read a result folder; channels of a long run are read when they are asked for (`ehamj.growing.Kept`).
 
     Raises:
         InputError: if the folder is not a result, damaged, or its summary is not one of today's.
     """
     folder = check_result(folder)
     try:
-        check_hdf5(folder / "result.nc")
-        with xr.open_dataset(folder / "result.nc", engine="h5netcdf", phony_dims="access") as stored:
-            dataset = stored.load()
+        kept, dataset = _channels_of(folder / "result.nc")
         summary = json_of(folder / "summary.json")
         model = _model_of(folder / "model.xml")
     except Exception as error:  # h5py and xarray raise what they like at damage
@@ -187,7 +192,19 @@ def load_result(folder: str | Path) -> Result:
         summary=Summary.read(summary, f"result {str(folder)!r}: summary.json"),
         model_xml=model,
         controller=load_controller(law) if (law := folder / CONTROLLER_FILE).is_file() else None,
+        kept=kept,
     )
+
+
+def _channels_of(path: Path) -> tuple[Kept | None, xr.Dataset]:
+    """Stored channels in memory, or, of a long run, as they are asked for, in a file that is kept open."""
+    size = path.stat().st_size
+    check_hdf5(path, max(LARGEST, 2 * size))  # what is not compressed unfolds to what is there
+    kept = Kept.of(path)
+    if size > growing.IN_MEMORY:
+        return kept, kept.dataset
+    with kept.dataset as stored:
+        return None, stored.load()
 
 
 def _model_of(path: Path) -> str:

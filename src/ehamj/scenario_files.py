@@ -4,8 +4,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.plain.text import text_of, toml_of
+
+LARGEST = 2**20
+"""Most that a scenario may have [B]: ten thousand numbers are a fifth of it, and a megabyte takes a second to read."""
 
 
 def shipped_scenarios() -> dict[str, Path]:
@@ -27,7 +30,8 @@ def scenario_path(source: str | Path) -> Path:
     if path.is_dir() and (path / "scenario.toml").is_file():
         return path / "scenario.toml"
     if not path.is_file():
-        raise InputError(f"scenario {str(source)!r}: no such file, and the shipped ones are {', '.join(shipped)}")
+        near = did_you_mean(str(source), shipped)
+        raise InputError(f"scenario {str(source)!r}: no such file; {near}the shipped ones are {', '.join(shipped)}")
     return path
 
 
@@ -38,8 +42,12 @@ def scenario_table(path: Path) -> dict[str, Any]:
         InputError: if it cannot be read, or is no TOML.
     """
     try:
-        return toml_of(text_of(path))
+        text = text_of(path, LARGEST)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"scenario {path}: cannot be read ({error})") from error
+    except ValueError as error:
+        raise InputError(f"scenario {path}: {error}; long series belong into files of their own") from error
+    try:
+        return toml_of(text)
     except ValueError as error:
         raise InputError(f"scenario {path}: not valid TOML: {error}") from error

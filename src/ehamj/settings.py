@@ -11,12 +11,12 @@ A source is one of
 import math
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
-from typing import Annotated, Any, Final, Literal, Self, Union, get_args
+from typing import Annotated, Any, Final, Literal, Self, Union, get_args, get_origin
 
 from annotated_types import Gt
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from ehamj.bounds import check_magnitude, unit_of
+from ehamj.bounds import check_count, check_magnitude, unit_of
 
 Source = Literal["paper", "identified", "assumed", "given"]
 Vector3 = tuple[float, float, float]
@@ -68,6 +68,14 @@ def _holds_floats(kind: Any) -> bool:
     return kind is float or any(_holds_floats(part) for part in get_args(kind))
 
 
+def _holds_many(kind: Any) -> bool:
+    """Whether a type is that of a list or a table of as many entries as one likes."""
+    parts = get_args(kind)
+    return (get_origin(kind) in (tuple, dict) and (Ellipsis in parts or get_origin(kind) is dict)) or any(
+        _holds_many(part) for part in parts
+    )
+
+
 class _Bounded(AfterValidator):
     """What `ehamj.bounds` checks of a field."""
 
@@ -80,7 +88,8 @@ class Settings(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Bound every number by what its unit can have; validators are built later, with what stands here."""
+        """Bound every number by what its unit can have, and how many there are; validators are built later, with what
+        stands here."""
         super().__pydantic_init_subclass__(**kwargs)
         for field in cls.model_fields.values():
             if not any(isinstance(one, _Bounded) for one in field.metadata):
@@ -88,6 +97,8 @@ class Settings(BaseModel):
                 unit = unit_of(field.description) or ("-" if _holds_floats(field.annotation) else None)
                 own = {"unit": unit, "endless": field.default == math.inf, "signed": not least}
                 field.metadata.append(_Bounded(partial(check_magnitude, **own)))
+                if _holds_many(field.annotation):
+                    field.metadata.append(BeforeValidator(check_count))
 
     @model_validator(mode="before")
     @classmethod

@@ -1,10 +1,12 @@
 """How a command ends, whatever goes wrong: one message and an exit code."""
 
 import errno
+import re
 import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ehamj.cli import outcome
@@ -76,3 +78,15 @@ def test_standard_output_that_is_full_is_told() -> None:
     assert done.returncode == 3
     assert "No space left on device" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_numbers_beyond_computing_are_a_note_and_not_pythons_own_words(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def app(**_: Any) -> None:
+        assert np.isinf(np.float64(1e300) * np.float64(1e300))
+
+    monkeypatch.setattr(outcome, "app", app)
+    assert exit_code() == 0
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"note: .*too large or too small .*\(overflow encountered in .*\)\n", said)

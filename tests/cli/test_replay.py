@@ -63,7 +63,7 @@ def test_a_comparison_stands_beside_and_touches_no_recording(cli: Cli, result: P
 
 def test_a_result_without_a_recording_gets_one(cli: Cli) -> None:
     said = cli(*RUN, "--no-replay", "--out", "a")
-    assert "replay: none (output.replay = false); `ehamj replay a` builds it" in said.out
+    assert "replay: none; `ehamj replay a` writes it" in said.out
     assert cli("replay", "a", "--json").json["built"]
     assert shown_in(Path("a/replay.rrd")) == {"feedforward", "passive"}
 

@@ -451,3 +451,10 @@ def test_nothing_is_learnt_while_the_lead_of_what_is_added_is_limited() -> None:
     assert np.abs(gain[14_999] - 0.9).max() < 0.02
     still = (gain[15_020:24_000] == gain[15_020]).all(axis=0)
     np.testing.assert_array_equal(still, limited)
+
+
+@pytest.mark.parametrize(("key", "most"), [("flow_gain", 4), ("compliance", 9)])
+def test_what_may_be_learnt_is_of_the_same_order(key: str, most: int) -> None:
+    Learning(**{key: float(most)})
+    with pytest.raises(ValueError, match=f"less than or equal to {most}"):
+        Learning(**{key: 50.0})

@@ -470,3 +470,21 @@ def test_a_pressure_cannot_count_from_rest_and_be_absolute() -> None:
     with pytest.raises(InputError, match=r"counts from rest.*read load_pressure instead, or set from_rest = false"):
         replace(law, inputs=inputs, from_rest=True)
     assert replace(law, inputs=inputs, from_rest=False).reads.count(inputs[0]) == 1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"rated": 10**400}, "int too large"),
+        ({"play": "a"}, "could not convert"),
+        ({"curve": [10**400] * 11}, "int too large"),
+        ({"curve": 3}, "curve must be a list"),
+        ({"curve": "0.1"}, "curve must be a list"),
+        ({"curve": [0.0, None]}, "every entry must be a number"),
+    ],
+)
+def test_a_known_valve_whose_numbers_are_none_is_refused_by_name(wrong: dict[str, Any], said: str) -> None:
+    (valve, *_) = known_of(parse_scenario({}).plant)
+    assert KnownValve.from_dict(valve.to_dict()) == valve
+    with pytest.raises(InputError, match=rf"^controller\.valves.*{said}"):
+        KnownValve.from_dict({**valve.to_dict(), **wrong})

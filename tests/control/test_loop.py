@@ -309,7 +309,7 @@ def test_no_command_comes_before_the_delay_has_passed() -> None:
     ("settings", "message"),
     [
         ({}, r"timestep = 0\.000166667 s must divide the controller's period = 0\.0001 s; nearest: "),
-        ({"period": 1.25e-3, "delay": 0.0}, r".* the controller's period = 0\.00125 s; nearest: 0\.00015625"),
+        ({"period": 1.25e-3, "delay": 0.0}, r".* the controller's period = 0\.00125 s; nearest: 0\.000125"),
     ],
 )
 def test_a_stated_step_must_divide_the_period(settings: dict[str, float], message: str) -> None:

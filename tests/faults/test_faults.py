@@ -106,13 +106,13 @@ def test_a_channel_needs_no_mount() -> None:
         ({"kind": "rust"}, "fault.0.kind = 'rust': must be one of 'valve-stuck'"),
         (
             {"kind": "valve-stuck", "mount": "front"},
-            "no mount has this name: 'front' in fault.0.mount; [[mount]] has front-left",
+            "no mount has this name: 'front' in fault.0.mount; did you mean 'front-left'? [[mount]] has front-left",
         ),
         ({"kind": "valve-stuck", "time": 10.0}, "fault.0.time = 10 s must be before the end, duration = 10 s"),
         ({"kind": "valve-stuck", "opening": 1.2}, "fault.0.opening = 1.2"),
         ({"kind": "spool-drift", "rate": 0.0}, "rate = 0 mA/s must not be zero"),
         ({"kind": "chamber-leak", "path": {}}, "fault.0.path = {}: must be 'piston' or 'outside'"),
-        ({"kind": "sensor-dead", "sensor": "nose"}, "fault.0.sensor = 'nose' must be one of ground, inertial"),
+        ({"kind": "sensor-dead", "sensor": "nose"}, "fault.0.sensor = 'nose': must be one of ground, inertial"),
         (
             {"kind": "sensor-dead", "sensor": "foot_velocity front z"},
             "no mount has this name: 'front' in fault.0.sensor",

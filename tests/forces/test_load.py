@@ -181,7 +181,7 @@ def test_the_automatic_step_follows_a_short_blow() -> None:
         ({"kind": "hammer"}, r"^force\.0\.peak: is missing"),
         (
             {"kind": "hammer", "peak": 1.0, "point": "spindle"},
-            r"force\.0\.point = 'spindle' must be one of 'nose', 'cg'",
+            r"force\.0\.point = 'spindle': must be one of 'nose', 'cg'",
         ),
         ({"kind": "sine", "amplitude": 1.0, "frequency": -1.0}, r"^force\.0\.frequency = -1\.0: "),
         (

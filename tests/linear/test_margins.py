@@ -15,7 +15,7 @@ from ehamj.control.kinds import CombinedSettings
 from ehamj.control.sensors import IDEAL
 from ehamj.linear.loop import Loop, feeds_back, opened
 from ehamj.linear.machine import LinearModel, linear_model
-from ehamj.linear.margins import LoopReport, disk_margin, grid, margins, margins_behind, report
+from ehamj.linear.margins import LoopReport, disk_margin, grid, loop_of, margins, margins_behind, report
 from ehamj.linear.sampled import STABLE, sampled_machine, spectral_radius
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import parse_scenario
@@ -290,3 +290,12 @@ def test_a_resonator_of_a_law_is_seen_however_narrow_it_is(model: LinearModel) -
     x = 2 * 5e-4 * np.sqrt(30.0**2 - 1.0)
     wanted = 24.5 * (np.sqrt(1.0 + 0.25 * x**2) + 0.5 * x * np.array([-1.0, 1.0]))
     np.testing.assert_allclose(found.crossings, wanted, rtol=1e-3)
+
+
+def test_a_loop_without_any_sensitivity_has_margins_that_are_numbers() -> None:
+    """As where a law's reading is multiplied by whatever its file says."""
+    loop = loop_of(np.array([0.5 + 0j, 0.0, 0.0, 1e-3]))
+    np.testing.assert_allclose(loop[[0, 3]], [1.0, 999.0])
+    assert np.isfinite(loop).all()
+    found = margins(np.arange(1.0, 5.0), loop)
+    assert np.isfinite([found.disk, found.peak]).all()

@@ -85,9 +85,9 @@ def test_points_and_relative_motions_survive_the_resolved_file() -> None:
         ({"points": {"cg": [0.0, 0.0, 1.0]}}, r"points: the name 'cg' must"),
         (
             {"relative": [{"name": "a", "from": "nose", "to": "cg"}]},
-            r"relative.0.from = 'nose' must be one of 'spindle",
+            r"relative.0.from = 'nose': must be one of 'spindle",
         ),
-        ({"relative": [{"name": "a", "from": "cg", "to": "ground"}]}, r"relative.0.to = 'ground' must be one of"),
+        ({"relative": [{"name": "a", "from": "cg", "to": "ground"}]}, r"relative.0.to = 'ground': must be one of"),
         ({"relative": [{"name": "a", "from": "cg", "to": "cg"}]}, r"relative.0.to = 'cg' must differ from its from"),
         ({"relative": [{"name": "a", "to": "cg"}]}, r"relative.0.from: is missing"),
         ({"relative": [{"name": "a", "of": "cg", "to": "cg"}]}, r"relative.0.of = 'cg': unknown key"),

@@ -12,6 +12,9 @@ from hypothesis.extra.numpy import arrays
 from oracles.records import RATE, SINE, by_axis, motion, read
 from scipy.io import wavfile
 
+from ehamj.records.choices import Choices
+from ehamj.records.wav import read_wav
+
 Z = {"axes": {"1": "z"}, "quantity": "velocity", "full_scale": 1.0}
 
 
@@ -180,3 +183,15 @@ def test_bytes_that_a_header_only_claims_are_refused(tmp_path: Path, large: bool
     path = wav(tmp_path / "a.wav", packed(SINE, 2), 2, claim=2**42 if large else 2**32 - 2, large=large)
     with pytest.raises(ValueError, match=r"it states \d+ bytes of samples and holds 10000"):
         read(path, **Z)
+
+
+def test_a_file_that_no_memory_holds_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    """All holes: it needs no disk, and would unfold to 25 TiB."""
+    path, bytes_held = tmp_path / "long.wav", 2**40
+    fmt = struct.pack("<IHHIIHH", 16, 1, 1, 48000, 96000, 2, 16)
+    ds64 = struct.pack("<IQQQI", 28, bytes_held + 72, bytes_held, bytes_held // 2, 0)
+    with path.open("wb") as file:
+        file.write(b"RF64\xff\xff\xff\xffWAVEds64" + ds64 + b"fmt " + fmt + b"data\xff\xff\xff\xff")
+        file.truncate(file.tell() + bytes_held)
+    with pytest.raises(ValueError, match=r"of 5\.5e\+11 samples each component needs about 2\.56e\+04 GiB"):
+        read_wav(path, Choices(full_scale=1.0, quantity="velocity", unit="m/s"))

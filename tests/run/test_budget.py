@@ -37,12 +37,37 @@ def test_what_a_row_is_thought_to_need_is_what_it_needs() -> None:
     ("table", "said"),
     [
         ({"actuators": {"isolator": {"valve_frequency": 9e7}}}, r"from valve_frequency, has 9e\+07 rad/s: a step of"),
-        ({"machine": {"mass": 1e-3}}, r"from machine\.mass and the isolators' stiffness"),
+        ({"machine": {"mass": 1e-3}}, r"from machine\.mass, machine\.inertia and membrane_damping"),
     ],
 )
 def test_steps_that_nobody_meant_are_refused_by_the_fastest_part(table: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         simulate({**table, "duration": 0.01})
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"machine": {"mass": 1e-3}},
+        {"machine": {"inertia": [1e-6, 1e-6, 1e-6]}},
+        {"actuators": {"isolator": {"plate_mass": 0.0, "membrane_damping": 1e11}}},
+    ],
+)
+def test_what_is_too_light_is_named_also_without_plates(table: dict[str, object]) -> None:
+    plant = parse_scenario({"plates": "tied", **table}).plant
+    assert "machine.mass, machine.inertia and membrane_damping" in fastest_part(plant)
+
+
+def test_a_force_that_is_too_short_is_what_asks_for_short_steps() -> None:
+    blow = {"kind": "hammer", "peak": 10.0, "pulse_time": 1e-8}
+    with pytest.raises(InputError, match="a force that is so short or fast asks for steps of 5e-10 s"):
+        simulate(parse_scenario({"plates": "tied", "force": [blow], "duration": 1.0}))
+
+
+def test_a_random_force_of_too_many_lines_is_refused_before_they_are_drawn() -> None:
+    shaken = {"kind": "random", "rms": 1.0, "last": 1e7}
+    with pytest.raises(InputError, match=r"a random force up to last = 1e\+07 Hz .* has 1e\+10 lines"):
+        simulate(parse_scenario({"force": [shaken], "duration": 1000.0, "record_rate": 100.0}))
 
 
 def test_a_run_of_months_is_refused() -> None:

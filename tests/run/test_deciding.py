@@ -7,6 +7,7 @@ import pytest
 
 from ehamj.result import Result
 from ehamj.run.deciding import deciding
+from ehamj.run.limits import binding
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 
@@ -57,6 +58,8 @@ def test_clipping_in_the_deciding_second_is_named_with_mount_share_and_time() ->
 def test_clipping_at_another_time_is_not() -> None:
     result = struck(5.0, (1.0, 2.0))
     assert any("the command was at its limit" in text for text in result.summary.warnings)
+    limits = binding(result.summary, result.scenario.plant)
+    assert limits.startswith("voltage (the command was at its limit for 12.5 % of the time, rear-left)")
     assert told(result) == []
 
 

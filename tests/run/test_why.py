@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from ehamj.control import PythonController
+from ehamj.judge.worse import CAUSES, Worse, made_worse
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
 from ehamj.plant.mounts import MOUNTS
@@ -15,11 +16,16 @@ from ehamj.scenario.load import load_scenario, parse_scenario
 WAVE = {"kind": "broadband", "level": "VC-C", "axes": ["x", "y", "z"], "highest": 200.0}
 
 
-def told(**table: Any) -> dict[str, str]:
-    """Reasons by axis, of the band that is worst along each."""
+def found(**table: Any) -> dict[str, Worse]:
+    """What gets worse by axis, of the band that is worst along each."""
     result = simulate(parse_scenario({"plates": "tied", "duration": 4.0, "ground": WAVE, **table}))
     assert {one.in_words() for one in result.summary.worse} <= set(result.summary.warnings)
-    return {one.axis: one.why for one in sorted(result.summary.worse, key=lambda one: one.amplification_db or 0.0)}
+    return {one.axis: one for one in sorted(result.summary.worse, key=lambda one: one.amplification_db or 0.0)}
+
+
+def told(**table: Any) -> dict[str, str]:
+    """The reasons of `found`."""
+    return {axis: one.why for axis, one in found(**table).items()}
 
 
 def test_a_passive_machine_names_the_mode_of_each_axis() -> None:
@@ -48,18 +54,24 @@ def test_a_law_that_helps_is_said_to_help() -> None:
 def test_a_law_that_does_it_itself_is_told_from_one_that_cannot_reach_it() -> None:
     """A roll-off at 30 Hz turns the feedforward's phase: in the bands above it adds to the floor's motion."""
     control = {"kind": "feedforward", "delay": 4e-3}
-    reasons = told(control=control)
-    assert "with the valves held as well (" in reasons["x"]
-    assert "the valves act vertically" in reasons["x"]
-    assert "by the law: with the valves held it is " in reasons["z"]
+    worse = found(control=control)
+    assert "with the valves held as well (" in worse["x"].why
+    assert "the valves act vertically" in worse["x"].why
+    assert "by the law: with the valves held it is " in worse["z"].why
+    assert (worse["x"].by, worse["z"].by) == ("mounts", "law")
+    sentence = made_worse(list(worse.values()))
+    assert f"along x by {worse['x'].amplification_db:.1f} dB at {worse['x'].band} Hz" in sentence
+    assert sentence.index("along z") < sentence.index(CAUSES["law"]) < sentence.index("along x")
+    assert sentence.endswith(CAUSES["mounts"])
 
 
 def test_a_limit_that_was_reached_is_named_where_the_linear_machine_says_nothing() -> None:
     """A weak valve drive: the linear machine isolates, this one cannot follow and shakes at other frequencies."""
     loud = {**WAVE, "level": "workshop", "axes": ["z"], "first": 4.0, "last": 20.0}
     tone = {"kind": "sine", "dof": "z", "amplitude": 1e-9, "frequency": 63.0}
-    reasons = told(ground={"kind": "sum", "parts": [loud, tone]}, control={"kind": "feedforward"})
-    assert "the command was at its limit for " in reasons["z"]
+    worse = found(ground={"kind": "sum", "parts": [loud, tone]}, control={"kind": "feedforward"})
+    assert "the command was at its limit for " in worse["z"].why
+    assert worse["z"].by == "limits"
 
 
 def test_a_python_function_is_named() -> None:

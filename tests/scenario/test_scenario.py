@@ -655,3 +655,10 @@ def test_an_oil_sets_what_belongs_to_it_and_yields_to_what_is_given() -> None:
     assert actuator.piston_area == FIRST_GENERATION.piston_area
     with pytest.raises(InputError, match=r"actuators\.isolator\.oil = 'olive'"):
         parse_scenario({"actuators": {"isolator": {"oil": "olive"}}})
+
+
+def test_a_scenario_of_megabytes_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "long.toml"
+    path.write_text("# " + 2**20 * "x")
+    with pytest.raises(InputError, match=r"long\.toml: it has 1048578 bytes, 1048576 are allowed; long series belong"):
+        load_scenario(path)

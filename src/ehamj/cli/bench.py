@@ -51,12 +51,12 @@ def bench(
     if as_json:
         print_json(together(found) | {"how_to_read": {table.title: table.words for table in tables}})
         return
-    say("Medians of interleaved repetitions on this machine, now; ratios are what compares.", words=True)
+    say("Medians of interleaved repetitions on this machine, now; ratios are what compares.")
     for table in tables:
-        say(f"\n{table.title}: {table.words}", words=True)
+        say(f"\n{table.title}: {table.words}")
         print_table("", table.heads, table.rows)
     if figure is not None:
-        say(f"figure: {figure}")
+        say(f"figure: {figure}", whole=True)
 
 
 def _check(figure: Path) -> None:

@@ -70,8 +70,8 @@ def design(
     if shown.rows:
         print_table(shown.title, shown.head, shown.rows)
     for note in left_out(found.design):
-        say(f"note: {note}", words=True)
+        say(f"note: {note}")
     for answer in found.outcome.answers:
-        say(f"- {answer}", words=True)
-    say(f"page, tables and figures: {folder / 'design.html'}")
-    say(f"run it: ehamj run {folder / 'scenario.toml'}")
+        say(f"- {answer}")
+    say(f"page, tables and figures: {folder / 'design.html'}", whole=True)
+    say(f"run it: ehamj run {folder / 'scenario.toml'}", whole=True)

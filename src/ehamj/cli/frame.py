@@ -1,6 +1,8 @@
 """The frame of the command line: the app and its commands, its two streams, and the options that commands share."""
 
 import ast
+import platform
+import sys
 from importlib import import_module, resources
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -10,6 +12,7 @@ from rich.console import Console
 from typer.core import TyperCommand, TyperGroup
 
 from ehamj.cli.early import check_early
+from ehamj.cli.timing import Clock
 from ehamj.interruption import Interrupted
 from ehamj.scenario_files import scenario_path
 
@@ -52,6 +55,7 @@ class _Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; an interruption leaves it as one, of which Typer would say no more than that."""
+        ctx.obj = Clock()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
@@ -93,9 +97,22 @@ app = typer.Typer(
 )
 
 
+def _version(asked: bool) -> None:
+    """Say what runs, in a line."""
+    if asked:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"ehamj {version('ehamj')}, Python {platform.python_version()}, MuJoCo {version('mujoco')}\n")
+        raise typer.Exit
+
+
 @app.callback()
-def _root() -> None:
-    """Without options of its own."""
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Versions of ehamj, Python and MuJoCo.")
+    ] = False,
+) -> None:
+    """Without options of its own but that."""
 
 
 log = Console(stderr=True)

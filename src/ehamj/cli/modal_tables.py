@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ehamj.cli.folding import GLUE
 from ehamj.cli.printing import print_table, say
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import Axis, Energies
@@ -182,4 +183,6 @@ def _steepest(keys: Sequence[str], slopes: NDArray[np.float64]) -> str:
     names = {key.split(".")[1] for key in keys if key.startswith("actuators.")}
     only = f"actuators.{names.pop()}." if len(names) == 1 else ""
     steepest = sorted(zip(keys, slopes, strict=True), key=lambda one: -abs(one[1]))[:MOST]
-    return "; ".join(f"{key.removeprefix(only)} {slope:+.2f}" for key, slope in steepest if abs(slope) > NOTABLE)
+    return "; ".join(
+        f"{key.removeprefix(only)}{GLUE}{_signed(slope)}" for key, slope in steepest if abs(slope) > NOTABLE
+    )

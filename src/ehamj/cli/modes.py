@@ -98,7 +98,7 @@ def modes(
     if test is not None:
         print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
     if replay is not None:
-        say(f"modes, animated: {replay}  (open it with: rerun {replay})")
+        say(f"modes, animated: {replay}  (open it with: rerun {replay})", whole=True)
 
 
 def _print(
@@ -112,9 +112,9 @@ def _print(
     for key, some in found.items():
         print_modes(f"{scenario.name}: {VARIANTS[key]}", some, everything, places, slopes.get(key))
     for said in scenario.machine.assumptions:
-        say(said, words=True)
+        say(said)
     for said in scenario.where_slides_stand:
-        say(f"{said}; --set slide.NAME.start=… chooses another place", words=True)
+        say(f"{said}; --set slide.NAME.start=… chooses another place")
 
 
 def _draw(path: Path, scenario: Scenario, found: Mapping[str, Sequence[Mode]]) -> None:

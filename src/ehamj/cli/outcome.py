@@ -12,7 +12,9 @@ from typing import Any, Final
 
 from rich.markup import escape
 
+from ehamj.cli.folding import fitted
 from ehamj.cli.frame import app, log
+from ehamj.cli.letters import write_any_letter
 from ehamj.errors import DerivedAnew, InputError, Recompiled, SimulationFailed
 from ehamj.interruption import interrupted
 from ehamj.unfinished import NO_ROOM
@@ -22,12 +24,14 @@ BAD_INPUT: Final = 2
 FAILED: Final = 3
 NOT_WRITTEN: Final = (*NO_ROOM, errno.EACCES, errno.EPERM, errno.EROFS, errno.EIO)
 """What a system answers that lets nothing be written."""
+BEYOND: Final = "somewhere numbers are too large or too small to compute with; look whether all values are meant"
 TOLD: Final = (DerivedAnew, Recompiled)
 """Warnings that a user is told as notes."""
 
 
 def exit_code() -> int:
     """Run the command that the command line asks for; what it ends with."""
+    write_any_letter()
     try:
         with warnings.catch_warnings():
             for kind in TOLD:
@@ -56,7 +60,8 @@ def _not_written(error: Any) -> str:
 
 
 def _told(message: str, code: int) -> int:
-    log.print(f"[bold red]ehamj:[/] {escape(message)}", highlight=False, soft_wrap=True)
+    line = fitted(f"ehamj: {message}", log)
+    log.print(f"[bold red]ehamj:[/]{escape(line.removeprefix('ehamj:'))}", highlight=False, soft_wrap=True)
     return code
 
 
@@ -94,6 +99,8 @@ def _unforeseen(error: Exception) -> str:
 def _noted(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
     """A warning as a line on standard error; one that is not for the user as Python shows it."""
     if issubclass(category, TOLD):
-        log.print(f"note: {message}", markup=False, highlight=False, soft_wrap=True)
+        log.print(fitted(f"note: {message}", log), markup=False, highlight=False, soft_wrap=True)
+    elif issubclass(category, RuntimeWarning):
+        log.print(f"note: {BEYOND} ({message})", markup=False, highlight=False, soft_wrap=True)
     else:
         sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))

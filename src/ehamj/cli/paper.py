@@ -38,4 +38,4 @@ def paper(
         return
     rows = ((row.name, row.stated, row.computed, row.deviation, row.comment) for row in found.table)
     print_table("the paper, number by number", ("number", "paper", "computed", "deviation", "comment"), rows, whole=0)
-    say(f"figures, table and record: {folder}")
+    say(f"figures, table and record: {folder}", whole=True)

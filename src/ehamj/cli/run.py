@@ -1,27 +1,27 @@
 """The command that simulates."""
 
-from functools import cache, reduce
-from operator import getitem
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
-from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, log, out
-from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, log
+from ehamj.cli.printing import print_json
 from ehamj.cli.progress import doing
+from ehamj.cli.timing import Clock, Marks
 from ehamj.errors import SimulationFailed
 from ehamj.folders import RESULT_FILES, RUNS, check_out, new_folder
 
 if TYPE_CHECKING:
-    from ehamj.judge import Summary
     from ehamj.result import Result
     from ehamj.scenario.model import Output, Scenario
 
 
 @app.command(cls=Command)
 def run(
+    context: typer.Context,
     scenario: ScenarioName = "recorded",
     out_folder: Out = None,
     overwrite: Overwrite = False,
@@ -48,25 +48,30 @@ def run(
     chosen = [] if engine is None else [f"engine={engine}"]
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
     check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
-    results, failures = _simulate(loaded)
+    clock = context.obj
+    results, failures = _simulate(loaded, clock, RUNS if out_folder is None else out_folder.resolve().parent)
     from ehamj.store import write_run
 
-    with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step:
+    with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step, clock.during("writing"):
         write_run(target, results, step, apart=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
         print_json({"folder": str(folder), "summary": summary.to_dict(), "variants": variants})
     else:
-        _print_summary(summary, loaded.plant.mounts[0], folder)
-        if not loaded.output.replay and summary.complete:
-            say(f"replay: none (output.replay = false); `ehamj replay {folder}` builds it")
+        from ehamj.cli.told import print_run
+
+        print_run(results, folder, clock.words("reading and compiling"))
     if failures:
         raise failures[0]
 
 
-def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]]":
-    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short."""
+def _simulate(scenario: "Scenario", clock: Clock, within: Path) -> "tuple[dict[str, Result], list[Exception]]":
+    """Results of the scenario and of its variants by name, side by side on threads, and what cut them short.
+
+    The ``clock`` counts the stages of the scenario's own run, and for how long its variants went on. Rows that are too
+    many for memory go into files ``within`` a folder.
+    """
     from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
 
     from ehamj.compiled.told import telling
@@ -83,27 +88,36 @@ def _simulate(scenario: "Scenario") -> "tuple[dict[str, Result], list[Exception]
             tasks[what] = bar.add_task(f"compiling {what}, once", total=of)
         bar.update(tasks[what], completed=done, visible=log.is_terminal)
 
+    marks = {variant.name: Marks() for variant in wanted}
     floors, importing = Floors(len(wanted)), cache(lambda: pool.submit(_import_writers, scenario.output))
 
     def one(variant: "Scenario") -> "tuple[Result, Exception | None]":
         task = bar.add_task(f"simulating {escape(variant.name)}", total=1.0)
+        marked = marks[variant.name]
 
         def done(fraction: float) -> None:
+            marked(fraction)
             importing()
             bar.update(task, completed=fraction)
 
         try:
-            return simulate(variant, done, floors=floors), None
+            return simulate(variant, done, floors=floors, within=within), None
         except SimulationFailed as failure:
             from ehamj.run.failures import Incomplete
 
             if not isinstance(failure, Incomplete):
                 raise
             return failure.result, failure
+        finally:
+            marked.end()
 
     with bar, telling(compiling), pool_of() as pool:
         outcomes = list(pool.map(one, wanted))
     results = {variant.name: result for variant, (result, _) in zip(wanted, outcomes, strict=True)}
+    summary = outcomes[0][0].summary
+    finding = 0.0 if summary.law is None else summary.law.seconds
+    marks[scenario.name].count(clock, finding, summary.timing.stepping_s)
+    clock.add("variants", max(one.ended for one in marks.values()) - marks[scenario.name].ended)
     return results, [failure for _, failure in outcomes if failure is not None]
 
 
@@ -120,62 +134,3 @@ def _import_writers(output: "Output") -> None:
     wanted += ["ehamj.replay"] if output.replay else []
     for name in wanted:
         import_module(name)
-
-
-def _print_summary(summary: "Summary", mount: str, folder: Path) -> None:
-    """The few numbers that say how it went, and where everything is."""
-    from ehamj.judge.brief import simulated
-
-    state = "complete" if summary.complete else "INCOMPLETE"
-    out.print(f"[bold]{escape(summary.name)}[/]: {simulated(summary)}, {state}", highlight=False)
-    if summary.complete:
-        _print_judgement(summary, mount)
-    else:
-        say(f"{summary.failure}")
-        say("nothing is judged; histories, report and replay show what led there")
-    if summary.law is not None:
-        say(f"law: {summary.law.words}")
-    for warning in summary.warnings:
-        say(f"note: {warning}")
-    say(f"result: {folder}")
-    for name, text in (("report.html", "report"), ("replay.rrd", "replay")):
-        if (folder / name).is_file():
-            say(f"{text}: {folder / name}")
-        elif not summary.complete:
-            say(f"{text}: none; `ehamj {text} {folder}` writes it")
-
-
-def _print_judgement(summary: "Summary", mount: str) -> None:
-    """Levels, classes and attenuation of a run that is complete."""
-    from ehamj.judge.brief import told_attenuation
-
-    if summary.peak:
-        _print_levels(summary, mount)
-    for direction, said in summary.lines().items():
-        say(f"vibration class, {direction}: {said}")
-    mixed = f" ({summary.mixed})" if summary.mixed else ""
-    for motion, places in told_attenuation(summary).items():
-        for place, words in places.items():
-            if words:
-                whose = "machine" if place == "rotation" else f"machine's {place}"
-                say(f"{motion} attenuation, floor to {whose}{mixed}: {words}")
-
-
-def _print_levels(summary: "Summary", mount: str) -> None:
-    """Peaks and RMS values of the motions, strokes and spools at one mount."""
-    rows: list[tuple[Any, ...]] = []
-    for axis in "xyz":
-        rows.append((f"ground velocity {axis} ({mount})", "µm/s", 1e6, "ground_velocity", mount, axis))
-        rows.append((f"machine velocity {axis} (CG)", "µm/s", 1e6, "cg_velocity", axis))
-    rows += [(f"machine rotation {dof}", "µrad", 1e6, "machine_displacement", dof) for dof in ("rx", "ry", "rz")]
-    rows += [(f"stroke ({mount})", "µm", 1e6, "stroke", mount), (f"spool ({mount})", "mA", 1.0, "spool", mount)]
-
-    def level(levels: dict[str, Any], factor: float, keys: list[str]) -> str:
-        value: Any = reduce(getitem, keys, levels)
-        return "nan" if value is None else f"{factor * value:.3g}"
-
-    cells = [
-        (name, unit, *(level(levels, factor, keys) for levels in (summary.peak, summary.rms)))
-        for name, unit, factor, *keys in rows
-    ]
-    print_table("about equilibrium", ("motion", "unit", "peak", "RMS"), cells)

@@ -71,9 +71,9 @@ def _print(loads: StaticLoads, heights: Array | None, goal: str | None) -> None:
         for dof, value in zip(DOFS, loads.displacement, strict=True)
         if abs(value) > least
     ]
-    say(f"stands at {', '.join(moved) or 'its place'}; tilt {_shown(1e6 * loads.tilt)} µrad", words=True)
+    say(f"stands at {', '.join(moved) or 'its place'}; tilt {_shown(1e6 * loads.tilt)} µrad")
     layout = plant.layout
     idle = [motion for motion in MOTION_NAMES.values() if motion not in layout.motions]
     said = f"actuated: {', '.join(layout.motions) or 'none'}; not: {', '.join(idle) or 'none'}"
     stress = f"; forces that move nothing: {', '.join(layout.stress_names)}" if layout.stress_names else ""
-    say(said + stress, words=True)
+    say(said + stress)

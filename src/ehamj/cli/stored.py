@@ -88,9 +88,9 @@ def report(
     if as_json:
         print_json({"report": str(path), "results": list(shown)} | ({"pdf": str(printed)} if pdf else {}))
     else:
-        say(f"report: {path}")
+        say(f"report: {path}", whole=True)
         if pdf:
-            say(f"PDF: {printed}")
+            say(f"PDF: {printed}", whole=True)
 
 
 def _check_result(folder: Path) -> None:
@@ -125,7 +125,7 @@ def _variants(folder: Path) -> list[Path]:
 
     folders = [folder / name for name in load_result(folder).scenario.compare]
     for gone in (one for one in folders if not one.is_dir()):
-        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False)
+        log.print(f"note: the variant {gone} is gone, and left out", markup=False, highlight=False, soft_wrap=True)
     return [one for one in folders if one.is_dir()]
 
 

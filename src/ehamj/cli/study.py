@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from typer.core import TyperGroup
 
-from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app, out
+from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, app
 from ehamj.cli.options import with_options
 from ehamj.cli.printing import print_json, print_names, say
 from ehamj.cli.progress import doing
@@ -78,10 +77,10 @@ def _command(one: Study[Any]) -> Callable[..., None]:
         if as_json:
             print_json({"folder": str(folder), **to_dict(one.name, outcome)})
             return
-        out.print(f"[bold]{escape(outcome.title)}[/]: {escape(outcome.question)}", highlight=False, soft_wrap=True)
+        say(outcome.question, f"{outcome.title}: ")
         for answer in outcome.answers:
             say(f"- {answer}")
-        say(f"page, tables and figures: {folder / 'study.html'}")
+        say(f"page, tables and figures: {folder / 'study.html'}", whole=True)
 
     return command
 

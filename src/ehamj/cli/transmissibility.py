@@ -74,7 +74,7 @@ def transmissibility(
     _print_attenuation(found)
     for variant, rows in found.agreement().items():
         _say_agreement(variant, list(rows.values()))
-    say(f"page, figures and tables: {folder}")
+    say(f"page, figures and tables: {folder}", whole=True)
 
 
 def _say_agreement(variant: str, rows: Sequence[Agreement]) -> None:
@@ -90,8 +90,8 @@ def _say_agreement(variant: str, rows: Sequence[Agreement]) -> None:
     floor = max((row.of_floor_db for row in known if row.of_floor_db is not None), default=-999.0)
     say(f"  no direction off by more than {number(math.ceil(floor), 2)} dB of the floor's motion")
     if within > NONLINEAR and floor < SMALL:
-        say("  note: what the control leaves is not linear in the floor, by the valves;")
-        say("  a smaller --velocity shows less of it")
+        smaller = "a smaller --velocity shows less of it"
+        say(f"  note: what the control leaves is not linear in the floor, by the valves; {smaller}")
 
 
 def _compare(source: str, stored: bool, overrides: list[str], settings: TransmissibilitySettings) -> Comparison:

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ehamj.control.channels import UPSTREAM
 from ehamj.control.sensors import Sensors
+from ehamj.errors import did_you_mean
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import Isolator
 from ehamj.isolator.supply import Supply
@@ -60,7 +61,8 @@ class Installation(Settings):
                 )
             if mount.actuator not in self.actuators:
                 raise ValueError(
-                    f"mount {mount.name}: actuator = {mount.actuator!r} must be one of the tables "
+                    f"mount {mount.name}: actuator = {mount.actuator!r}: "
+                    f"{did_you_mean(mount.actuator, self.actuators)}must be one of the tables "
                     f"[actuators.NAME]: {', '.join(self.actuators)}"
                 )
         if self.sensors.upstream is not None:

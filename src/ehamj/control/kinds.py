@@ -1,5 +1,6 @@
 """Architectures, and their sums. One more is a file in `architectures/` and an entry here."""
 
+import re
 from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer, model_validator
@@ -14,6 +15,7 @@ from ehamj.control.architectures.skyhook import SkyhookSettings
 from ehamj.control.law import Controller, stack
 from ehamj.control.sensors import Sensors
 from ehamj.control.settings import SHARED, DigitalSettings
+from ehamj.errors import InputError
 from ehamj.plant.plant import Plant
 from ehamj.registry import Registry
 from ehamj.settings import one_of
@@ -78,8 +80,19 @@ class CombinedSettings(DigitalSettings):
         return self.model_copy(update={"parts": tuple(part.isolating_from(hertz) for part in self.parts)})
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller:
-        laws = self.members
-        return stack([law.beside(laws[:k] + laws[k + 1 :], plant, sensors) for k, law in enumerate(laws)])
+        laws, found = self.members, []
+        for k, law in enumerate(laws):
+            try:
+                found.append(law.beside(laws[:k] + laws[k + 1 :], plant, sensors))
+            except InputError as error:
+                raise InputError(_of_part(str(error), law, k)) from error
+        return stack(found)
+
+
+def _of_part(message: str, part: DigitalSettings, number: int) -> str:
+    """A message in which keys of a part stand as if it were alone, with the keys that they have in the sum."""
+    own = "|".join(re.escape(name) for name in type(part).model_fields if name not in SHARED)
+    return re.sub(rf"\bcontrol\.(?=(?:{own})\b)", f"control.parts.{number}.", message)
 
 
 def _without_shared(part: DigitalSettings) -> DigitalSettings:

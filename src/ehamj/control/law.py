@@ -6,7 +6,6 @@ and range took from them (``applied − wanted``, the rounding left out, which i
 through ``anti_windup``.
 """
 
-import difflib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,7 +24,7 @@ from ehamj.control.lines import Line, check_lines
 from ehamj.control.spools import KnownSpool
 from ehamj.control.valves import KnownValve
 from ehamj.control.windup import anti_windup_gain, limited_radius
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.plain.text import json_of
 from ehamj.plant.mounts import MOUNTS
 
@@ -249,9 +248,7 @@ def check_keys(where: str, table: Mapping[str, Any], known: Sequence[str]) -> No
     """
     for key in table:
         if key not in known:
-            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise InputError(f"{where}.{key}: unknown key; {hint}allowed: {', '.join(known)}")
+            raise InputError(f"{where}.{key}: unknown key; {did_you_mean(key, known)}allowed: {', '.join(known)}")
 
 
 def read_table(path: str | Path) -> dict[str, Any]:

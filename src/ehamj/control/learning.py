@@ -22,10 +22,12 @@ class Learning(Settings):
     """What is learnt of each isolator from what its valve was told, its chambers' pressures and its stroke."""
 
     flow_gain: NotNegative = Field(
-        0.5, description="share by which the flow gain may come out larger than stated, or the stated one larger [-]"
+        0.5,
+        le=4.0,
+        description="share by which the flow gain may come out larger than stated, or the stated one larger [-]",
     )
     compliance: NotNegative = Field(
-        1.0, description="the same of the oil's compliance, V_t/(4β), the inverse of its stiffness [-]"
+        1.0, le=9.0, description="the same of the oil's compliance, V_t/(4β), the inverse of its stiffness [-]"
     )
     overlap: NotNegative = Field(
         0.3, description="by how much the edges' overlap may differ, where control.linearisation makes it good [mA]"

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any, Final, NamedTuple, Self
 
 from ehamj.control.channels import SUPPLY
+from ehamj.control.tables import numbers_in
 from ehamj.errors import InputError
 from ehamj.isolator.flow_curve import POINTS
 from ehamj.plant.axes import CHAMBERS
@@ -105,11 +106,12 @@ class KnownValve(NamedTuple):
         keys = (*Known._fields, "curve")
         if not isinstance(table, Mapping) or set(table) != set(keys):
             raise InputError(f"controller.valves: each must be a table of {', '.join(keys)}")
-        try:
-            numbers = Known(*(float(table[name]) for name in Known._fields))
-            curve = tuple(float(share) for share in table["curve"])
-        except (TypeError, ValueError) as error:
-            raise InputError(f"controller.valves: {error}; every entry must be a number") from error
+        known = {name: table[name] for name in Known._fields}
+        numbers = Known(*numbers_in(known, Known._fields, "controller.valves"))
+        if not isinstance(table["curve"], Sequence) or isinstance(table["curve"], str):
+            raise InputError("controller.valves: curve must be a list of numbers")
+        places = tuple(map(str, range(len(table["curve"]))))
+        curve = tuple(numbers_in(dict(zip(places, table["curve"], strict=True)), places, "controller.valves.curve"))
         whole = all(map(math.isfinite, (*numbers, *curve))) and len(curve) == POINTS
         if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(

@@ -14,7 +14,7 @@ from ehamj.design.kinds import DESIGNABLE, beginning
 from ehamj.design.outcome import outcome
 from ehamj.design.page import design_page
 from ehamj.design.tuning import tune
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
@@ -113,7 +113,8 @@ def _kind(given: ControlSettings, architecture: str | None) -> str:
     if architecture in (None, own, *DESIGNABLE):
         return architecture or own
     more = f"; {architecture} must be stated whole, in [control]" if architecture in ARCHITECTURES else ""
-    raise InputError(f"--architecture {architecture!r}: must be one of {', '.join(DESIGNABLE)}{more}")
+    near = did_you_mean(str(architecture), DESIGNABLE)
+    raise InputError(f"--architecture {architecture!r}: {near}must be one of {', '.join(DESIGNABLE)}{more}")
 
 
 def variations_of(control: SampledSettings) -> Variations:

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.columns import Samples, columns, digest
 from ehamj.estimate.bands import Band
 from ehamj.signals import rise
 
@@ -15,6 +16,8 @@ LONGEST_TAPER: Final = 0.5
 """Time over which the weight rises and falls at most [s]."""
 
 
+LONG: Final = 2**20
+"""Samples from which on what is the same of all channels is not kept for the next: it takes as much as a channel."""
 LEAST_BINS: Final = 4
 """Bandwidth times counted time that a band must have for its level to be stated."""
 
@@ -87,7 +90,13 @@ class Counted:
         return float((self.weight**2).sum()) / self.rate
 
 
-def by_column(samples: Array, compute: Callable[[Array], Array]) -> Array:
+def of_all(kept: Any, samples: int) -> Callable[..., Any]:
+    """What computes something that is the same of all channels of so many samples: as it is ``kept``, or anew."""
+    computed: Callable[..., Any] = kept if samples <= LONG else kept.__wrapped__
+    return computed
+
+
+def by_column(samples: Samples, compute: Callable[[Array], Array]) -> Array:
     """What a function makes of each channel of samples (n, …); channels that are the same are computed once.
 
     Args:
@@ -97,12 +106,10 @@ def by_column(samples: Array, compute: Callable[[Array], Array]) -> Array:
     Returns:
         (*S, …), the channels' shape last.
     """
-    columns = samples.reshape(samples.shape[0], -1)
     known: dict[bytes, Array] = {}
     found = []
-    for column in columns.T:
-        whole = np.ascontiguousarray(column)
-        key = whole.tobytes()
+    for whole in columns(samples):
+        key = digest(whole)
         if key not in known:
             known[key] = compute(whole)
         found.append(known[key])

@@ -15,10 +15,11 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from ehamj.arrays import Array
+from ehamj.columns import Samples
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
 from ehamj.estimate.spectrum import FADE, FILLING, HIGHEST, RINGING, Spectrum
-from ehamj.estimate.steady import lines_of, waves
+from ehamj.estimate.steady import Waves, lines_of
 
 ORDERS: Final = (1, 0, 2)
 """Of differences, in order of preference."""
@@ -50,7 +51,7 @@ class Reading:
         highest = HIGHEST * max(band.centre for band in decided) * size / counted.rate
         padded = size, min(int(highest) + 2, size // 2 + 1)
         lines = lines_of(samples, counted)
-        base = waves(lines, counted)
+        base = Waves(lines, counted)
         spectra = [Spectrum.of(samples, lines, base, counted, padded, order) for order in ORDERS]
         first, *others = (spectrum.rms(decided, least_bins=least_bins) for spectrum in spectra)
         levels = np.array([CLEARLY * first, *others])
@@ -68,7 +69,7 @@ class Reading:
 
 
 def band_rms(
-    signal: Array,
+    signal: Samples,
     rate: float,
     chosen: tuple[Band, ...],
     order: int = 0,
@@ -89,6 +90,5 @@ def band_rms(
         (bands,) or (bands, …), in the signal's unit (times 1/s to the power of ``order``); NaN where the record is too
         short or sampled too slowly for the band.
     """
-    samples = np.asarray(signal, float)
-    counted = Counted(samples.shape[0], rate)
-    return by_column(samples, lambda one: Reading.of(one, counted, chosen, least_bins).rms(chosen, order, least_bins))
+    counted = Counted(signal.shape[0], rate)
+    return by_column(signal, lambda one: Reading.of(one, counted, chosen, least_bins).rms(chosen, order, least_bins))

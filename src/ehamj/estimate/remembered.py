@@ -9,13 +9,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ehamj.columns import fingerprint
+
 T = TypeVar("T")
 
 
 def remembered(count: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
-    """Decorates a function of arrays and hashable values: its last ``count`` results are kept by what it was given.
+    """Decorates a function of samples and hashable values: its last ``count`` results are kept by what it was given.
 
-    Arrays are told apart by their contents, of which a hash is kept and not they themselves. Of threads that ask for
+    Samples are told apart by their contents, of which a hash is kept and not they themselves. Of threads that ask for
     the same at once one computes. An array that comes back is read-only, as others get the same.
     """
 
@@ -45,6 +47,6 @@ def remembered(count: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
 
 def _plain(given: Any) -> Any:
     """What an argument is told by."""
-    if not isinstance(given, np.ndarray):
-        return given
-    return given.shape, given.dtype.str, blake2b(np.ascontiguousarray(given).data).digest()
+    if isinstance(given, np.ndarray):
+        return given.shape, given.dtype.str, blake2b(np.ascontiguousarray(given).data).digest()
+    return fingerprint(given) if getattr(given, "shape", ()) else given

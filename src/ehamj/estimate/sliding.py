@@ -18,8 +18,9 @@ import numpy as np
 from scipy.signal import lfilter
 
 from ehamj.arrays import Array, ComplexArray
+from ehamj.columns import Samples
 from ehamj.estimate.bands import Band
-from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
+from ehamj.estimate.counted import LEAST_BINS, Counted, by_column, of_all
 from ehamj.estimate.reading import Reading
 from ehamj.estimate.spectrum import FILLING, HIGHEST, RINGING, Spectrum
 from ehamj.estimate.statistics import BandStatistic
@@ -83,7 +84,7 @@ class Behind:
     def __init__(self, spectrum: Spectrum, band: Band, order: int = 0) -> None:
         """The channel's derivative of ``order``, as in `Reading.rms`."""
         counted = spectrum.counted
-        passing = _passing(band, order, counted.rate / spectrum.size, spectrum.rest.size)
+        passing = of_all(_passing, counted.n)(band, order, counted.rate / spectrum.size, spectrum.rest.size)
         square = spectrum.filtered(passing) ** 2
         step = spectrum.size / counted.rate / square.size
         several = max(int(averaging_time(band, "fast") / PER_TIME / step), 1)
@@ -167,7 +168,7 @@ def statistics(
     return levels, means
 
 
-def levels_over_time(signal: Array, rate: float, chosen: tuple[Band, ...], step: float = 0.25) -> tuple[Array, Array]:
+def levels_over_time(signal: Samples, rate: float, chosen: tuple[Band, ...], step: float = 0.25) -> tuple[Array, Array]:
     """Sliding 1 s RMS of a signal in each band on a grid of times, as a spectrogram shows it.
 
     Args:
@@ -181,8 +182,7 @@ def levels_over_time(signal: Array, rate: float, chosen: tuple[Band, ...], step:
         there (1 s, or 1/bandwidth where that is longer); NaN where a window is not wholly within what counts, or a band
         undecided.
     """
-    samples = np.asarray(signal, float)
-    counted = Counted(samples.shape[0], rate)
+    counted = Counted(signal.shape[0], rate)
     times = np.arange(counted.begin, counted.end + 0.5 * step, step)
 
     def of_one(one: Array) -> Array:
@@ -194,4 +194,4 @@ def levels_over_time(signal: Array, rate: float, chosen: tuple[Band, ...], step:
                 found[row, whole] = np.sqrt(Behind(reading.spectra[band], band).sliding(times[whole], seconds))
         return found
 
-    return times, by_column(samples, of_one)
+    return times, by_column(signal, of_one)

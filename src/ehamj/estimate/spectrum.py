@@ -10,8 +10,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.estimate.bands import Band
-from ehamj.estimate.counted import LEAST_BINS, Counted
-from ehamj.estimate.steady import Steady, fitted
+from ehamj.estimate.counted import LEAST_BINS, Counted, of_all
+from ehamj.estimate.steady import Steady, Waves, fitted
 from ehamj.signals import rise
 
 RINGING: Final = 2.0
@@ -37,11 +37,11 @@ class Spectrum:
 
     @classmethod
     def of(
-        cls, samples: Array, lines: Array, base: Array, counted: Counted, padded: tuple[int, int], order: int
+        cls, samples: Array, lines: Array, base: Waves, counted: Counted, padded: tuple[int, int], order: int
     ) -> Self:
         """Of the samples (n,) of one channel, taken by its differences of an ``order``.
 
-        Lines [Hz], with their `waves` as ``base``, are fitted and weights set in the differences, whose transform is
+        Lines [Hz], with their waves as ``base``, are fitted and weights set in the differences, whose transform is
         then taken back. ``padded``: size of the padded record, and bins kept of its spectrum.
         """
         differences = np.diff(samples, order, prepend=np.full(order, samples[0])) if order else samples
@@ -49,9 +49,9 @@ class Spectrum:
             differences[:order] = 0.0
         amplitude, rest = fitted(differences, base, counted)
         size, bins = padded
-        spectrum = rfft(rest * counted.weight, size)[:bins]
+        spectrum = rfft(rest * counted.weight, size)[:bins].copy()  # the others need not stay
         spectrum[0] = 0.0
-        spectrum[1:] *= _back(size, bins, order)
+        spectrum[1:] *= of_all(_back, counted.n)(size, bins, order)
         return cls(counted, Steady(lines, amplitude / _difference(lines / counted.rate, order)), size, spectrum)
 
     @cached_property

@@ -4,8 +4,9 @@ A line leaks past every window's edges; one that is fitted and taken out does no
 belongs: the reshaping of lines of Thomson, Proc. IEEE 70 (1982), section XIII, here by least squares.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Final, Self
 
 import numpy as np
@@ -13,7 +14,8 @@ from scipy.fft import prev_fast_len
 from scipy.signal.windows import general_cosine
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.estimate.counted import Counted
+from ehamj.columns import ROWS, blocks
+from ehamj.estimate.counted import Counted, of_all
 
 MOST: Final = 12
 """Lines that are taken out at most."""
@@ -64,13 +66,32 @@ def lines_of(samples: Array, counted: Counted) -> Array:
     return np.array(_Search.of(part).run()) * counted.rate / part.size
 
 
-def waves(frequency: Array, counted: Counted) -> Array:
-    """Cosines and sines of frequencies [Hz] (k,) over what counts, (2k, …)."""
-    phase = 2 * np.pi * np.outer(frequency, np.arange(counted.first, counted.n) / counted.rate)
-    return np.concatenate([np.cos(phase), np.sin(phase)])
+@dataclass(frozen=True)
+class Waves:
+    """Cosines and sines of frequencies [Hz] (k,) over what counts, a block of samples at a time."""
+
+    frequency: Array
+    counted: Counted
+
+    def __iter__(self) -> Iterator[tuple[slice, Array]]:
+        """Which samples, and theirs, (2k, …)."""
+        if self.counted.n - self.counted.first <= ROWS:
+            yield slice(self.counted.first, self.counted.n), self._whole
+            return
+        for rows in blocks(self.counted.n - self.counted.first):
+            own = slice(self.counted.first + rows.start, self.counted.first + rows.stop)
+            yield own, self._of(own)
+
+    @cached_property
+    def _whole(self) -> Array:
+        return self._of(slice(self.counted.first, self.counted.n))
+
+    def _of(self, rows: slice) -> Array:
+        phase = 2 * np.pi * np.outer(self.frequency, np.arange(rows.start, rows.stop) / self.counted.rate)
+        return np.concatenate([np.cos(phase), np.sin(phase)])
 
 
-def fitted(samples: Array, base: Array, counted: Counted) -> tuple[ComplexArray, Array]:
+def fitted(samples: Array, base: Waves, counted: Counted) -> tuple[ComplexArray, Array]:
     """Amplitudes a·e^{jφ} at time 0 of lines in a channel (n,), (k,), and the channel without them, (n,).
 
     All together by least squares with the squared weights of what counts, by which lines and rest are orthogonal, and
@@ -78,16 +99,21 @@ def fitted(samples: Array, base: Array, counted: Counted) -> tuple[ComplexArray,
 
     Args:
         samples: the channel.
-        base: `waves` of the lines' frequencies.
+        base: of the lines' frequencies.
         counted: what counts of it.
     """
-    if not base.size:
+    if not base.frequency.size:
         return np.zeros(0, complex), samples
-    part = samples[counted.first :]
-    weighted = base * counted.weight[counted.first :] ** 2
-    cosines, sines = (found := np.linalg.solve(weighted @ base.T, weighted @ part)).reshape(2, -1)
+    size = 2 * base.frequency.size
+    system, right = np.zeros((size, size)), np.zeros(size)
+    for rows, own in base:
+        weighted = own * counted.weight[rows] ** 2
+        system += weighted @ own.T
+        right += weighted @ samples[rows]
+    cosines, sines = (found := np.linalg.solve(system, right)).reshape(2, -1)
     rest = samples.copy()
-    rest[counted.first :] -= found @ base
+    for rows, own in base:
+        rest[rows] -= found @ own
     return cosines - 1j * sines, rest
 
 
@@ -102,7 +128,7 @@ class _Search:
     @classmethod
     def of(cls, part: Array) -> Self:
         """Of a record as it is."""
-        window = _window(part.size)
+        window = of_all(_window, part.size)(part.size)
         return cls(part, window, np.fft.rfft(part * window))
 
     def run(self) -> list[float]:

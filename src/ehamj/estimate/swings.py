@@ -6,11 +6,13 @@ knows one frequency only. Where an end of the record cuts a swing, the time from
 counts as a quarter period.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.columns import columns
 
 SHORTEST = 1e-9
 """Least time between two crossings [s], so that none is infinitely fast."""
@@ -32,7 +34,11 @@ class Swings(NamedTuple):
             motion: (n,), or (n, motions), whose swings are taken together.
             rate: sampling rate [Hz].
         """
-        parts = [_of_one(column, rate) for column in np.asarray(motion, float).reshape(len(motion), -1).T]
+        return cls.together(cls(*_of_one(one, rate)) for one in columns(motion))
+
+    @classmethod
+    def together(cls, parts: "Iterable[Swings]") -> Self:
+        """All swings of several."""
         return cls(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from ehamj.control.channels import channel_names, check_channel, is_upstream
 from ehamj.control.sensors import Sensors, class_of
+from ehamj.errors import did_you_mean
 from ehamj.faults.fault import FaultSettings
 from ehamj.plant.mounts import MOUNTS
 
@@ -59,7 +60,10 @@ class SensorFault(FaultSettings):
         if self.sensor in CLASSES:
             return
         if " " not in self.sensor:
-            raise ValueError(f"sensor = {self.sensor!r} must be one of {', '.join(CLASSES)}, or the name of a channel")
+            near = did_you_mean(self.sensor, CLASSES)
+            raise ValueError(
+                f"sensor = {self.sensor!r}: {near}must be one of {', '.join(CLASSES)}, or a channel's name"
+            )
         try:
             check_channel(self.sensor, tuple(mounts))
         except ValueError as error:

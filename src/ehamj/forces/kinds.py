@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.forces.force import ForceSettings, Load
 from ehamj.forces.transients import AxisJerk, Hammer
 from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce, Unbalance
@@ -41,7 +41,8 @@ def check_forces(forces: Sequence[ForceSettings], points: Mapping[str, Vector3])
     for k, force in enumerate(forces):
         if isinstance(force.point, str) and force.point != "cg" and force.point not in points:
             known = ", ".join(map(repr, (*points, "cg")))
-            raise ValueError(f"force.{k}.point = {force.point!r} must be one of {known}, or a place [x, y, z]")
+            near = did_you_mean(force.point, points)
+            raise ValueError(f"force.{k}.point = {force.point!r}: {near}must be one of {known}, or a place [x, y, z]")
 
 
 def load_of(

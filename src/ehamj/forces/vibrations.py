@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ehamj.errors import InputError
 from ehamj.forces.force import PER_PERIOD, ContinuousForce, ForceSettings
-from ehamj.series import Lines, parts, room
+from ehamj.series import Lines, check_lines, parts, room
 from ehamj.settings import Positive, SineSum
 from ehamj.signals import Array, Multisine, Sample, Signal, rise
 
@@ -71,6 +71,7 @@ def random_force(rms: float, first: float, last: float, duration: float, random:
     It repeats after ``duration`` [s] or ten periods of the lowest frequency, whichever is longer.
     """
     period = max(duration, 10.0 / first)
+    check_lines(last * period, f"a random force up to last = {last:g} Hz that repeats after {period:g} s")
     lines = room(int(last * period + 1e-6) + 1)
     count = sum(int((np.arange(part.start, part.stop) / period >= first - 1e-9).sum()) for part in parts(0, lines.size))
     if not count:

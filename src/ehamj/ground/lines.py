@@ -14,18 +14,16 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from ehamj.errors import InputError
 from ehamj.ground.motion import GroundSettings, Motion, Start
 from ehamj.ground.spectra import Axis, Spectrum
 from ehamj.ground.waves import Coherence, Wave, spread
 from ehamj.plant.axes import AXES
-from ehamj.series import Lines, parts, room
+from ehamj.series import Lines, check_lines, parts, room
 from ehamj.settings import Fade
 from ehamj.signals import Array, Product, Signal
 
@@ -62,10 +60,6 @@ def even_phases(sizes: Sequence[int], random: np.random.Generator) -> Iterator[A
             phases = np.cumsum(np.concatenate([[phase], steps]))[1:]
             phase, last = phases[-1], steps[-1:]
             yield phases
-
-
-MOST_LINES: Final = 2e7
-"""Of a random floor: eleven hours up to 500 Hz, which take a minute to draw."""
 
 
 def _order(size: int, random: np.random.Generator) -> tuple[NDArray[np.int32], float]:
@@ -158,12 +152,8 @@ def random_lines(spectrum: Spectrum, start: Start, axis: str, coherence: Coheren
     independent sets of lines; each mount's lines are then scaled per third octave to the power that the target has.
     """
     comb = _Comb(spectrum, period(start.duration))
-    if comb.spectrum.high * comb.length > MOST_LINES:
-        raise InputError(
-            f"a random floor up to {spectrum.high:g} Hz over duration = {start.duration:g} s has "
-            f"{comb.spectrum.high * comb.length:.2g} lines; {MOST_LINES:.0e} is the most: lower the floor's highest "
-            "frequency, or duration"
-        )
+    what = f"a random floor up to {spectrum.high:g} Hz over duration = {start.duration:g} s"
+    check_lines(spectrum.high * comb.length, what)
     if not comb.sizes:
         raise ValueError(
             f"ground: no line of a floor that lasts {comb.length:g} s lies from {spectrum.low:g} to "

@@ -1,5 +1,6 @@
 """A run in ten lines: what a person asks for first."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -7,7 +8,7 @@ from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
 from ehamj.judge.learnt import Belief, nothing
 from ehamj.judge.levels import SLAB, ByBand
 from ehamj.judge.summary import PlaceMargins, Summary
-from ehamj.judge.worse import LEAST, cancelled, in_a_sentence
+from ehamj.judge.worse import LEAST, cancelled, made_worse
 from ehamj.plant.axes import AXES
 
 MICRO: Final = 1e6
@@ -21,6 +22,13 @@ MEAN: Final = (
 )
 
 
+PROCESSING: Final = re.compile(
+    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
+    r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
+)
+"""Warnings that only say how a record was processed."""
+
+
 def brief(summary: Summary) -> dict[str, str]:
     """Ten lines by what each is about."""
     state = "complete" if summary.complete else f"INCOMPLETE: {summary.failure}"
@@ -30,8 +38,8 @@ def brief(summary: Summary) -> dict[str, str]:
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
-    if summary.worse:
-        found["worse"] = in_a_sentence(summary.worse)
+    if worse := made_worse(summary.worse):
+        found["worse"] = worse
     mixed = f", {mixed}" if mixed else ""
     first = summary.attenuation_first()
     if len(first) > 1:
@@ -47,16 +55,16 @@ def brief(summary: Summary) -> dict[str, str]:
     found["valves"] = _valves(summary)
     if summary.made_good:
         found["made good"] = f"{', '.join(summary.made_good)} of the valves, as the law knows them"
-    found["margins"] = _margins(summary)
+    found["margins"] = margins_in_words(summary)
     if summary.spools is not None:
         found["spool feedback"] = _spools(summary.spools)
     if summary.followed:
         found["lines"] = ", ".join(line.words for line in summary.followed)
-    found |= {mount: f"learnt: {_learnt(told)}" for mount, told in summary.learnt.items()}
+    found |= {mount: f"learnt: {learnt_in_words(told)}" for mount, told in summary.learnt.items()}
     return found | _rest(summary)
 
 
-def _learnt(told: dict[str, Belief]) -> str:
+def learnt_in_words(told: dict[str, Belief]) -> str:
     """What a mount has learnt."""
     if nothing(told):
         return "nothing"
@@ -131,7 +139,8 @@ def _valves(summary: Summary) -> str:
     return f"{said}at a limit: {', '.join(at)}" if at else f"{said}never at a limit"
 
 
-def _margins(summary: Summary) -> str:
+def margins_in_words(summary: Summary) -> str:
+    """What the control loop has in hand."""
     margins = summary.margins
     if margins is None:
         return "not known" if summary.python_law else "no feedback loop"

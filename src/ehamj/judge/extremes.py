@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import columns
 from ehamj.findings import finite
 
 
@@ -20,18 +21,21 @@ def peak_and_rms(dataset: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if not variable.size or name in ("controller_state", "line_frequency") or str(name).startswith("learnt_"):
             continue
-        # One channel after the other in memory: extremes and sums along them are several times as fast.
-        about = np.array(variable.values.reshape(variable.shape[0], -1).T, float, order="C")
-        if name != "valve_command":
-            about -= about[:, :1].copy()
         labels = [[str(label) for label in variable[dimension].values] for dimension in variable.dims[1:]]
-        with np.errstate(invalid="ignore", over="ignore"):  # where nothing is
-            mean = np.einsum("ij,ij->i", about, about) / about.shape[1]
-            if np.isnan(mean).any():  # what is not known does not count
-                mean = np.nansum(about**2, axis=1) / np.count_nonzero(~np.isnan(about), axis=1)
-        rms[str(name)] = _nested(np.sqrt(mean).reshape(variable.shape[1:]), labels)
-        peak[str(name)] = _nested(np.fmax.reduce(np.abs(about), axis=1).reshape(variable.shape[1:]), labels)
+        found = [_of_one(one, name != "valve_command") for one in columns(variable.variable)]
+        for table, values in zip((peak, rms), zip(*found, strict=True), strict=True):
+            table[str(name)] = _nested(np.array(values).reshape(variable.shape[1:]), labels)
     return peak, rms
+
+
+def _of_one(samples: Array, from_first: bool) -> tuple[float, float]:
+    """Peak and RMS of a channel, about its first value or about zero."""
+    about = samples - samples[0] if from_first else samples
+    with np.errstate(invalid="ignore", over="ignore"):  # where nothing is
+        mean = np.einsum("i,i->", about, about) / about.size
+        if np.isnan(mean):  # what is not known does not count
+            mean = np.nansum(about**2) / np.count_nonzero(~np.isnan(about))
+        return float(np.fmax.reduce(np.abs(about))), float(np.sqrt(mean))
 
 
 def _nested(values: Array, labels: Sequence[Sequence[str]]) -> Any:

@@ -53,6 +53,13 @@ class Direction(Finding):
         said = "; ".join(found)
         return f"{said[:1].upper()}{said[1:]}"
 
+    def at_worst(self) -> str:
+        """Where the machine is worst and by how much; empty of one that rests or is not judged."""
+        worst = self.worst
+        if worst.verdict.deciding_band is None or worst.at_rest:
+            return ""
+        return f"Machine worst at {worst.where}: {worst.reason()}"
+
     def machine(self) -> str:
         """The machine's class at its worst place with margin and band, as a table of several runs holds it."""
         met = self.worst.class_in_words(self.undecided)

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from ehamj.columns import columns
 from ehamj.criteria.curves import ORDERS, Kind, Norm
 from ehamj.criteria.settings import CriteriaSettings
 from ehamj.estimate.counted import LONGEST_TAPER, settled
@@ -175,7 +176,9 @@ def outside(dataset: xr.Dataset, begin: float, end: float) -> list[str]:
     """In words: a floor whose largest motion falls near an end of the run, where levels in bands count it for less."""
     time, fade = dataset.time.values, min(LONGEST_TAPER, begin)
     within = (time >= begin) & (time <= end - fade)
-    velocity = np.abs(dataset["ground_velocity"].values).max(axis=(1, 2), initial=0.0)
+    velocity = np.zeros(time.size)
+    for one in columns(dataset["ground_velocity"].variable):
+        np.maximum(velocity, np.abs(one), out=velocity)
     if not within.any() or velocity.max() <= OUTSIDE * velocity[within].max():
         return []
     row = int(np.argmax(velocity))

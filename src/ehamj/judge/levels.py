@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import Made, Samples, columns, peaks
 from ehamj.criteria.curves import ORDERS, Kind
 from ehamj.estimate.bands import Band, bands
 from ehamj.estimate.counted import Counted, by_column
@@ -22,6 +23,9 @@ from ehamj.plant.plant import Plant
 
 ByBand = dict[str, float | None]
 """A level, or a ratio [dB], by the bands' names; None where unknown."""
+
+Positions = Sequence[Sequence[float]]
+"""Of the mounts [m]."""
 
 BANDS = bands(1.0, 315.0)
 LEAST_ROWS = 16
@@ -85,26 +89,27 @@ def levels_of(
     kinds += [(q, name) for q in ORDERS for name in TIMES if q == "velocity" or (q, name) in wanted]
     places: dict[str, dict[Kind, Array]] = {}
     behind = np.empty(0)
-    for place, velocity in motions_of(dataset, "velocity").items():
+    motions = motions_of(dataset, "velocity")
+    for place, velocity in motions.items():
         read = _read_floor if place == "floor" else _read
         tables = read(velocity, rate, known, tuple(kinds))
         places[place] = dict(zip(kinds, tables, strict=False))
         behind = tables[-1] if place == "floor" else behind
-        enough = len(velocity) >= LEAST_ROWS
-        peak = np.abs(velocity).max(axis=0) if enough else np.full(velocity.shape[1:], np.nan)
+        enough = velocity.shape[0] >= LEAST_ROWS
+        peak = peaks(velocity) if enough else np.full(velocity.shape[1:], np.nan)
         places[place]["velocity", "peak"] = peak[None]
-    floor, machine = floor_and_machine(dataset, plant)
-    turning = rms_in_bands(machine[:, len(AXES) :], rate, known)
-    slab, own = _of_floor(floor, rate, known), np.hstack([places["machine"]["velocity", "rms"], turning])
+    turning = rms_in_bands(dataset["machine_velocity"].variable[:, len(AXES) :], rate, known)
+    slab = _of_floor(motions["floor"], tuple(map(tuple, plant.positions)), rate, known)
+    own = np.hstack([places["machine"]["velocity", "rms"], turning])
     seconds = Counted(len(dataset["time"]), rate).length
-    commanded = "valve_command" in dataset and bool(np.any(dataset["valve_command"].values))
+    commanded = "valve_command" in dataset and any(map(np.any, columns(dataset["valve_command"].variable)))
     actuated = {name: words if commanded else PASSIVE for name, words in actuation(plant.layout).items()}
     return Levels(known, slab, own, places, behind, plant.mounts, seconds, actuated)
 
 
-def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:
+def _read(velocity: Samples, rate: float, known: tuple[Band, ...], kinds: Sequence[Kind]) -> Array:
     """Levels of a velocity (time, …) of each kind, and last its RMS behind the filters, (kinds + 1, bands, …)."""
-    counted = Counted(len(velocity), rate)
+    counted = Counted(velocity.shape[0], rate)
 
     def of_one(samples: Array) -> Array:
         reading = Reading.of(samples, counted, known)
@@ -127,23 +132,31 @@ def _read(velocity: Array, rate: float, known: tuple[Band, ...], kinds: Sequence
 _read_floor = remembered(4)(_read)
 
 
-def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Array]:
+def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Samples]:
     """A motion of each place: floor and feet (time, mount, axis), the machine's CG and the points (time, axis)."""
     found = {"floor": "ground", "feet": "foot", "machine": "cg"}
-    places = {place: dataset[f"{what}_{motion}"].values for place, what in found.items()}
+    places: dict[str, Samples] = {place: dataset[f"{what}_{motion}"].variable for place, what in found.items()}
     if f"point_{motion}" in dataset:
-        of_points = np.moveaxis(dataset[f"point_{motion}"].values, 1, 0)
-        places |= dict(zip(map(str, dataset["point"].values), of_points, strict=True))
+        of_points = dataset[f"point_{motion}"].variable
+        places |= {str(name): of_points[:, k] for k, name in enumerate(dataset["point"].values)}
     return places
 
 
-def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Array, Array]:
+def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Samples, Samples]:
     """Velocity of the floor as a whole and of the machine, (time, `SLAB`) each [m/s, rad/s].
 
     For the floor see `floor_as_whole`.
     """
-    machine = [dataset["cg_velocity"].values, dataset["machine_velocity"].values[:, len(AXES) :]]
-    return floor_as_whole(dataset["ground_velocity"].values, plant), np.hstack(machine)
+    of_cg, turning = (dataset[f"{what}_velocity"].variable for what in ("cg", "machine"))
+    machine = Made(
+        (of_cg.shape[0], len(SLAB)), lambda rows: np.hstack([of_cg[rows].values, turning[rows, len(AXES) :].values])
+    )
+    return _slab(dataset["ground_velocity"].variable, plant.positions), machine
+
+
+def _slab(ground: Samples, positions: Positions) -> Made:
+    """`floor_as_whole` of samples of any length, as it is asked for."""
+    return Made((ground.shape[0], len(SLAB)), lambda rows: _as_whole(np.asarray(ground[rows]), positions))
 
 
 def floor_as_whole(ground: Array, plant: Plant) -> Array:
@@ -153,20 +166,27 @@ def floor_as_whole(ground: Array, plant: Plant) -> Array:
     Where all mounts stand at one height roll and pitch are those of the plane that fits their heights best, and yaw
     comes from what they do along x and y alone.
     """
-    fit = slab_fit(plant.positions)[len(AXES) :].reshape(len(AXES), *ground.shape[1:])
+    return _as_whole(ground, plant.positions)
+
+
+def _as_whole(ground: Array, positions: Positions) -> Array:
+    fit = slab_fit(positions)[len(AXES) :].reshape(len(AXES), *ground.shape[1:])
     turning = np.tensordot(ground, fit, axes=((1, 2), (1, 2)))
     return np.hstack([ground.mean(axis=1), turning])
 
 
-def rms_in_bands(signal: Array, rate: float, known: tuple[Band, ...]) -> Array:
+def rms_in_bands(signal: Samples, rate: float, known: tuple[Band, ...]) -> Array:
     """Whole-run RMS in bands (bands, …) of a signal (time, …), its beginning not counted; NaN of too few rows."""
-    counted = Counted(len(signal), rate)
+    counted = Counted(signal.shape[0], rate)
     if counted.n - counted.start < LEAST_ROWS:
         return np.full((len(known), *signal.shape[1:]), np.nan)
     return band_rms(signal, rate, known)
 
 
-_of_floor = remembered(4)(rms_in_bands)
+@remembered(4)
+def _of_floor(ground: Samples, positions: Positions, rate: float, known: tuple[Band, ...]) -> Array:
+    """Levels of the floor as a whole (bands, `SLAB`), from the mounts' velocities."""
+    return rms_in_bands(_slab(ground, positions), rate, known)
 
 
 def by_band(levels: Array, known: tuple[Band, ...], labels: Iterable[str] = AXES) -> dict[str, ByBand]:

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import column, places
 from ehamj.criteria.curves import Kind, Norm
 from ehamj.estimate.swings import Swings
 from ehamj.judge.levels import LEAST_ROWS, motions_of
@@ -38,13 +39,18 @@ def peaks_of(dataset: xr.Dataset, rate: float, norms: Iterable[Norm]) -> Peaks:
     found = Peaks()
     for quantity in sorted(wanted):
         for place, motion in motions_of(dataset, quantity).items():
-            moved = motion - motion.mean(axis=0) if quantity == "displacement" and len(motion) else motion
-            columns = moved.reshape(len(moved), -1, len(AXES))
-            enough = len(columns) >= LEAST_ROWS
-            level = np.abs(columns).max(axis=(0, 1)) if enough else np.full(len(AXES), np.nan)
+            level = np.full(len(AXES), np.nan)
             found.levels.setdefault(place, {})[quantity, "peak"] = level[None]
-            if quantity in swinging and enough:
-                by_axis = found.swings.setdefault(place, {})
-                for k, axis in enumerate(AXES):
-                    by_axis.setdefault(axis, {})[quantity] = Swings.of(columns[:, :, k], rate)
+            if motion.shape[0] < LEAST_ROWS:
+                continue
+            swings: dict[int, list[Swings]] = {}
+            for at in places(motion):
+                moved, k = column(motion, *at), at[-1]
+                moved = moved - moved.mean() if quantity == "displacement" else moved
+                level[k] = np.fmax(level[k], np.abs(moved).max())
+                if quantity in swinging:
+                    swings.setdefault(k, []).append(Swings.of(moved, rate))
+            for k, parts in swings.items():
+                by_axis = found.swings.setdefault(place, {}).setdefault(AXES[k], {})
+                by_axis[quantity] = Swings.together(parts)
     return found

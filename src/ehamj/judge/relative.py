@@ -8,6 +8,7 @@ import xarray as xr
 from pydantic import Field
 
 from ehamj.arrays import Array
+from ehamj.columns import columns
 from ehamj.findings import Finding, finite
 from ehamj.judge.levels import BANDS, ByBand, by_band, rms_in_bands
 from ehamj.plant.axes import AXES
@@ -35,12 +36,15 @@ def relative_motions(
     dataset: xr.Dataset, relatives: Sequence[Relative], rate: float, usable_to: float
 ) -> dict[str, RelativeMotion]:
     """Each relative displacement by name; ``rate`` and ``usable_to`` [Hz] as in `ehamj.judge.isolation`."""
-    displacement = dataset["relative_displacement"]
-    moved = _with_total(displacement.values - displacement.values[:1])
-    peak = np.abs(moved).max(axis=0, initial=0.0)
-    rms = np.sqrt((moved**2).sum(axis=0) / (len(moved) or np.nan))
+    displacement = dataset["relative_displacement"].variable
+    peak, rms = (np.zeros((len(relatives), len(ALONG))) for _ in range(2))
+    for k in range(len(relatives)):
+        moved = [one - one[:1] for one in columns(displacement[:, k])]
+        moved.append(np.sqrt(sum(one**2 for one in moved)))
+        peak[k] = [np.abs(one).max(initial=0.0) for one in moved]
+        rms[k] = [np.sqrt((one**2).sum() / (one.size or np.nan)) for one in moved]
     known = tuple(band for band in BANDS if band.edges[1] <= usable_to)
-    levels = _with_total(rms_in_bands(displacement.values, rate, known))
+    levels = _with_total(rms_in_bands(displacement, rate, known))
     return {
         relative.name: RelativeMotion(
             origin=relative.origin,

@@ -3,9 +3,10 @@
 import numpy as np
 import xarray as xr
 
+from ehamj.arrays import Array
 from ehamj.criteria.response_spectrum import frequencies, response_spectrum
 from ehamj.criteria.settings import ResponseSpectrumSettings
-from ehamj.estimate.counted import settled
+from ehamj.estimate.counted import by_column, settled
 from ehamj.findings import Finding, finite
 from ehamj.judge.levels import LEAST_ROWS, duration_of, motions_of
 from ehamj.plant.axes import AXES
@@ -42,13 +43,15 @@ def response_spectra(
     del motions["feet"]
     found: dict[str, Peaks] = {"velocity": {}, "acceleration": {}}
     for place, motion in motions.items():
-        base = motion if motion.ndim > 2 else motion[:, None]
-        if np.array_equal(base, np.broadcast_to(base[:, :1], base.shape)):
-            base = base[:, :1]  # a floor that moves as one
         peaks = np.full((len(found), natural.size, len(AXES)), np.nan)
-        if len(base) - begin >= LEAST_ROWS:
-            spectra = response_spectrum(base.reshape(len(base), -1), rate, natural[known], settings.damping, begin)
-            peaks[:, known] = [each.reshape(-1, *base.shape[1:]).max(axis=1) for each in spectra]
+        if motion.shape[0] - begin >= LEAST_ROWS:
+
+            def of_one(base: Array) -> Array:
+                return np.array(response_spectrum(base[:, None], rate, natural[known], settings.damping, begin))[..., 0]
+
+            # A floor that moves as one is computed once; of several mounts the worst counts.
+            spectra = by_column(motion, of_one)
+            peaks[:, known] = spectra if spectra.ndim < 4 else spectra.max(axis=2)
         for of_place, table in zip(found.values(), peaks, strict=True):
             of_place[place] = {axis: list(map(finite, table[:, k])) for k, axis in enumerate(AXES)}
     return ResponseSpectra(damping=settings.damping, frequency_hz=natural.tolist(), **found)

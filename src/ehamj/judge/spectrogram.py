@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import Picked, Samples, fingerprint, finite, of_each
 from ehamj.estimate.bands import Band
 from ehamj.estimate.remembered import remembered
 from ehamj.estimate.sliding import levels_over_time
@@ -81,15 +82,15 @@ def spectrogram(runs: Mapping[str, Run]) -> Spectrogram | None:
         for label in whole
         if (runs[label].rate, runs[label].dataset.time.size) == (first.rate, first.dataset.time.size)
     }
-    floors: dict[str, Array] = {}
+    floors: dict[str, Samples] = {}
     for label, run in alike.items():
-        ground = run.dataset["ground_velocity"].values
-        worst = np.argmax((ground**2).sum(axis=0), axis=0)
-        floor = np.stack([ground[:, mount, axis] for axis, mount in enumerate(worst)], axis=1)
-        if not any(np.array_equal(floor, known, equal_nan=True) for known in floors.values()):
+        ground = run.dataset["ground_velocity"].variable
+        worst = np.argmax(of_each(ground, lambda one: (one**2).sum()), axis=0)
+        floor = Picked(ground, [(int(mount), axis) for axis, mount in enumerate(worst)])
+        if not any(fingerprint(floor) == fingerprint(known) for known in floors.values()):
             floors[f"floor of {label}" if floors else "floor"] = floor
-    motions = floors | {label: run.dataset["cg_velocity"].values for label, run in alike.items()}
-    if not chosen or not all(np.isfinite(motion).all() for motion in motions.values()):
+    motions = floors | {label: run.dataset["cg_velocity"].variable for label, run in alike.items()}
+    if not chosen or not all(map(finite, motions.values())):
         return None
     over_time = [_over_time(motion, first.rate, chosen, STEP) for motion in motions.values()]
     time, found = over_time[0][0], [levels for _, levels in over_time]

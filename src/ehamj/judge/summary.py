@@ -198,16 +198,18 @@ class Summary(Isolation, Head):
         end = self.timing.simulated_s
         return {f"{_after(one)} at {one.time_s:g} s": one.unsettled(end) for one in self.broken if one.after is None}
 
-    def lines(self) -> dict[str, str]:
+    def lines(self, short: bool = False) -> dict[str, str]:
         """The headline, see `ehamj.judge.verdicts.Criterion.lines`; where something failed, of the parts before and
         after, since levels of the whole run are those of no machine that there was."""
         parts = self.parts()
         found = {
-            f"{name} {when}": part.criterion.lines()[name] for when, part in parts.items() for name in self.directions
+            f"{name} {when}": part.criterion.lines(short)[name]
+            for when, part in parts.items()
+            for name in self.directions
         }
         if not found:
             mixed = f", {self.mixed}" if self.mixed else ""
-            return {f"{name}{mixed}": said for name, said in self.criterion.lines().items()} | self.unsettled()
+            return {f"{name}{mixed}": said for name, said in self.criterion.lines(short).items()} | self.unsettled()
         return found | self.unsettled() | {"judged by": self.judged_by()}
 
     def judged_by(self) -> str:

@@ -7,6 +7,7 @@ import xarray as xr
 from pydantic import Field
 
 from ehamj.arrays import Array
+from ehamj.columns import Samples, column, columns, digest
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import Counted
 from ehamj.estimate.reading import Reading
@@ -57,7 +58,7 @@ def transience(dataset: xr.Dataset, levels: Levels, rate: float) -> Transience |
 
 @remembered(4)
 def _strongest(
-    velocity: Array, behind: Array, largest: Array, known: tuple[Band, ...], rate: float
+    velocity: Samples, behind: Array, largest: Array, known: tuple[Band, ...], rate: float
 ) -> Transience | None:
     """Of a floor's velocity (time, mount, axis), RMS and largest second in bands (bands, mount, axis)."""
     least = np.maximum(NOISE, LEAST_LEVEL * np.fmax.reduce(behind, axis=0, initial=0.0))
@@ -65,21 +66,21 @@ def _strongest(
     if not says.any():
         return None
     ratio = np.divide(largest, behind, out=np.zeros_like(behind), where=says) ** 2
-    counted = Counted(len(velocity), rate)
-    separate = len({velocity[:, mount, axis].tobytes() for mount in range(says.shape[1]) for axis in range(3)})
+    counted = Counted(velocity.shape[0], rate)
+    separate = len(set(map(digest, columns(velocity))))
     probability = 1.0 / ONCE_IN / (says.any(axis=(1, 2)).sum() * separate)
-    readings: dict[tuple[int, int], Reading] = {}
     found: list[Transience] = []
-    for row, band in enumerate(known):
-        windows = counted.length / averaging_time(band, "max_1s")
-        for axis, name in enumerate(AXES):
+    for axis, name in enumerate(AXES):
+        readings: dict[int, Reading] = {}
+        for row, band in enumerate(known):
+            windows = counted.length / averaging_time(band, "max_1s")
             mount = int(np.argmax(ratio[row, :, axis]))
             r = float(ratio[row, mount, axis])
             if chance(r, white(band), windows) > probability:
                 continue  # noise of a narrower spectrum has it more often
-            if (mount, axis) not in readings:
-                readings[mount, axis] = Reading.of(velocity[:, mount, axis], counted, known)
-            own = shares(readings[mount, axis].spectra[band], band)
+            if mount not in readings:
+                readings = {mount: Reading.of(column(velocity, mount, axis), counted, known)}
+            own = shares(readings[mount].spectra[band], band)
             if chance(r, own, windows) > probability:
                 continue
             rms = float(behind[row, mount, axis])

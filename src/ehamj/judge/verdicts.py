@@ -91,16 +91,18 @@ class Criterion(Finding):
     max_1s: Beside | None = None
     """By the largest sliding 1 s RMS; None for a norm of peaks, and in a result that is older."""
 
-    def lines(self) -> dict[str, str]:
+    def lines(self, short: bool = False) -> dict[str, str]:
         """The headline: the verdict of each direction with place, margin and band, and by which rule and levels.
 
         The keys are ``vertical``, ``horizontal``, ``judged by``, and ``by the largest 1 s RMS`` where a norm has it;
-        before them ``overall`` of a machine that is actuated in all six motions, whose verdict that is.
+        before them ``overall`` of a machine that is actuated in all six motions, whose verdict that is. A ``short`` one
+        tells of the machine's worst place alone, and neither of its other places, nor of the floor's worst mount, nor
+        of the largest 1 s RMS.
         """
-        found = {name: self._line(name) for name in self.verdict}
+        found = {name: self._line(name, short) for name in self.verdict}
         if said := self.judged_by():
             found["judged by"] = said
-        if self.max_1s is not None and "max_1s" not in self._statistics():
+        if not short and self.max_1s is not None and "max_1s" not in self._statistics():
             beside = (f"{name} {getattr(self.max_1s.verdict, name)}" for name in self.max_1s.verdict)
             found[f"by the {SHORT['max_1s']}"] = "; ".join(beside)
         return found
@@ -116,12 +118,14 @@ class Criterion(Finding):
             return {name: self._line(name) for name in self.verdict}
         return {name: getattr(self.decisive, name).machine() for name in self.verdict}
 
-    def _line(self, name: str) -> str:
+    def _line(self, name: str, short: bool = False) -> str:
         said = str(getattr(self.verdict, name))
         if self.decisive is None:
             told = [one for place in (self.floor, self.machine) for one in place.along(DIRECTIONS[name])]
             return f"{said}{OLDER}" if any(one.deciding_band for one in told) else "not judged: no band is decided"
-        if self.decisive.overall is not None and name != "overall":
+        if short:
+            details = getattr(self.decisive, name).at_worst()
+        elif self.decisive.overall is not None and name != "overall":
             details = f"Machine worst: {getattr(self.decisive, name).worst.briefly()}"
         else:
             details = getattr(self.decisive, name).details()

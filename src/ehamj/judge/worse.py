@@ -7,7 +7,7 @@ Roll, pitch and yaw are held against those of the rigid slab fitted to the floor
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Final
+from typing import Final, Literal
 
 from pydantic import Field
 
@@ -33,6 +33,17 @@ MOTIONS: Final = {
 """The floor's motions in words."""
 
 
+Cause = Literal["law", "mounts", "limits", ""]
+
+CAUSES: Final[dict[Cause, str]] = {
+    "law": "its law does it, with the valves held it would not be so",
+    "mounts": "its mounts do it, with the valves held as well",
+    "limits": "its valves are at a limit",
+    "": "see the notes",
+}
+"""What makes a machine worse than its floor, in words."""
+
+
 class Worse(Finding):
     """An axis along which the machine moves more than the floor, in bands that lie side by side."""
 
@@ -53,6 +64,23 @@ class Worse(Finding):
     first_band: str = Field(alias="from_hz")
     last_band: str = Field(alias="to_hz")
     why: str = ""
+    by: Cause = ""
+    """What makes it so; empty where that is not known, and in a result that is older."""
+    mode: str = ""
+    """That is excited there, with its frequency; empty where there is none."""
+
+    @property
+    def made_worse(self) -> bool:
+        """Whether the machine moves more than its floor does at all, and not only along an axis where that rests."""
+        return self.amplification_db is not None or (self.beside_db or math.inf) > 0.0
+
+    def briefly(self) -> str:
+        """Axis, by how much, band, place and mode."""
+        where = [place_in_words(self.place)] if self.axis in AXES else []
+        where += [self.mode] if self.mode else []
+        along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]}"
+        much = "where the floor rests" if self.amplification_db is None else f"by {self.amplification_db:.1f} dB"
+        return f"{along} {much} at {self.band} Hz" + (f" ({'; '.join(where)})" if where else "")
 
     def in_words(self) -> str:
         """As a warning."""
@@ -74,27 +102,14 @@ class Worse(Finding):
             )
         return f"{said}; {self.why}" if self.why else said
 
-    @property
-    def amount(self) -> float:
-        """By how much the machine moves more [dB], than the floor's strongest motion where it does not move along the
-        axis."""
-        return (self.amplification_db if self.amplification_db is not None else self.beside_db) or 0.0
 
-    def briefly(self) -> str:
-        """Axis, amount and band, as they stand beside others."""
-        along = f"along {self.axis}" if self.axis in AXES else f"in {MOTIONS[self.axis]}"
-        if self.amplification_db is None:
-            return f"{along} {1e6 * (self.level or 0.0):.3g} µm/s at {self.band} Hz, where the floor does not move"
-        return f"{along} {self.amplification_db:.1f} dB at {self.band} Hz"
-
-
-def in_a_sentence(found: Sequence[Worse]) -> str:
-    """The worst with its reason, and by how much the machine moves more than its floor elsewhere; empty of none."""
-    if not found:
-        return ""
-    first, *others = sorted(found, key=lambda one: -one.amount)
-    said = first.in_words()
-    return f"{said}; also {', '.join(one.briefly() for one in others)}" if others else said
+def made_worse(found: Sequence[Worse]) -> str:
+    """Where a machine is worse than its floor and what makes it so, as one sentence; empty where it is nowhere."""
+    said = []
+    for cause, words in CAUSES.items():
+        if own := [one.briefly() for one in found if one.made_worse and one.by == cause]:
+            said.append(f"{', '.join(own)}: {words}")
+    return "; ".join(said)
 
 
 def worse(isolated: Isolation) -> list[Worse]:

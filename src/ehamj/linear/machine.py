@@ -133,7 +133,8 @@ def linear_model(
         except EquilibriumError as error:
             held_at = f"load = {force.tolist()} N, N m, commands = {held.command.tolist()} V"
             limit = f"the membranes and the oil (up to {plant.supply.pressure:g} Pa) must carry the load"
-            raise InputError(f"operating point: {error}; {held_at}; {limit}") from error
+            keys = "machine.mass, part, slide, actuators, supply"
+            raise InputError(f"operating point: {error} ({keys}); {held_at}; {limit}") from error
         A = jacobian(model, data, state, held)
         check_smooth(model, data, state, held, plant, A)
         B = _input_matrix(model, data, state, held)

@@ -23,6 +23,8 @@ from ehamj.linear.machine import LinearModel
 from ehamj.linear.unstable import UnstablePole, unstable_pole
 from ehamj.plant.plant import Plant
 
+VANISHED: Final = 1e-200
+"""Sensitivity that is none."""
 NARROW: Final = 0.05
 """Damping ratio below which a law's own resonance is looked at closely."""
 ENDS: Final[tuple[Literal["low", "high"], ...]] = ("low", "high")
@@ -135,7 +137,7 @@ def in_patterns(sensitivity: ComplexArray, plant: Plant) -> ComplexArray:
 def loop_gains(model: LinearModel, loop: Loop, hertz: ArrayLike) -> dict[str, ComplexArray]:
     """Loop gain of each of `patterns_of` with the others closed, at frequencies below half the rate [Hz]."""
     moved = in_patterns(opened(model, loop, hertz).sensitivity, model.plant)
-    return {name: 1.0 / moved[:, k, k] - 1.0 for k, name in enumerate(patterns_of(model.plant))}
+    return {name: loop_of(moved[:, k, k]) for k, name in enumerate(patterns_of(model.plant))}
 
 
 def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> LoopReport:
@@ -169,9 +171,9 @@ def _report(model: LinearModel, loop: Loop, hertz: ArrayLike | None) -> LoopRepo
     return LoopReport(
         unstable_pole(model, loop),
         disk_margin(valves),
-        {mount: margins(f, 1.0 / valves[:, k, k] - 1.0) for k, mount in enumerate(model.plant.obeying.mounts)},
-        {name: margins(f, 1.0 / moved[:, k, k] - 1.0) for k, name in enumerate(patterns_of(model.plant))},
-        {law.inputs[k]: margins(f, 1.0 / at_readings[:, k] - 1.0) for k in own_readings(law)},
+        {mount: margins(f, loop_of(valves[:, k, k])) for k, mount in enumerate(model.plant.obeying.mounts)},
+        {name: margins(f, loop_of(moved[:, k, k])) for k, name in enumerate(patterns_of(model.plant))},
+        {law.inputs[k]: margins(f, loop_of(at_readings[:, k])) for k in own_readings(law)},
     )
 
 
@@ -191,9 +193,14 @@ def margins_behind(model: LinearModel, loop: Loop, factors: ArrayLike) -> Array:
     for factor in np.atleast_1d(np.asarray(factors, complex)):
         sensitivity = Opened(factor * cut.law, cut.plant).sensitivity
         moved = in_patterns(sensitivity, model.plant), of_active(sensitivity, model.plant)
-        each = [margins(f, 1.0 / one[:, k, k] - 1.0) for one in moved for k in range(one.shape[1])]
+        each = [margins(f, loop_of(one[:, k, k])) for one in moved for k in range(one.shape[1])]
         found.append([min(m.gain for m in each), min(m.phase for m in each), min(m.disk for m in each)])
     return np.array(found)
+
+
+def loop_of(sensitivity: NDArray[Any]) -> NDArray[Any]:
+    """L of S = 1/(1 + L); where S is nothing to its last digit, one that is as large as numbers are."""
+    return np.asarray(1.0 / np.where(np.abs(sensitivity) < VANISHED, VANISHED, sensitivity) - 1.0)
 
 
 def disk_margin(sensitivity: ComplexArray) -> float:

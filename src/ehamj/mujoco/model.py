@@ -89,9 +89,17 @@ def drawn_xml(plant: Plant, timestep: float) -> str:
 
 
 def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjModel:
-    """The compiled model; see `build_spec`."""
+    """The compiled model; see `build_spec`.
+
+    Raises:
+        ValueError: as `build_spec`, and if the engine refuses masses or inertias.
+    """
     spec = build_spec(plant, timestep, drawn)
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        said = str(error).splitlines()[0].removeprefix("Error: ")
+        raise ValueError(f"machine, part, slide, mount, actuators: the engine cannot build them, {said}") from error
     if model.body("machine").id != MACHINE_BODY:
         raise RuntimeError(f"the machine is body {model.body('machine').id} of the model, not {MACHINE_BODY}")
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING

@@ -44,6 +44,12 @@ class Rows(NamedTuple):
         """Some of the rows."""
         return type(self)(*(table[rows] for table in self))
 
+    def move(self, rows: slice) -> None:
+        """Let some rows take the place of the first ones."""
+        for table in self:
+            moved = table[rows]
+            table[: len(moved)] = moved
+
 
 class Tally(NamedTuple):
     """What is counted at every state."""

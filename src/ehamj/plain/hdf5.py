@@ -8,18 +8,18 @@ MOST_PARTS = 100_000
 """Most groups and arrays that one file may hold."""
 
 
-def check_hdf5(path: Path) -> None:
-    """Raise ValueError where a file draws in others, is damaged, or unfolds to more than `LARGEST`.
+def check_hdf5(path: Path, largest: int = LARGEST) -> None:
+    """Raise ValueError where a file draws in others, is damaged, or unfolds to more than so many bytes.
 
     HDF5 knows three ways into another file: external links, external storage of an array, and virtual arrays.
     """
     try:
-        _check(path)
+        _check(path, largest)
     except (OSError, KeyError, RuntimeError, TypeError) as error:  # h5py raises one or the other, as the damage lies
         raise ValueError(str(error).strip("'\"")) from error
 
 
-def _check(path: Path) -> None:
+def _check(path: Path, largest: int) -> None:
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -45,7 +45,7 @@ def _check(path: Path) -> None:
                     if part.is_virtual or part.external:
                         raise ValueError(f"{where} keeps its values in another file; copy them into this one")
                     size += part.nbytes
-                    if size > LARGEST:
+                    if size > largest:
                         raise ValueError(
-                            f"its arrays unfold to more than {LARGEST / 2**30:g} GiB (at {where}); cut it into parts"
+                            f"its arrays unfold to more than {largest / 2**30:.3g} GiB (at {where}); cut it into parts"
                         )

@@ -13,8 +13,8 @@ LONGEST_KEY = 50
 _LONG_KEY = re.compile(rf"(?:\.[ \t]*[\w\"'-]*[ \t]*){{{LONGEST_KEY}}}")
 
 
-def text_of(path: Path) -> str:
-    """The text of a file in UTF-8.
+def text_of(path: Path, most: int = LARGEST_TEXT) -> str:
+    """The text of a file in UTF-8, of at most so many bytes.
 
     Raises:
         OSError: if it cannot be read, or is no file (a device or a pipe would never end).
@@ -22,8 +22,8 @@ def text_of(path: Path) -> str:
     """
     if not path.is_file():
         raise FileNotFoundError("there is no such file")
-    if path.stat().st_size > LARGEST_TEXT:
-        raise ValueError(f"it has {path.stat().st_size} bytes, {LARGEST_TEXT} are allowed")
+    if path.stat().st_size > most:
+        raise ValueError(f"it has {path.stat().st_size} bytes, {most} are allowed")
     return path.read_text(encoding="utf-8")
 
 

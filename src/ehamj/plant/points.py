@@ -6,6 +6,7 @@ from typing import Final, Protocol
 
 from pydantic import ConfigDict, Field
 
+from ehamj.errors import did_you_mean
 from ehamj.plant.machine import Machine
 from ehamj.settings import Settings, Vector3
 
@@ -106,7 +107,8 @@ def check_relatives(relatives: Sequence[Relative], points: Points, mounts: Seque
         _check_name(f"relative.{k}.name", relative.name, mounts)
         for key, place in (("from", relative.origin), ("to", relative.to)):
             if place not in known:
-                raise ValueError(f"relative.{k}.{key} = {place!r} must be one of {', '.join(map(repr, known))}")
+                near = did_you_mean(place, known)
+                raise ValueError(f"relative.{k}.{key} = {place!r}: {near}must be one of {', '.join(map(repr, known))}")
         if relative.origin == relative.to:
             raise ValueError(f"relative.{k}.to = {relative.to!r} must differ from its from")
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ehamj.plain.needs import check_memory
 from ehamj.records.said import one_line
 
 
@@ -26,6 +27,16 @@ def named_by(path: Path) -> list[Path]:
 def matching(path: Path) -> list[Path]:
     """The files that ``path`` names, as `named_by`; raises ValueError where there is none."""
     return named_by(path) or [existing(path)]
+
+
+SAMPLE_BYTES = 50
+"""Memory that a sample takes from its file to the floor that it is [B]: detrended, transformed, splined."""
+
+
+def check_samples(path: Path, samples: int) -> None:
+    """Raise ValueError where so many samples need more memory than is free."""
+    what = f"ground.file = {path.name!r}: of {samples:.3g} samples each component"
+    check_memory(what, samples * SAMPLE_BYTES, "cut out of it what is needed")
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import scipy
 from ehamj.records.channel import Record
 from ehamj.records.choices import SILENT, Choices
 from ehamj.records.components import Component, Loaded, record_of
-from ehamj.records.files import bounded, existing, reading
+from ehamj.records.files import bounded, check_samples, existing, reading
 from ehamj.signals import Array
 
 CLIPPED = 1.0 - 1e-4
@@ -36,7 +36,8 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
         )
     existing(path)
     with reading(path, " as WAV"):
-        chunks = _chunks(path)
+        chunks, frames = _chunks(path)
+    check_samples(path, frames)
     with reading(path, " as WAV"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of chunks that are not read: said below, by their names
         with bounded(path) as file:
@@ -53,10 +54,11 @@ def read_wav(path: Path, choices: Choices = SILENT) -> Record:
     return record
 
 
-def _chunks(path: Path) -> list[str]:
-    """Names of the file's chunks, in order; raises ValueError where its data end before they should."""
+def _chunks(path: Path) -> tuple[list[str], int]:
+    """Names of the file's chunks, in order, and how many samples a component has; raises ValueError where its data end
+    before they should."""
     size = path.stat().st_size
-    found = []
+    found, held, frame = [], 0, 1
     with path.open("rb") as file:
         head = file.read(12)
         big = head[:4] == b"RIFX"
@@ -67,8 +69,12 @@ def _chunks(path: Path) -> list[str]:
             if name == "ds64":
                 large = struct.unpack("<Q", file.read(16)[8:])[0]
                 file.seek(-16, 1)
+            if name == "fmt ":
+                frame = struct.unpack(">H" if big else "<H", file.read(14)[12:])[0]
+                file.seek(-14, 1)
             if name == "data" and head[:4] == b"RF64":
                 length = large
+            held = length if name == "data" else held
             left = size - file.tell()
             if length > left and "data" not in found:
                 what = "samples" if name == "data" else f"chunk {name!r}"
@@ -77,7 +83,7 @@ def _chunks(path: Path) -> list[str]:
             file.seek(length + length % 2, 1)
     if not {"fmt ", "data"} <= set(found):
         raise ValueError("it has no chunks fmt and data")
-    return found
+    return found, held // max(frame, 1)
 
 
 def _load(columns: np.ndarray, n: int, rate: float, choices: Choices) -> Loaded:

@@ -5,7 +5,7 @@ from typing import Final
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.verdict import Verdict, where
 from ehamj.judge.decisive import decibel, met_in_words, unit_of
-from ehamj.judge.worse import in_a_sentence
+from ehamj.judge.worse import made_worse
 from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
@@ -19,7 +19,7 @@ def verdict(shown: Shown) -> list[tuple[str, str]]:
     moves more than its floor."""
     whose = "" if shown.together else f"{shown.label}, "
     found = [(f"{whose}{name}", said) for name, said in shown.first.summary.lines().items()]
-    if said := in_a_sentence(shown.first.summary.worse):
+    if said := made_worse(shown.first.summary.worse):
         directions = len(shown.first.summary.directions) * max(1, len(shown.first.summary.parts()))
         found.insert(directions, (f"{whose}{WORSE}", said))
     return found

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ehamj.arrays import ComplexArray
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.estimate.identification import Stable, agreed
 from ehamj.linear.eigen import mac
 from ehamj.linear.machine import linear_model
@@ -94,7 +94,7 @@ def kind_of(name: str) -> Kind:
     for kind in KINDS:
         if kind == name:
             return kind
-    raise InputError(f"measured = {name!r}: must be one of {', '.join(KINDS)}")
+    raise InputError(f"measured = {name!r}: {did_you_mean(name, KINDS)}must be one of {', '.join(KINDS)}")
 
 
 def modal_test(scenario: Scenario, kind: Kind, noise: float = 0.0, realisations: int | None = None) -> ModalTest:

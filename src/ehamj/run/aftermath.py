@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from ehamj.columns import finite
 from ehamj.control import PythonController
 from ehamj.faults.sensor import SensorFault
 from ehamj.faults.valve_stuck import ValveStuck
@@ -111,7 +112,7 @@ def linear(
     faults, part = [one.fault for one in struck], part_of(dataset, *span)
     if part.time.size < LEAST_ROWS:
         return None, "no linear expectation: the run is too short for one"
-    if not all(np.isfinite(part[name].values).all() for name in ("ground_velocity", "cg_velocity", "valve_command")):
+    if not all(finite(part[name].variable) for name in ("ground_velocity", "cg_velocity", "valve_command")):
         return None, "no linear expectation: the run is not finite"
     return expected(prepared.scenario, plant, prepared.law, faults, part, usable)
 

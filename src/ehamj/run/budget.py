@@ -1,11 +1,14 @@
 """What a run would need, before it begins: memory, disk, steps and time; what cannot be had is refused by its keys."""
 
 import math
+import tempfile
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import psutil
 
+from ehamj import columns, growing
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator, hydraulic_stiffness
 from ehamj.plant.plant import Plant
@@ -15,6 +18,11 @@ CHANNELS: Final = (160, 45)
 """Numbers of a row, about: whatever the machine has with a law of a hundred states, and more per mount."""
 COPIES: Final = 1.6
 """Rows that are held at once, per row: what was stepped beside what is read of it."""
+BLOCKS: Final = 4
+"""Blocks of rows that a run holds whose rows go to a file: what was stepped, its channels and what they are made of."""
+JUDGED: Final = 150
+"""What judging such a run holds per row [byte]: one channel, its spectra in three orders of differences, what is behind
+a filter, and the times. Measured: 95 to 110 with and without lines, beside 20 for times."""
 STEP_SECONDS: Final = {"mujoco": 6e-6, "small-motion": 1e-6}
 """Time that a step takes, about, by engine [s]."""
 LONGEST: Final = 30 * 86_400.0
@@ -34,23 +42,27 @@ def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None
     Args:
         scenario: that is to run.
         together: how many such runs are held at once.
-        folder: where they are to be written, if they are.
+        folder: where they are to be written, if they are; those that are too many for memory are anyway.
 
     Raises:
         InputError: which names what they need, what is free, and the keys.
     """
     rows = scenario.duration * scenario.record_rate * together
-    size = rows * row_bytes(len(scenario.plant.mounts))
+    of_row = row_bytes(len(scenario.plant.mounts))
+    size = rows * of_row
+    streams = size > growing.IN_MEMORY * together
+    memory = together * BLOCKS * columns.ROWS * of_row + rows * JUDGED if streams else size * COPIES
     what = f"duration = {scenario.duration:g} s at record_rate = {scenario.record_rate:g} Hz"
     what += f", {together} runs together" if together > 1 else ""
     free = psutil.virtual_memory().available
-    if size * COPIES > free:
+    if memory > free:
         raise InputError(
-            f"{what}: {rows:.3g} rows need about {_gib(size * COPIES)} of memory and {_gib(free)} are free; lower "
+            f"{what}: {rows:.3g} rows need about {_gib(memory)} of memory and {_gib(free)} are free; lower "
             "record_rate or duration"
         )
-    if folder is None:
+    if folder is None and not streams:
         return
+    folder = folder or Path(tempfile.gettempdir())
     above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if size > (free := psutil.disk_usage(str(above)).free):
         raise InputError(
@@ -69,9 +81,12 @@ def check_steps(scenario: Scenario, timestep: float) -> None:
     seconds = steps * STEP_SECONDS[scenario.engine]
     if seconds <= LONGEST and timestep >= FLOOR:
         return
-    why = f"timestep = {timestep:g} s" if scenario.timestep != "auto" else fastest_part(scenario.plant)
-    if scenario.timestep == "auto" and scenario.load().longest_step < math.inf:
-        why += f", or a force that asks for steps of {scenario.load().longest_step:.3g} s"
+    if scenario.timestep != "auto":
+        why = f"timestep = {timestep:g} s"
+    elif (longest := scenario.load().longest_step) < 1.01 * timestep:
+        why = f"a force that is so short or fast asks for steps of {longest:.3g} s"
+    else:
+        why = fastest_part(scenario.plant)
     raise InputError(
         f"{why}: a step of {timestep:.3g} s is {steps:.3g} steps in duration = {scenario.duration:g} s, about "
         f"{seconds / 3600.0:.3g} h; the step must be at least {FLOOR:g} s and the run at most "
@@ -83,14 +98,18 @@ def fastest_part(plant: Plant) -> str:
     """What of a machine's isolators is fastest, by the keys that make it so, and how fast."""
     found = [one for actuator in plant.actuators for one in _rates(actuator)]
     stiff = sum(_stiffness(actuator) for actuator in plant.actuators)
-    found.append((math.sqrt(stiff / plant.machine.mass), "machine.mass and the isolators' stiffness"))
+    damped = sum(actuator.membrane_damping for actuator in plant.actuators)
+    arm = max(float(np.square(place).sum()) for place in plant.positions)
+    moved = min(plant.machine.mass, float(np.linalg.eigvalsh(plant.machine.tensor).min()) / arm)
+    found.append((math.sqrt(stiff / moved), "machine.mass, machine.inertia and the isolators' stiffness"))
+    found.append((damped / moved, "machine.mass, machine.inertia and membrane_damping"))
     rate, keys = max(found)
     return f"the fastest part, from {keys}, has {rate:.3g} rad/s"
 
 
 def _rates(own: Actuator) -> list[tuple[float, str]]:
     """Rates of an isolator's parts by themselves [rad/s], and the keys that they come from."""
-    mass = own.plate_mass
+    mass = own.plate_mass or math.inf  # a tied plate is part of the machine
     foot = 0.0 if math.isinf(own.foot_stiffness) else own.foot_stiffness
     leak = 4.0 * own.bulk_modulus / own.chamber_volume
     return [

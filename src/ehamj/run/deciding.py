@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import column
 from ehamj.control import LinearController
 from ehamj.criteria.verdict import WHOLE
 from ehamj.estimate.sliding import averaging_time, levels_over_time
@@ -47,10 +48,12 @@ def clipped_when_it_counts(
     if band is None:
         return []
     velocity = motions_of(dataset, "velocity")[worst.place]
-    if velocity.ndim > 2:  # one per mount
+    own: list[tuple[int, ...]] = [(axis,)]
+    if len(velocity.shape) > 2:  # one per mount
         mounts = range(len(plant.mounts)) if worst.mount is None else [plant.mounts.index(worst.mount)]
-        velocity = max((velocity[:, k] for k in mounts), key=lambda one: float(np.abs(one[:, axis]).max()))
-    window = deciding(velocity[:, axis], rate, band)
+        own = [(k, axis) for k in mounts]
+    at = max(own, key=lambda one: float(np.abs(column(velocity, *one)).max())) if len(own) > 1 else own[0]
+    window = deciding(column(velocity, *at), rate, band)
     if window is None:
         return []
     limit = np.array([actuator.voltage_limit for actuator in plant.actuators])

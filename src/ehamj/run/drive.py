@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ehamj import columns
 from ehamj.arrays import Array
 from ehamj.control.loop import DigitalLoop
 from ehamj.errors import InputError
@@ -19,6 +20,7 @@ from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.mujoco.slides import drives
 from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
+from ehamj.run.stream import Stream, ready, room, rows_of, streams
 from ehamj.signals import Signal, Zero
 from ehamj.stopped import DONE, Stopped
 
@@ -32,12 +34,15 @@ STRETCH = 2048
 class Driven:
     """What the stepping loop left: recorded rows, the tally of limits, how it ended, seconds spent in the loop."""
 
-    rows: Rows = field(repr=False)
+    rows: Rows | None = field(repr=False)
+    """None where they are in ``stream``."""
     tally: Tally
     stopped: Stopped
     seconds: float
     struck: tuple[Struck, ...] = ()
     """Faults that struck, in order."""
+    stream: Stream | None = None
+    """Where rows are that are too many for memory."""
 
 
 def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
@@ -52,9 +57,11 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     """
     compile_loop()
     loop, load, timestep, plant = prepared.loop, prepared.load, prepared.timestep, prepared.scenario.plant
-    count = prepared.steps // prepared.every + 1
+    count = rows_of(prepared)
+    stream = Stream(prepared) if streams(prepared) else None
+    places = count if stream is None else min(count, room(STRETCH))
     try:
-        recording = Recording.of(prepared.model, loop, prepared.every, count)
+        recording = Recording.of(prepared.model, loop, prepared.every, places)
     except MemoryError:
         raise no_room(prepared, count) from None
     done, recorded, seconds = 0, 0, 0.0
@@ -76,10 +83,17 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         seconds += clock.perf_counter() - began
         done += stopped.steps
         recorded += rows_done
+        while stream is not None and ready(recorded):
+            stream.add(recording.rows.part(slice(columns.ROWS)), struck.found)
+            recording.rows.move(slice(columns.ROWS, recorded))
+            recorded -= columns.ROWS
         if progress is not None:
             progress(done / prepared.steps)
     rows, ended = recording.rows.part(slice(recorded)), stopped._replace(steps=done)
-    return Driven(rows, recording.tally, ended, seconds, struck.found)
+    if stream is None:
+        return Driven(rows, recording.tally, ended, seconds, struck.found)
+    stream.add(rows, struck.found)
+    return Driven(None, recording.tally, ended, seconds, struck.found, stream)
 
 
 def no_room(prepared: Prepared, count: int) -> InputError:

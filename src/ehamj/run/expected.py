@@ -13,6 +13,7 @@ import xarray as xr
 from scipy.signal import detrend
 
 from ehamj.arrays import Array
+from ehamj.columns import of_each
 from ehamj.control import Controller, ControllerBank, LinearController
 from ehamj.errors import InputError
 from ehamj.faults import FaultSettings
@@ -67,7 +68,7 @@ def expectation(
     Raises:
         InputError: if the machine has no operating point under the commands of that part.
     """
-    model = linear_under(plant, law, np.clip(part["valve_command"].values.mean(axis=0), *_range(plant)))
+    model = linear_under(plant, law, np.clip(of_each(part["valve_command"].variable, np.mean), *_range(plant)))
     loop = Loop.of(scenario, None if law is None else law_after(law, faults))
     pole = None if loop is None else unstable_pole(model, loop)
     if pole is not None:
@@ -88,8 +89,7 @@ def _attenuations(
     size = min(round(SEGMENT * rate), rows // 2)
     starts = range(0, rows - size + 1, max(size // 2, 1))
     window = np.hanning(size + 1)[:-1, None]
-    ground = part["ground_velocity"].values.reshape(rows, -1)
-    heave = part["cg_velocity"].values[:, [AXES.index("z")]]
+    ground, heave = part["ground_velocity"].variable, part["cg_velocity"].variable[:, [AXES.index("z")]]
     frequency = np.asarray(np.fft.rfftfreq(size, 1.0 / rate), np.float64)
     bands = [band for band in BANDS if usable[0] <= band.edges[0] and band.edges[1] <= min(usable[1], 0.4 * rate)]
     inside = (frequency >= BANDS[0].edges[0]) & (frequency <= min(BANDS[-1].edges[1], 0.4 * rate))
@@ -97,9 +97,8 @@ def _attenuations(
     power = np.zeros((3, int(inside.sum())))
     for start in starts:
         own = slice(start, start + size)
-        floor, machine = (
-            np.fft.rfft(window * detrend(signal[own], axis=0), axis=0)[inside] for signal in (ground, heave)
-        )
+        parts = (detrend(signal[own].values.reshape(size, -1), axis=0) for signal in (ground, heave))
+        floor, machine = (np.fft.rfft(window * part, axis=0)[inside] for part in parts)
         mean = floor.reshape(len(floor), -1, len(AXES))[:, :, AXES.index("z")].mean(axis=1)
         power += np.abs([mean, (through * floor).sum(axis=1), machine[:, 0]]) ** 2
     level = np.sqrt(power)  # their ratios count

@@ -3,8 +3,11 @@
 import numpy as np
 import xarray as xr
 
+from ehamj.arrays import Array
+from ehamj.columns import columns, places
 from ehamj.errors import SimulationFailed
 from ehamj.judge.levels import duration_of
+from ehamj.mujoco.warned import warned
 from ehamj.result import Result
 from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
@@ -31,13 +34,17 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
         return _stopped(prepared, stopped, duration_of(dataset))
     if lost := not_finite(dataset):
         return lost
+    if doubt := warned(prepared.data):
+        return f"simulation failed: {doubt}. Kept to the end, marked incomplete"
     if scenario.timestep == "auto" or all(follows(plant, timestep) for plant in plants(scenario)):
         return None
     whose = "" if not follows(scenario.plant, timestep) else " of the machine with its faults"
     # It ended although its step is too long: where and when the oil first tore, if it did.
-    torn, where = np.argwhere(dataset["chamber_void"].max("chamber").values > 0.0), ""
-    if torn.size:
-        row, mount = torn[0]
+    voids, where = dataset["chamber_void"].variable, ""
+    each = zip(places(voids), columns(voids), strict=True)
+    torn = [(int(np.argmax(one > 0.0)), at[0]) for at, one in each if one.max() > 0.0]
+    if torn:
+        row, mount = min(torn)
         where = f" at {float(dataset.time[row]):.6g} s, at {dataset['mount'].values[mount]}"
     return (
         f"simulation failed{where}: timestep = {timestep:g} s is beyond the integrator's stability for the fastest "
@@ -49,14 +56,22 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
 def not_finite(dataset: xr.Dataset) -> str | None:
     """Where a channel has what is no number, in words; a sum tells sooner whether any has."""
     for name, channel in dataset.data_vars.items():
-        if np.isfinite(channel.values.sum()) or np.isfinite(channel.values).all():
+        lost = [_first_lost(one) for one in columns(channel.variable)]
+        row = min((one for one in lost if one is not None), default=None)
+        if row is None:
             continue
-        row = int(np.argwhere(~np.isfinite(channel.values))[0][0])
         return (
             f"simulation failed at {float(dataset.time[row]):.6g} s: {name} is no longer finite. Kept to the end, "
             "marked incomplete; smaller commands or gains may help"
         )
     return None
+
+
+def _first_lost(values: Array) -> int | None:
+    """The first row that is no number."""
+    if np.isfinite(values.sum()) or np.isfinite(values).all():
+        return None
+    return int(np.argmin(np.isfinite(values)))
 
 
 def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:

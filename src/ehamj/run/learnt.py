@@ -15,7 +15,7 @@ def learnt(dataset: xr.Dataset, converter: Converter) -> Beliefs:
     """What each mount has learnt at the end of a run; empty where nothing is learnt."""
     if not converter.learners or not dataset.sizes["time"]:
         return {}
-    last = np.array([dataset[f"learnt_{name}"].values[-1] for name in Learnt._fields], float).T
+    last = np.array([dataset[f"learnt_{name}"][-1].values for name in Learnt._fields], float).T
     known = zip(converter.mounts, converter.learners, converter.valves, last, strict=True)
     return {mount: _told(learner, valve.numbers, Learnt(*row.tolist())) for mount, learner, valve, row in known}
 
@@ -39,7 +39,7 @@ def found_lines(dataset: xr.Dataset, law: AnyController | None) -> list[FoundLin
     """Where the lines that a law follows were at the end of a run; empty where it follows none."""
     if law is None or not law.lines or not dataset.sizes["time"]:
         return []
-    last = dataset["line_frequency"].values[-1].tolist()
+    last = dataset["line_frequency"][-1].values.tolist()
     return [
         FoundLine(stated=line.frequency, low=line.low, high=line.high, found=found)
         for line, found in zip(law.lines, last, strict=True)

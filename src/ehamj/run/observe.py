@@ -25,10 +25,17 @@ Channels = dict[str, Array]
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
-def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = ()) -> xr.Dataset:
-    """Everything that a result holds, from the recorded rows; ``struck`` are the faults of the run."""
+def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first: int = 0) -> xr.Dataset:
+    """Everything that a result holds, from recorded rows: whatever of a run is observed at once, rows are the same.
+
+    Args:
+        prepared: what was simulated.
+        rows: recorded, all or some that follow each other.
+        struck: faults of the run until then.
+        first: number of the first of these rows.
+    """
     scenario, plant = prepared.scenario, prepared.scenario.plant
-    times = np.arange(len(rows.qpos), dtype=np.float64) / scenario.record_rate
+    times = np.arange(first, first + len(rows.qpos), dtype=np.float64) / scenario.record_rate
     displacement, velocity, acceleration = (part[:, list(DOF_OF_JOINT)] for part in (rows.qpos, rows.qvel, rows.qacc))
     mounts = len(plant.mounts)
     ground = prepared.motion.sample(times).below(mounts)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from ehamj.columns import Samples, columns, of_each, peaks
 from ehamj.criteria.curves import Norm
 from ehamj.findings import finite
 from ehamj.judge.faults import Phase, Pressures
@@ -13,7 +14,7 @@ from ehamj.judge.levels import LEAST_ROWS, motions_of
 from ehamj.judge.verdicts import strongest_second
 from ehamj.plant.axes import AXES
 from ehamj.plant.plant import Plant
-from ehamj.run.limits import reached
+from ehamj.run.limits import WORDS, reached
 
 LEAD = 1.0
 """Time before a transient that its judgement begins with [s]: levels leave out the beginning of what they are given."""
@@ -50,9 +51,14 @@ def phase(
     second = strongest_second(norm) if transient else None
     judged = part_of(dataset, max(begin - LEAD, 0.0), end) if transient else own
     found, _ = isolation(judged, plant, rate, usable[1], {name: second or norm}, usable[0])
-    pressure = own["chamber_pressure"].values
-    stroke = np.abs(own["stroke"].values - dataset["stroke"].values[0]).max(axis=0)
-    shares = {limit: states.mean(axis=0) for limit, states in reached(own, plant).items()}
+    at_rest = dataset["stroke"].variable[0].values
+    strokes = zip(columns(own["stroke"].variable), at_rest, strict=True)
+    stroke = np.array([np.abs(one - at).max() for one, at in strokes])
+    shares: dict[str, dict[str, float]] = {limit: {} for limit in WORDS}
+    for k, mount in enumerate(plant.mounts):
+        for limit, states in reached(own, plant, k).items():
+            shares[limit][mount] = float(states.mean())
+    lowest, highest = (of_each(own["chamber_pressure"].variable, extreme) for extreme in (np.min, np.max))
     return Phase(
         from_s=begin,
         to_s=end,
@@ -61,14 +67,14 @@ def phase(
         peak_velocity={place: _peaks(velocity) for place, velocity in motions_of(own, "velocity").items()},
         stroke=dict(zip(plant.mounts, map(finite, stroke.tolist()), strict=True)),
         pressure={
-            mount: Pressures(lowest=finite(float(pressure[:, k].min())), highest=finite(float(pressure[:, k].max())))
+            mount: Pressures(lowest=finite(float(lowest[k].min())), highest=finite(float(highest[k].max())))
             for k, mount in enumerate(plant.mounts)
         },
-        saturation={limit: dict(zip(plant.mounts, own.tolist(), strict=True)) for limit, own in shares.items()},
+        saturation=shares,
     )
 
 
-def _peaks(velocity: np.ndarray) -> dict[str, float | None]:
+def _peaks(velocity: Samples) -> dict[str, float | None]:
     """Per axis, of several mounts the largest; velocity (time, …, axis)."""
-    peaks = np.abs(velocity).reshape(len(velocity), -1, len(AXES)).max(axis=(0, 1))
-    return dict(zip(AXES, map(finite, peaks.tolist()), strict=True))
+    found = peaks(velocity).reshape(-1, len(AXES)).max(axis=0)
+    return dict(zip(AXES, map(finite, found.tolist()), strict=True))

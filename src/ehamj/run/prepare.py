@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import mujoco
@@ -57,6 +58,8 @@ class Prepared:
     """What to know of the step."""
     found: Found | None = None
     """How the law was found, where it was found for the machine at hand."""
+    within: Path | None = None
+    """Folder for the file of rows that are too many for memory; None: the system's for what is temporary."""
 
     @property
     def timestep(self) -> float:
@@ -79,6 +82,7 @@ class Prepared:
             *self.scenario.where_slides_stand,
             *failing,
             *self._folded(),
+            *self._exact_spools(),
             *self._unread_upstream(read),
         )
         if not isinstance(self.controller, PythonController):
@@ -92,6 +96,19 @@ class Prepared:
         return (
             "sensors.upstream is read by no law of this run: one that is told where isolation begins (isolate_from) "
             "reads it",
+        )
+
+    def _exact_spools(self) -> tuple[str, ...]:
+        """That loops about spools read what no sensor shows."""
+        if self.controller is None or not self.controller.converter.spools:
+            return ()
+        sensor = self.scenario.sensors.spool
+        if sensor is not None and (sensor.noise > 0.0 or sensor.resolution > 0.0):
+            return ()
+        exact = "no sensors.spool is stated" if sensor is None else "its noise and resolution are 0"
+        return (
+            f"control.spool_feedback reads where the spools stand exactly, since {exact}; one as it is sold has noise: "
+            "sensors.spool = {}",
         )
 
     def _folded(self) -> tuple[str, ...]:
@@ -118,18 +135,21 @@ def found_for(scenario: Scenario) -> Found | None:
     return control.found(nominal.plant, nominal.sensors) if isinstance(control, SynthesisSettings) else None
 
 
-def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors | None = None) -> Prepared:
+def prepare(
+    scenario: Scenario, controller: AnyController | None, floors: Floors | None = None, within: Path | None = None
+) -> Prepared:
     """A scenario ready to step, standing in its equilibrium; call it with the hydraulics installed.
 
     Args:
         scenario: what to simulate.
         controller: runs instead of the scenario's control.
         floors: that variants of a run share.
+        within: folder for rows that are too many for memory.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
     """
-    check_rows(scenario)
+    check_rows(scenario, folder=within)
     _check_standing(scenario)
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()
@@ -164,4 +184,4 @@ def prepare(scenario: Scenario, controller: AnyController | None, floors: Floors
         noise = None if made.silent else made
     of_step = () if timestep == usual else (shorter_step(timestep, usual),)
     driven = (motion, commands, load, courses, controller, loop, noise)
-    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step, found)
+    return Prepared(scenario, norms, model, data, *driven, every, steps, of_step, found, within)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import of_each
 from ehamj.isolator.supply import Supply
 from ehamj.plant.plant import Plant
 
@@ -36,7 +37,7 @@ def support(dataset: xr.Dataset, plant: Plant) -> Array:
     """Force of oil and membrane on each plate at rest, towards the machine positive [N], (mount,); a run begins in its
     equilibrium."""
     stiffness = np.array([actuator.membrane_stiffness for actuator in plant.actuators])
-    return np.asarray(dataset["actuator_force"].values[0] - stiffness * dataset["stroke"].values[0])
+    return np.asarray(dataset["actuator_force"][0].values - stiffness * dataset["stroke"][0].values)
 
 
 def _unloaded(dataset: xr.Dataset, plant: Plant) -> Iterator[str]:
@@ -80,7 +81,7 @@ def _starved(dataset: xr.Dataset, supply: Supply) -> Iterator[str]:
 def _strokes(dataset: xr.Dataset, plant: Plant) -> Iterator[str]:
     """Plates that come near the end of a cylinder; where volumes do not follow the stroke, there is no end."""
     ends = np.array([a.maximum_stroke if a.moving_volume else np.inf for a in plant.actuators])
-    peaks = np.fmax.reduce(np.abs(dataset["stroke"].values), axis=0)
+    peaks = of_each(dataset["stroke"].variable, lambda one: np.fmax.reduce(np.abs(one)))
     k = int(np.argmax(np.nan_to_num(peaks / ends)))
     if peaks[k] >= RANGE_USED * ends[k]:
         yield (
@@ -94,8 +95,9 @@ def _pressures(dataset: xr.Dataset, plant: Plant) -> Iterator[str]:
     """Chambers near the supply's or the tank's pressure: there a valve can drive no more oil in, or out."""
     supply = plant.supply
     middle, half = 0.5 * (supply.pressure + supply.tank_pressure), 0.5 * (supply.pressure - supply.tank_pressure)
-    pressure = dataset["chamber_pressure"].values
-    low, high = np.fmin.reduce(pressure, axis=(0, 2)), np.fmax.reduce(pressure, axis=(0, 2))
+    pressure = dataset["chamber_pressure"].variable
+    low = np.fmin.reduce(of_each(pressure, np.fmin.reduce), axis=1)
+    high = np.fmax.reduce(of_each(pressure, np.fmax.reduce), axis=1)
     used = np.maximum(high - middle, middle - low) / half
     k = int(np.nanargmax(used))
     if used[k] >= RANGE_USED:

@@ -6,19 +6,21 @@ from typing import Final
 
 import numpy as np
 
+from ehamj import columns
 from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
 from ehamj.ground import GroundSample
 from ehamj.interruption import check
 from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_command, sample_load
 from ehamj.run.prepare import Prepared
+from ehamj.run.stream import Stream, ready, room, rows_of, streams
 from ehamj.signals import Zero
 from ehamj.smallmotion.block import Block, Simulation, simulation
 from ehamj.smallmotion.cubics import staged
 from ehamj.smallmotion.lanes import WIDTHS
 from ehamj.smallmotion.machine import InTime
 from ehamj.smallmotion.stage import Given
-from ehamj.stopped import DONE
+from ehamj.stopped import DONE, Stopped
 
 LANES: Final = WIDTHS[-1]
 """Runs that step together at most."""
@@ -52,13 +54,14 @@ def drive_block(
         InputError: if the rows do not fit in memory.
     """
     block, first, alike = Block.of(simulations), runs[0], _alike(runs)
-    count = first.steps // first.every + 1
+    count = rows_of(first)
+    streaming = [Stream(run) for run in runs] if streams(first, len(runs)) else []
     try:
-        recorded = block.recorded(first.every, count)
+        recorded = block.recorded(first.every, min(count, room(STRETCH)) if streaming else count)
     except MemoryError:
         raise no_room(first, count) from None
     struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
-    done, rows, seconds, sampled, given = 0, 0, 0.0, range(0), None
+    done, begin, rows, seconds, sampled, given = 0, 0, 0, 0.0, range(0), None
     while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
         check()
         if given is None or done not in sampled:
@@ -81,13 +84,27 @@ def drive_block(
         taken, written = block.advance(done, steps, last, part, recorded.after(rows), noise)
         seconds += clock.perf_counter() - began
         done, rows = done + taken, rows + written
+        while streaming and ready(rows):
+            for number, stream in enumerate(streaming):
+                own = min(_rows_of(block.stopped(number, done), first.every, begin + rows) - begin, columns.ROWS)
+                if own > 0:
+                    stream.add(block.rows(recorded, own, number, begin), struck[number].found)
+            recorded.move(columns.ROWS, rows)
+            begin, rows = begin + columns.ROWS, rows - columns.ROWS
         if progress is not None:
             progress(done / first.steps)
     for number, faults in enumerate(struck):
         stopped = block.stopped(number, done)
-        kept = rows if stopped.status == DONE else stopped.steps // first.every + (stopped.steps % first.every > 0)
-        table = block.rows(recorded, kept, number)
-        yield Driven(table, block.tally(number), stopped, seconds / len(runs), faults.found)
+        own = max(_rows_of(stopped, first.every, begin + rows) - begin, 0)
+        table, told = block.rows(recorded, own, number, begin), (block.tally(number), stopped, seconds / len(runs))
+        if streaming:
+            streaming[number].add(table, faults.found)
+        yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
+
+
+def _rows_of(stopped: Stopped, every: int, rows: int) -> int:
+    """How many of so many rows a lane has."""
+    return rows if stopped.status == DONE else stopped.steps // every + (stopped.steps % every > 0)
 
 
 def _given(block: Block, runs: Sequence[Prepared], alike: Sequence[int], first: int, steps: int) -> Given:

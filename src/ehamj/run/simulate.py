@@ -3,6 +3,7 @@
 import threading
 import time as clock
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ehamj.control import as_controller
@@ -19,6 +20,7 @@ from ehamj.scenario.model import Scenario
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ehamj.growing import Kept
     from ehamj.result import Result
 
 _importing = threading.Lock()
@@ -33,9 +35,17 @@ def import_judging() -> None:
 
 
 def simulate(
-    scenario: Given, progress: Progress | None = None, controller: Any = None, *, floors: Floors | None = None
+    scenario: Given,
+    progress: Progress | None = None,
+    controller: Any = None,
+    *,
+    floors: Floors | None = None,
+    within: Path | None = None,
 ) -> "Result":
     """Run a scenario.
+
+    Rows that are too many for memory go to a file as they come. The result's channels are then read from it when they
+    are asked for; it goes when nobody holds them any more.
 
     Args:
         scenario: what to simulate: a scenario, a shipped name, a file, or a table (`ehamj.parse_scenario`).
@@ -45,13 +55,15 @@ def simulate(
             labels.
         floors: that it shares with other runs (`ehamj.ground.shared`); ground channels of the result are then shared
             too, and read-only.
+        within: folder for such a file, by default the system's for what is temporary; where a result is saved on the
+            same file system, that takes no time.
 
     Raises:
         InputError: if the scenario cannot be run as it is.
         Incomplete: if the simulation fails; its ``result`` holds what was computed until then.
     """
     began = clock.perf_counter()
-    run = _observed(as_scenario(scenario), progress, controller, floors)
+    run = _observed(as_scenario(scenario), progress, controller, floors, within)
     return judged(run, began, controller)
 
 
@@ -63,6 +75,8 @@ class Observed(NamedTuple):
     dataset: "xr.Dataset"
     failed: str | None
     """What went wrong, in words; None where nothing did."""
+    kept: "Kept | None" = None
+    """The file of its channels, where they are too many for memory."""
 
     @property
     def scenario(self) -> Scenario:
@@ -79,9 +93,15 @@ def observed(scenario: Scenario, controller: Any = None) -> Observed:
     return run
 
 
-def _observed(scenario: Scenario, progress: Progress | None, controller: Any, floors: Floors | None = None) -> Observed:
+def _observed(
+    scenario: Scenario,
+    progress: Progress | None,
+    controller: Any,
+    floors: Floors | None = None,
+    within: Path | None = None,
+) -> Observed:
     with hydraulics():
-        prepared = prepare(scenario, None if controller is None else as_controller(controller), floors)
+        prepared = prepare(scenario, None if controller is None else as_controller(controller), floors, within)
         return seen(prepared, driven_alone(prepared, progress))
 
 
@@ -98,6 +118,10 @@ def seen(prepared: Prepared, driven: Driven) -> Observed:
     from ehamj.run.failures import failure
     from ehamj.run.observe import observe
 
+    if driven.stream is not None:
+        kept, failed = driven.stream.ended(driven.stopped)
+        return Observed(prepared, driven, kept.dataset, failed, kept)
+    assert driven.rows is not None
     dataset = observe(prepared, driven.rows, driven.struck)
     failed = failure(prepared, driven.stopped, dataset)
     dataset.attrs["complete"] = int(failed is None)
@@ -115,7 +139,7 @@ def judged(run: Observed, began: float, controller: Any) -> "Result":
     summary = summarise(prepared, run.driven, run.dataset, clock.perf_counter() - began, run.failed)
     if law is not None and (controller is not None or isinstance(scenario.control, Law)):
         scenario = scenario.model_copy(update={"control": Law(kind="law", file=CONTROLLER_FILE)})
-    result = Result(scenario, run.dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law)
+    result = Result(scenario, run.dataset, summary, drawn_xml(scenario.plant, prepared.timestep), law, run.kept)
     if run.failed is not None:
         raise Incomplete(run.failed, result) from next(iter(prepared.loop.failures), None)
     return result

@@ -48,8 +48,8 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None)
     if period < SHORTEST_STEP:
         times = ", ".join(f"{name} = {value:.9g} s" for name, value in periods.items())
         raise InputError(
-            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose record_rate and "
-            "control.rate that are multiples of each other, or state a timestep"
+            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose {_rates(periods)} that "
+            "are multiples of each other"
         )
     return period / max(1, math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9))
 
@@ -66,15 +66,23 @@ def _periods(scenario: Scenario, controller: AnyController | None) -> dict[str, 
     return periods
 
 
+def _rates(periods: dict[str, float]) -> str:
+    """Keys of the rates that periods are of."""
+    keys = ["record_rate", *(["control.rate"] if any("controller" in name for name in periods) else [])]
+    keys += ["control.spool_feedback.rate"] if any("spool" in name for name in periods) else []
+    return " and ".join([*([", ".join(keys[:-1])] if keys[1:] else []), keys[-1]])
+
+
 def _stated(timestep: float, periods: dict[str, float]) -> float:
     """A stated step, rounded to an exact share of the recording period."""
     for name, period in periods.items():
         ratio = period / timestep
         if abs(ratio - round(ratio)) > 1e-6 * ratio or round(ratio) < 1:
-            raise InputError(
-                f"timestep = {timestep:g} s must divide {name} = {period:g} s; "
-                f"nearest: {period / max(1, round(ratio)):.9g}"
-            )
+            common = float(common_divisor(periods.values()))
+            found = f"nearest: {common / max(1, round(common / timestep)):.9g}"
+            if common < SHORTEST_STEP:
+                found = f"none of {SHORTEST_STEP:g} s or more divides all; choose {_rates(periods)} that are multiples"
+            raise InputError(f"timestep = {timestep:g} s must divide {name} = {period:g} s; {found}")
     first = next(iter(periods.values()))
     return first / round(first / timestep)
 

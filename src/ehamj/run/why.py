@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.columns import Made, Samples
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band
 from ehamj.estimate.remembered import remembered
@@ -16,7 +17,7 @@ from ehamj.judge.actuation import PART, TILTING, WHOLE
 from ehamj.judge.isolation import Isolation
 from ehamj.judge.levels import BANDS, rms_in_bands
 from ehamj.judge.summary import ByMount
-from ehamj.judge.worse import MOTIONS, Worse, worse
+from ehamj.judge.worse import MOTIONS, Cause, Worse, worse
 from ehamj.linear.loop import Loop, feeds_back, linear_under
 from ehamj.linear.machine import LinearModel
 from ehamj.linear.modes import Mode, modes
@@ -48,11 +49,11 @@ def worsened(
     """Every axis that gets worse, with the reason as far as it is known; ``shares`` of the time at each limit."""
     found = worse(isolated)
     if unstable:  # no response is there to ask
-        return [one.changed(why="the control loop is unstable") for one in found]
+        return [one.changed(why="the control loop is unstable", by="law") for one in found]
     if prepared.scenario.fault:  # there is no one linear machine to ask
         return [one.changed(why="the run is that of a machine before and after its faults") for one in found]
     reasons = Reasons(prepared, dataset, shares) if found else None
-    return [one.changed(why=reasons.of(one)) if reasons else one for one in found]
+    return [reasons.of(one) if reasons else one for one in found]
 
 
 class Reasons:
@@ -61,33 +62,38 @@ class Reasons:
     def __init__(self, prepared: Prepared, dataset: xr.Dataset, shares: dict[str, ByMount]) -> None:
         self.scenario, self.law, self.shares = prepared.scenario, prepared.law, shares
         self.noisy, self.python = prepared.noise is not None, prepared.law is None and prepared.controller is not None
-        ground = dataset["ground_velocity"].values
+        ground = dataset["ground_velocity"].variable
         fit = np.linalg.pinv(levers(prepared.scenario.plant.positions))
-        self.floor = ground.reshape(len(ground), -1) @ fit.T
+        self.floor = Made(
+            (ground.shape[0], len(DOFS)), lambda rows: (own := ground[rows].values).reshape(len(own), -1) @ fit.T
+        )
         """Velocity of the rigid floor that is nearest to the mounts', (time, DOFS) [m/s, rad/s]."""
 
-    def of(self, one: Worse) -> str:
-        """In words: the mode that is excited and by what, or the limit that was reached."""
+    def of(self, one: Worse) -> Worse:
+        """With the reason: the mode that is excited and by what, or the limit that was reached."""
         if self.model is None or self.python:
-            return self._not_linear("")
+            return self._not_linear(one, "")
         held, ruled = self._levels(one, None), self._levels(one, self.loop)
         level = self._measured(one)
         held_db, ruled_db = (20.0 * np.log10(np.hypot.reduce(part) / level + 1e-12) for part in (held, ruled))
         if ruled_db < -EXPLAINED:
-            return self._not_linear(self._excited(one, one.axis))
+            return self._not_linear(one, *self._excited(one, one.axis))
         motion = DOFS[int(np.argmax(ruled))]
         by = "" if motion == one.axis else f", driven by the floor's {MOTIONS[motion]}"
         follows = "the linear machine amplifies it" if motion == one.axis else "the machine follows"
-        excited = self._excited(one, motion) or follows
+        excited, mode = self._excited(one, motion)
+        said = f"{excited or follows}{by}"
         if self.law is None:
-            return f"{excited}{by}"
-        if held_db >= ruled_db - AS_PASSIVE:
-            if held_db > max(ruled_db, 0.0) + AS_PASSIVE:
-                return (
-                    f"{excited}{by}; with the valves held it would be {_over(one, level, held)}, {held_db:.0f} dB more"
-                )
-            return f"{excited}{by}, with the valves held as well ({_over(one, level, held)}){self._reach(one.axis)}"
-        return f"{excited}{by} by the law: with the valves held it is {_over(one, level, held)}{self._late(one)}"
+            return one.changed(why=said, by="mounts", mode=mode)
+        over = _over(one, level, held)
+        if held_db < ruled_db - AS_PASSIVE:
+            why = f"{said} by the law: with the valves held it is {over}{self._late(one)}"
+            return one.changed(why=why, by="law", mode=mode)
+        if held_db > max(ruled_db, 0.0) + AS_PASSIVE:
+            why = f"{said}; with the valves held it would be {over}, {held_db:.0f} dB more"
+        else:
+            why = f"{said}, with the valves held as well ({over}){self._reach(one.axis)}"
+        return one.changed(why=why, by="mounts", mode=mode)
 
     def _reach(self, axis: str) -> str:
         """That the valves do not drive a motion, where they do not, and what they drive of it."""
@@ -147,11 +153,9 @@ class Reasons:
         floor = _floor_levels(self.floor, self.scenario.record_rate, _band(one))[DOFS.index(one.axis)]
         return float(floor) * 10.0 ** ((one.amplification_db or 0.0) / 20.0)
 
-    def _excited(self, one: Worse, motion: str) -> str:
-        """The mode that one of the floor's motions excites most along the axis, by its shape and its resonance.
-
-        "" where there is none within `NEAR`.
-        """
+    def _excited(self, one: Worse, motion: str) -> tuple[str, str]:
+        """The mode that one of the floor's motions excites most along the axis, by its shape and its resonance: that
+        it is excited, and its name with its frequency; "" where there is none within `NEAR`."""
         band, row = _band(one), self._row(one)
 
         def share(mode: Mode) -> float:
@@ -170,9 +174,10 @@ class Reasons:
         taking = [m for m in self.modes if m.machine_moves and octaves(m) <= NEAR and share(m) >= TAKES_PART]
         mode = max(taking, key=answer, default=None)
         if mode is None:
-            return ""
-        named = f"{mode.name} at {mode.frequency:.3g} Hz (damping {mode.damping_ratio:.2g})"
-        return f"it lies on the flank of {named}" if octaves(mode) > FLANK else f"{named} is excited"
+            return "", ""
+        short = f"{mode.name} at {mode.frequency:.3g} Hz"
+        named = f"{short} (damping {mode.damping_ratio:.2g})"
+        return (f"it lies on the flank of {named}" if octaves(mode) > FLANK else f"{named} is excited"), short
 
     def _late(self, one: Worse) -> str:
         """That the valves no longer follow in the band, where they do not."""
@@ -180,8 +185,8 @@ class Reasons:
         band = _band(one)
         return f"; the valves follow up to {corner:.3g} Hz only" if band.edges[1] > 0.5 * corner else ""
 
-    def _not_linear(self, excited: str) -> str:
-        """What the linear machine does not have, of what this run has, and the mode that is ``excited``, if any."""
+    def _not_linear(self, one: Worse, excited: str, mode: str = "") -> Worse:
+        """With what this run has and the linear machine does not, and the mode that is ``excited``, if any."""
         reached = {name: max(of_mount.values()) for name, of_mount in self.shares.items()}
         found = [f"{WORDS[name]} for {100 * share:.2g} % of the time" for name, share in reached.items() if share > 0]
         if self.scenario.force:
@@ -192,14 +197,15 @@ class Reasons:
             found.append("the sensors have noise")
         if self.python:
             found.append("a Python function commands the valves")
-        if not found:
-            return "the linear machine would not: it is the valves' nonlinearity, or what moves in other bands"
-        rings = f"; {excited}" if excited else ""
-        return f"the linear machine would not, and in this run {', '.join(found)}{rings}"
+        by: Cause = "limits" if any(share > 0 for share in reached.values()) else ""
+        why = "the linear machine would not: it is the valves' nonlinearity, or what moves in other bands"
+        if found:
+            why = f"the linear machine would not, and in this run {', '.join(found)}{f'; {excited}' if excited else ''}"
+        return one.changed(why=why, by=by, mode=mode)
 
 
 @remembered(16)
-def _floor_levels(floor: Array, rate: float, band: Band) -> Array:
+def _floor_levels(floor: Samples, rate: float, band: Band) -> Array:
     """Whole-run RMS in a band of the rigid floor's velocity (time, DOFS), which variants share, (DOFS,)."""
     return rms_in_bands(floor, rate, (band,))[0]
 

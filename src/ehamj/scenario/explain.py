@@ -1,17 +1,26 @@
 """What is wrong with a scenario, in words: key, value, and what is allowed."""
 
-import difflib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.settings import Settings
 
 T = TypeVar("T", bound=Settings)
+
+LONG = 50
+"""Entries of a list or a table beyond which it is not shown."""
+QUOTED = re.compile(r"'([^']*)'")
+"""What is allowed, of a list in words."""
+LONGEST_KEY = 80
+"""Letters of a key that are shown: longer ones are none of ours."""
+MOST_SAID = 20
+"""Findings of which one speaks at a time."""
 
 
 def checked(kind: type[T], table: Mapping[str, Any]) -> T:
@@ -28,41 +37,55 @@ def checked(kind: type[T], table: Mapping[str, Any]) -> T:
 
 def explain(error: ValidationError, kind: type[Settings]) -> str:
     """Pydantic's findings as one plain message, a line per key: key = value: what is allowed."""
-    findings = error.errors()
+    findings = error.errors(include_url=False)
     inside = {found["loc"][:depth] for found in findings for depth in range(len(found["loc"]))}
     lines: dict[str, list[str]] = {}
-    for found in findings:
+    for found in findings[:MOST_SAID]:
         if found["type"] == "too_short" and found["loc"] in inside:
             continue  # only because pydantic left out the entry that another finding names
         what, allowed = _finding(found, kind)
         lines.setdefault(what, []).append(allowed)
-    return "\n".join(
-        f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()
-    )
+    said = [f"{what}: {', or '.join(dict.fromkeys(allowed))}".removeprefix(": ") for what, allowed in lines.items()]
+    left = len(findings) - MOST_SAID
+    return "\n".join(said + ([f"and {left} more"] if left > 0 else []))
 
 
 def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     """One finding as ``key = value`` and what is allowed there."""
     location, value, kind, context = found["loc"], found.get("input"), found["type"], found.get("ctx", {})
     key = _key(location, settings)
+    if isinstance(value, str) and Path(value).is_absolute() and not Path(value).suffix:
+        value = Path(value).name  # a name that is none, and was taken for that of a file
     message = found["msg"].removeprefix("Value error, ").replace(" after validation", "")
     message = re.sub(r"^(Input|String|Tuple|Dictionary) should (be|have)\b", r"must \2", message)
     if kind == "extra_forbidden":
         message = _no_such_key(str(location[-1]), tuple(keys_of(only(_walk(location[:-1], settings)[1]))))
     elif kind == "union_tag_invalid":
-        key, value, message = f"{key}.kind", context["tag"], f"must be one of {context['expected_tags']}"
+        tags = context["expected_tags"]
+        near = did_you_mean(str(context["tag"]), QUOTED.findall(tags))
+        key, value, message = f"{key}.kind", context["tag"], f"{near}must be one of {tags}"
+    elif kind == "literal_error" and isinstance(value, str):
+        message = f"{did_you_mean(value, QUOTED.findall(context['expected']))}{message}"
     elif kind == "union_tag_not_found":
         kinds = by_kind(_walk(location, settings)[1])
         return f"{key}.kind", f"is missing; must be one of {', '.join(map(repr, sorted(kinds)))}"
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
-        message = "must be a table"
+        kinds = by_kind(_walk(location, settings)[1])
+        message = f"must be a table{f', such as {{ kind = {value!r} }}' if str(value) in kinds else ''}"
     elif kind == "tuple_type":
         message = "must be a list"
+        if isinstance(value, Mapping) and all(str(number).isdigit() for number in value):
+            message += "; an entry of it is set by its number only where the scenario states the list"
     elif kind == "missing" and isinstance(location[-1], int):
         key, message = _key(location[:-1], settings), f"entry {location[-1] + 1} is missing"
     elif kind == "missing":
         return key, "is missing"
     elif kind == "value_error" and isinstance(value, Mapping):
+        own = re.match(r"([a-z_]+)(?:\.\w+)*(?: = [^:]*)?: ", message)
+        if key and own and own[1] in value:  # of a key in the table
+            return f"{key}.{own[0].removesuffix(': ')}", message.removeprefix(own[0])
+        return key, message
+    if isinstance(value, Sized) and len(value) > LONG and not isinstance(value, str):
         return key, message
     shown = repr(list(value) if isinstance(value, tuple) else value)
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
@@ -70,13 +93,15 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
 
 def _no_such_key(key: str, allowed: Sequence[str]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    near = difflib.get_close_matches(key, allowed, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    return f"unknown key; {hint}allowed: {', '.join(allowed)}"
+    return f"unknown key; {did_you_mean(key, allowed)}allowed: {', '.join(allowed)}"
 
 
 def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:
     return ".".join(_walk(location, settings)[0])
+
+
+def _short(key: str) -> str:
+    return key if len(key) <= LONGEST_KEY else f"{key[:LONGEST_KEY]}…"
 
 
 def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[list[str], Any]:
@@ -89,6 +114,6 @@ def _walk(location: tuple[int | str, ...], settings: type[Settings]) -> tuple[li
         elif len(choices(kind)) > 1 and only(kind) is None:
             kind = None
         else:
-            keys.append(str(part))
+            keys.append(_short(str(part)))
             kind = inside(only(kind), part)
     return keys, kind

@@ -1,6 +1,8 @@
 """Dotted keys of a scenario's table: what ``--set`` and a variation write, and what follows from it."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 from pydantic import BaseModel
@@ -22,6 +24,24 @@ def override(table: dict[str, Any], text: str) -> None:
     if not equals or not all(part.strip() for part in key.split(".")):
         raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
     place(table, key, written(value), said)
+
+
+def other_kinds(overrides: Sequence[str], before: Mapping[str, Any], found: str) -> str:
+    """The way out of what was ``found`` wrong where an override made a table one of another kind, and the keys of the
+    kind that it was ``before`` stayed; empty where that is not so."""
+    said = ""
+    for key, _, value in (text.partition("=") for text in overrides):
+        *parents, last = (part.strip() for part in key.split("."))
+        where, kind = ".".join(parents), written(value)
+        if last != "kind" or not re.search(rf"^{re.escape(where)}\.\S+ = .*unknown key", found, re.MULTILINE):
+            continue
+        former = reduce(lambda at, part: at.get(part, {}) if isinstance(at, Mapping) else {}, parents, before)
+        if isinstance(former, Mapping) and former.get("kind") != kind:
+            said += (
+                f"\n{where} was of kind {former.get('kind')!r}, and its other keys stayed; to begin anew: "
+                f"--set '{where}={{kind=\"{kind}\"}}'"
+            )
+    return said
 
 
 def written(text: str) -> Any:

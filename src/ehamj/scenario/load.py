@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from ehamj.control.installation import PARTS, Installation
 from ehamj.errors import InputError
 from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import override, written
+from ehamj.scenario.keys import other_kinds, override, written
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import keys_of
 from ehamj.scenario.variation import changed, derived_anew, unlike, warn_derived
@@ -72,9 +72,13 @@ def _read(source: str | Path, overrides: Iterable[str]) -> tuple[Scenario, dict[
     path = scenario_path(source)
     table = anchored(scenario_table(path), Scenario, path.resolve().parent)
     before = deepcopy(table)
-    for text in overrides:
+    texts = list(overrides)
+    for text in texts:
         override(table, text)
-    return parse_scenario(anchored(table, Scenario, Path.cwd())), before
+    try:
+        return parse_scenario(anchored(table, Scenario, Path.cwd())), before
+    except InputError as error:
+        raise InputError(f"{error}{other_kinds(texts, before, str(error))}") from None
 
 
 Given = Scenario | str | Path | Mapping[str, Any]

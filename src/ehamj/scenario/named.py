@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ehamj.errors import did_you_mean
+
 if TYPE_CHECKING:
     from ehamj.scenario.model import Scenario
 
@@ -32,4 +34,5 @@ def check_named(scenario: "Scenario", mounts: Sequence[str]) -> None:
             unknown.setdefault(mount, []).append(key)
     if unknown:
         said = "; ".join(f"{mount!r} in {', '.join(dict.fromkeys(keys))}" for mount, keys in unknown.items())
-        raise ValueError(f"no mount has this name: {said}; [[mount]] has {', '.join(mounts)}")
+        near = "".join(did_you_mean(mount, mounts) for mount in unknown)
+        raise ValueError(f"no mount has this name: {said}; {near}[[mount]] has {', '.join(mounts)}")

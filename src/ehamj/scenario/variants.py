@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from ehamj.control.settings import DigitalSettings
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.scenario.keys import entries
 from ehamj.scenario.variation import changed
 from ehamj.settings import OVERRIDES
@@ -48,7 +48,7 @@ def check_variants(scenario: "Scenario") -> None:
             raise ValueError("\n".join(f"variants.{name}: {line}" for line in str(error).splitlines())) from error
     for number, name in enumerate(scenario.compare):
         if name not in scenario.variants and name not in STANDARD:
-            raise ValueError(f"compare.{number} = {name!r}: must be one of {_allowed(scenario)}")
+            raise ValueError(f"compare.{number} = {name!r}: {_allowed(scenario, name)}")
 
 
 def variant(scenario: "Scenario", name: str) -> "Scenario":
@@ -56,7 +56,7 @@ def variant(scenario: "Scenario", name: str) -> "Scenario":
     if name in scenario.variants:
         return _otherwise(scenario, name)
     if name not in STANDARD:
-        raise InputError(f"variant {name!r}: must be one of {_allowed(scenario)}")
+        raise InputError(f"variant {name!r}: {_allowed(scenario, name)}")
     control = STANDARD[name]
     if isinstance(control, DigitalSettings) and isinstance(scenario.control, DigitalSettings):
         control = control.model_copy(update={"designed_for": scenario.control.designed_for})
@@ -109,5 +109,6 @@ def _full_name(scenario: "Scenario", name: str) -> str:
     return f"{scenario.name}, {name}"
 
 
-def _allowed(scenario: "Scenario") -> str:
-    return ", ".join(map(repr, (*scenario.variants, *STANDARD)))
+def _allowed(scenario: "Scenario", name: str) -> str:
+    known = (*scenario.variants, *STANDARD)
+    return f"{did_you_mean(name, known)}must be one of {', '.join(map(repr, known))}"

@@ -17,6 +17,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
+from ehamj.errors import InputError
 from ehamj.series.held import BLOCK, Held, OnDisk, Recent, is_whole
 
 LINE_SAMPLES: Final = 8
@@ -43,6 +44,18 @@ LINES: Final = 32768
 def grid_size(lines: int) -> int:
     """Samples of the grid of so many lines, the mean among them, over a period."""
     return int(scipy.fft.next_fast_len(LINE_SAMPLES * max(lines - 1, 1), real=True))
+
+
+MOST_LINES: Final = 2e7
+"""Of a random signal: eleven hours up to 500 Hz, which take a minute to draw."""
+
+
+def check_lines(count: float, what: str) -> None:
+    """Raise InputError where a signal, by its name in words, has more lines than `MOST_LINES`."""
+    if count > MOST_LINES:
+        raise InputError(
+            f"{what} has {count:.2g} lines; {MOST_LINES:.0e} is the most: lower its highest frequency, or duration"
+        )
 
 
 def room(lines: int) -> Held[np.complex128]:

@@ -83,6 +83,12 @@ class Recorded(NamedTuple):
         tables = (table[rows * (table.size // self.room) :] for table in self[:6])
         return type(self)._make((*tables, self.every, self.room - rows))
 
+    def move(self, first: int, rows: int) -> None:
+        """Let rows from the first one on, of so many, take the place of those before."""
+        for table in self[:6]:
+            size = table.size // self.room
+            table[: (rows - first) * size] = table[first * size : rows * size]
+
 
 class Plates(NamedTuple):
     """What a law's channels see of the mechanics; flat with the lane last."""

@@ -225,8 +225,8 @@ class Block:
         sizes = (2 * n + self.own.sizes.activations, n, mounts, 2 * mounts, loop.states, loop.sensing.channels)
         return Recorded.of([size * self.width for size in sizes], every, count)
 
-    def rows(self, recorded: Recorded, count: int, number: int) -> Rows:
-        """The rows of one lane."""
+    def rows(self, recorded: Recorded, count: int, number: int, first: int = 0) -> Rows:
+        """Rows of one lane, of which so many stand recorded; ``first`` is the number of the first of them."""
         n, mounts = self.own.sizes.coordinates, len(self.own.forms)
 
         def own(flat: Array, *shape: int) -> Array:
@@ -236,7 +236,7 @@ class Block:
 
         states = own(recorded.states, 2 * n + self.own.sizes.activations)
         accelerations = own(recorded.accelerations, n)
-        times = np.arange(count, dtype=np.float64) * (recorded.every * self.own.sizes.step)
+        times = np.arange(first, first + count, dtype=np.float64) * (recorded.every * self.own.sizes.step)
         machine = self._simulation(number).machine
         moved = machine.in_model(times, states[:, :n], states[:, n : 2 * n], accelerations)
         return Rows(

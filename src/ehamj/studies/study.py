@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final, Generic, TypeVar
 
 from pydantic import AfterValidator, Field
 
+from ehamj.errors import did_you_mean
 from ehamj.registry import Registry
 from ehamj.scenario.explain import checked
 from ehamj.scenario.model import Scenario
@@ -35,7 +36,7 @@ def among(names: Collection[str]) -> AfterValidator:
 
     def known(name: str) -> str:
         if name not in names:
-            raise ValueError(f"must be one of {', '.join(names)}")
+            raise ValueError(f"{did_you_mean(name, names)}must be one of {', '.join(names)}")
         return name
 
     return AfterValidator(known)

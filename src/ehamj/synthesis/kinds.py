@@ -15,7 +15,11 @@ from ehamj.synthesis.settings import SynthesisSettings
 SYNTHESES: Final[Registry[type[SynthesisSettings]]] = Registry("synthesis")
 """Laws that are found for the machine at hand."""
 
-for _synthesis in (HInfinitySettings, LqgSettings):
+_SYNTHESES: tuple[type[SynthesisSettings], ...] = (
+    HInfinitySettings,
+    LqgSettings,
+)
+for _synthesis in _SYNTHESES:
     SYNTHESES.add(_synthesis.name(), _synthesis)
 
 CONTROLS: Final[Registry[type[ControlSettings]]] = Registry("control")

@@ -3,6 +3,7 @@
 import threading
 from abc import abstractmethod
 from collections import deque
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
 
 import numpy as np
@@ -79,6 +80,20 @@ class SynthesisSettings(DigitalSettings):
         description="states kept of each motion's plant; an eccentric centre of gravity brings yaw and both sways in",
     )
     order: Annotated[int, Field(ge=2)] = Field(10, description="states kept of each motion's loop")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _partly_stated(cls, table: Any) -> Any:
+        """Tables of which a part is stated, completed by what the synthesis states of them: weights belong together."""
+        if not isinstance(table, Mapping):
+            return table
+        defaults = {name: cls.model_fields[name].default for name in table if name in cls.model_fields}
+        stated = {name: default for name, default in defaults.items() if isinstance(default, Settings)}
+        return dict(table) | {
+            name: {key: getattr(default, key) for key in default.model_fields_set} | dict(table[name])
+            for name, default in stated.items()
+            if isinstance(table[name], Mapping)
+        }
 
     @model_validator(mode="after")
     def _one_clock(self) -> Self:

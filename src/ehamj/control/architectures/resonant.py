@@ -46,10 +46,16 @@ class Resonance(NamedTuple):
     """ζ [-]."""
 
 
+MOST_LINES = 100
+"""Each is a resonator for every motion that is held: two states."""
+
+
 class LineSettings(DigitalSettings):
     """Resonators at lines: what an architecture of them has."""
 
-    lines: tuple[Positive, ...] = Field(description="frequencies of the lines [Hz]", min_length=1)
+    lines: tuple[Positive, ...] = Field(
+        description="frequencies of the lines [Hz]", min_length=1, max_length=MOST_LINES
+    )
     motions: tuple[Motion, ...] | None = Field(
         None, description="motions that are held still at the lines; without: all that the mounts drive", min_length=1
     )

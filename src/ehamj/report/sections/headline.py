@@ -1,9 +1,8 @@
 """What stands on top of the page: attenuation at a few bands, and warnings."""
 
-import re
 from typing import Final
 
-from ehamj.judge.brief import MEAN
+from ehamj.judge.brief import MEAN, PROCESSING
 from ehamj.judge.worse import cancelled
 from ehamj.pages import Section, Table
 from ehamj.pages.words import AXIS_NAMES, DASH, decibel
@@ -22,12 +21,6 @@ OLDER: Final = (
     "what strikes near its ends: run it again for those of the whole run"
 )
 """What to know of a result whose levels are not the whole run's."""
-
-PROCESSING: Final = re.compile(
-    r"record .*(: (\S+ )?[xyz] from |, in this order: )|the ground starts from rest|floor \S+(, \S+ times as strong)?: "
-    r"|mounts move with Luco-Wong|table .*: .* rows from line |record .*: times are rounded to "
-)
-"""Warnings that only say how a record was processed."""
 
 
 def headline(shown: Shown) -> Section:

@@ -40,7 +40,7 @@ def limits_of(result: Result) -> Limits:
 
 def nearest(shown: Shown) -> Section:
     """How near each run came to its limits."""
-    return Section("nearest", "Limits", tables=[_against_limits(shown)])
+    return Section("nearest", tables=[_against_limits(shown)])
 
 
 def limits(shown: Shown) -> Section:

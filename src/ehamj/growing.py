@@ -1,0 +1,145 @@
+"""A NetCDF file of channels that grows block by block, and is opened without being read."""
+
+import errno
+import os
+import shutil
+import weakref
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
+
+import numpy as np
+
+from ehamj.unfinished import HELD, MARGIN, check_room, remove
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FILE: Final = "result.nc"
+IN_MEMORY: Final = 2**29
+"""Size of the rows of runs that step together [byte] up to which they stay in memory: a minute and a half of the
+default machine at 2 kHz. A result of that size is written and read in a second or two, and several fit side by side."""
+
+
+class Growing:
+    """A file that gets rows appended. Columns stand in pieces of their own: whoever reads one reads no other."""
+
+    def __init__(self, folder: Path, rows: int, count: int) -> None:
+        """In a folder that is made for it, and goes with it.
+
+        Args:
+            folder: that is not there yet.
+            rows: that all parts have but the last.
+            count: rows that are to come, for which there must be room.
+        """
+        self.folder, self._rows, self._count, self._written = folder, rows, count, 0
+        self._file: Any = None
+        self._gone = weakref.finalize(self, _put_away, folder, os.getpid())
+
+    @property
+    def path(self) -> Path:
+        """Of the file."""
+        return self.folder / FILE
+
+    def add(self, part: "xr.Dataset") -> None:
+        """Append rows.
+
+        Raises:
+            OSError: where there is no room.
+        """
+        if self._file is None:
+            self._begin(part)
+        if shutil.disk_usage(self.folder).free < part.nbytes + MARGIN:  # others write too
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.folder))
+        first, self._written = self._written, self._written + part.sizes["time"]
+        for name, channel in part.variables.items():
+            if channel.dims[:1] == ("time",):
+                self._append(self._file.variables[name]._h5ds.id, channel.values, first)
+
+    def _begin(self, part: "xr.Dataset") -> None:
+        """Lay out all rows that are to come: a time without end would be counted anew whenever a channel is read."""
+        import h5netcdf
+        import h5py
+
+        HELD.add(self.folder)
+        self.folder.mkdir(parents=True)
+        check_room(self.path, part.nbytes // max(part.sizes["time"], 1) * self._count)
+        self._file = h5netcdf.File(self.path, "w")
+        self._file.attrs.update(part.attrs)
+        self._file.dimensions = {name: self._count if name == "time" else size for name, size in part.sizes.items()}
+        for name, channel in part.variables.items():
+            grows, kind = channel.dims[:1] == ("time",), channel.dtype
+            kind = h5py.string_dtype() if kind.kind in "OU" else kind
+            pieces = (min(self._rows, self._count), *[1] * (channel.ndim - 1)) if grows else None
+            own = self._file.create_variable(str(name), channel.dims, kind, chunks=pieces)
+            own.attrs.update(channel.attrs)
+            if not grows:
+                own[...] = channel.values.astype(object) if channel.dtype.kind == "U" else channel.values
+
+    def _append(self, file: Any, values: Any, first: int) -> None:
+        """Rows of a channel, each piece of a column whole; what the last lacks is outside of the file's extent."""
+        size = file.get_create_plist().get_chunk()[0]
+        for at in np.ndindex(values.shape[1:]):
+            column = values[(slice(None), *at)]
+            for begin in range(0, len(column), size):
+                piece = np.zeros(size, values.dtype)
+                own = column[begin : begin + size]
+                piece[: len(own)] = own
+                file.write_direct_chunk((first + begin, *at), piece)
+
+    def ended(self, attributes: "Callable[[xr.Dataset], Mapping[str, Any]]") -> "Kept":
+        """What was written. The folder goes when nobody holds any of its channels any more.
+
+        ``attributes`` makes of the channels what is to be known of all of them.
+        """
+        import h5netcdf
+
+        for channel in self._file.variables.values():
+            if channel.dimensions[:1] == ("time",) and self._written < self._count:  # what broke off is shorter
+                channel._h5ds.resize(self._written, axis=0)
+        self._file.close()
+        with _opened(self.path)[1] as read:
+            known = attributes(read)
+        with h5netcdf.File(self.path, "a") as file:
+            file.attrs.update(known)
+        store, dataset = _opened(self.path)
+        weakref.finalize(store, _put_away, self.folder, os.getpid())
+        self._gone.detach()
+        return Kept(self.path, dataset)
+
+
+class Kept(NamedTuple):
+    """Channels in a file, which are read as they are asked for."""
+
+    path: Path
+    dataset: "xr.Dataset"
+
+    @classmethod
+    def of(cls, path: Path) -> Self:
+        """Open a file, none of whose channels is in memory until it is asked for, nor after."""
+        return cls(path, _opened(path)[1])
+
+    def put(self, place: Path) -> None:
+        """Give the file another name too, or, on another file system, copy it."""
+        try:
+            os.link(self.path, place)
+        except OSError:
+            check_room(place, self.path.stat().st_size)
+            shutil.copyfile(self.path, place)
+
+
+def _opened(path: Path) -> "tuple[Any, xr.Dataset]":
+    """What reads a file, and its channels, each of which holds on to that."""
+    import xarray as xr  # takes its time
+    from xarray.backends import H5NetCDFStore
+
+    class Store(H5NetCDFStore):
+        __slots__ = ("__weakref__",)
+
+    store = Store.open(str(path), phony_dims="access")
+    return store, xr.open_dataset(store, cache=False)
+
+
+def _put_away(folder: Path, process: int) -> None:
+    if os.getpid() == process:  # and none that was forked from it
+        remove(folder)

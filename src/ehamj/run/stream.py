@@ -1,0 +1,75 @@
+"""Rows of a run that are too many for memory: block by block they become channels in a file."""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from ehamj import columns, growing
+from ehamj.run.budget import row_bytes
+from ehamj.unfinished import beside, clear_leftovers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ehamj.mujoco.rows import Rows
+    from ehamj.run.faults import Struck
+    from ehamj.run.prepare import Prepared
+    from ehamj.stopped import Stopped
+
+AT_LEAST: Final = 64
+"""Rows that follow a block, so that what is observed at once is never next to nothing: products of few rows round
+otherwise."""
+PLACE: Final = "ehamj-rows"
+"""What the folder of such a file stands for, as `ehamj.unfinished` tells them apart."""
+
+
+def streams(prepared: "Prepared", together: int = 1) -> bool:
+    """Whether rows of so many such runs that step together are too many for memory."""
+    return rows_of(prepared) * row_bytes(len(prepared.scenario.plant.mounts)) * together > growing.IN_MEMORY
+
+
+def ready(rows: int) -> bool:
+    """Whether a block of so many rows that stand recorded may go."""
+    return rows >= columns.ROWS + AT_LEAST
+
+
+def room(steps: int) -> int:
+    """Rows that there must be room for, where so many steps are taken at once."""
+    return columns.ROWS + AT_LEAST + steps
+
+
+def rows_of(prepared: "Prepared") -> int:
+    """Rows of a run that comes to its end."""
+    return prepared.steps // prepared.every + 1
+
+
+class Stream:
+    """The file of one run."""
+
+    def __init__(self, prepared: "Prepared") -> None:
+        """For a run whose rows are to come."""
+        within = prepared.within or Path(tempfile.gettempdir())
+        within.mkdir(parents=True, exist_ok=True)
+        clear_leftovers(within)
+        self._prepared, self._rows = prepared, 0
+        self._file = growing.Growing(beside(within / PLACE), columns.ROWS, rows_of(prepared))
+
+    def add(self, rows: "Rows", struck: "Sequence[Struck]") -> None:
+        """Append rows of a run, `ehamj.columns.ROWS` of them or the last ones; ``struck`` are its faults until then."""
+        from ehamj.run.observe import observe
+
+        self._file.add(observe(self._prepared, rows, struck, self._rows))
+        self._rows += len(rows.qpos)
+
+    def ended(self, stopped: "Stopped") -> "tuple[growing.Kept, str | None]":
+        """The channels, and what went wrong, in words."""
+        from ehamj.run.failures import failure
+
+        failed: list[str | None] = []
+
+        def complete(dataset: "xr.Dataset") -> dict[str, int]:
+            failed.append(failure(self._prepared, stopped, dataset))
+            return {"complete": int(failed[0] is None)}
+
+        return self._file.ended(complete), failed[0]

@@ -1,0 +1,1 @@
+"""Inputs by the thousand before the command line: `make fuzz`, see CONTRIBUTING."""

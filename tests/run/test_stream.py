@@ -1,0 +1,143 @@
+"""Runs whose rows go to a file as they come: to the bit those that stay in memory, and gone with who holds them."""
+
+import gc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from ehamj import columns, growing
+from ehamj.control import PythonController
+from ehamj.errors import SimulationFailed
+from ehamj.result import Result, load_result
+from ehamj.run.failures import Incomplete
+from ehamj.run.many import simulate_many
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import load_scenario
+from ehamj.scenario.model import ENGINES
+
+ROWS = 300
+"""Of a block, so that short runs have several; no number of steps between two returns to Python has it."""
+
+SLIDE = ["slide.0.start=-0.1", "slide.0.profile.moves=[{time=0.2,to=0.0,speed=1.0,acceleration=9.0,jerk=200.0}]"]
+FAULT = ["fault=[{kind='valve-stuck',mount='front-left',time=0.3,settling=0.1}]"]
+SETS = [*SLIDE, *FAULT, "duration=0.5", "compare=[]"]
+
+
+@pytest.fixture
+def short_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blocks of few rows, in memory and in files."""
+    monkeypatch.setattr(columns, "ROWS", ROWS)
+
+
+@pytest.fixture
+def streamed(short_blocks: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever runs is too long for memory."""
+    monkeypatch.setattr(growing, "IN_MEMORY", 0)
+
+
+def same(one: xr.Dataset, other: xr.Dataset) -> None:
+    """Every channel and label, to the bit."""
+    assert list(one.variables) == list(other.variables)
+    for name in one.variables:
+        assert one[name].dims == other[name].dims
+        assert one[name].attrs == other[name].attrs
+        np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=str(name))
+    assert one.attrs == other.attrs
+
+
+def numbers(result: Result) -> dict[str, Any]:
+    """The summary but for how long it took."""
+    found = result.summary.to_dict()
+    found["timing"] = {name: found["timing"][name] for name in ("simulated_s", "steps", "timestep_s", "engine")}
+    return found
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_run_in_a_file_is_to_the_bit_the_one_in_memory(
+    engine: str, short_blocks: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Under a law, with a slide that moves and a valve that sticks meanwhile."""
+    scenario = load_scenario("moving-slide", [*SETS, f"engine={engine}"])
+    held = simulate(scenario)
+    monkeypatch.setattr(growing, "IN_MEMORY", 0)
+    kept = simulate(scenario, within=tmp_path)
+    assert held.kept is None
+    assert kept.kept is not None
+    assert kept.kept.path.is_relative_to(tmp_path)
+    assert held.dataset.sizes["time"] > 1.5 * ROWS
+    same(kept.dataset, held.dataset)
+    assert numbers(kept) == numbers(held)
+
+
+def test_runs_side_by_side_have_a_file_each(streamed: None) -> None:
+    scenario = load_scenario("benchmark", ["duration=0.5", "compare=[]", "engine=small-motion"])
+    two = simulate_many([scenario, scenario.varied({"machine.mass": 4400.0})], threads=1)
+    alone = simulate(scenario)
+    assert two[0].kept is not None
+    assert two[1].kept is not None
+    assert two[0].kept.path != two[1].kept.path
+    same(two[0].dataset, alone.dataset)
+    assert not np.array_equal(two[1].dataset["stroke"].values, alone.dataset["stroke"].values)
+
+
+def breaks(time: float, measured: np.ndarray, limited: np.ndarray) -> np.ndarray:
+    if time > 0.2:
+        raise ZeroDivisionError("by nothing")
+    return np.zeros(4)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_was_written_until_a_failure_is_kept(
+    engine: str, short_blocks: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    scenario = load_scenario("benchmark", ["duration=0.4", "record_rate=3000", "compare=[]", f"engine={engine}"])
+    law = PythonController(breaks, ("stroke front-left",))
+    with pytest.raises(SimulationFailed) as held:
+        simulate(scenario, controller=law)
+    monkeypatch.setattr(growing, "IN_MEMORY", 0)
+    with pytest.raises(SimulationFailed) as kept:
+        simulate(scenario, controller=law, within=tmp_path)
+    assert isinstance(held.value, Incomplete)
+    assert isinstance(kept.value, Incomplete)
+    assert str(kept.value) == str(held.value)
+    same(kept.value.result.dataset, held.value.result.dataset)
+    assert kept.value.result.dataset.attrs["complete"] == 0
+
+
+def test_a_file_goes_with_the_last_who_holds_one_of_its_channels(streamed: None, tmp_path: Path) -> None:
+    stroke = simulate(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path).dataset["stroke"]
+    gc.collect()
+    assert len(list(tmp_path.iterdir())) == 1
+    assert np.isfinite(stroke[:, 1].values).all()
+    del stroke
+    gc.collect()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_goes_where_a_run_breaks_off(streamed: None, tmp_path: Path) -> None:
+    def stop(done: float) -> None:
+        if done > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(load_scenario("benchmark", ["record_rate=3000"]), stop, within=tmp_path)
+    gc.collect()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_saved_result_is_the_file_itself_and_opens_as_one(streamed: None, tmp_path: Path) -> None:
+    sets = ["duration=0.4", "compare=[]", "output.replay=false", "output.report=false"]
+    result = simulate(load_scenario("benchmark", sets), within=tmp_path)
+    folder = tmp_path / "saved"
+    result.save(folder)
+    assert result.kept is not None
+    assert (folder / "result.nc").samefile(result.kept.path)
+    read = load_result(folder)
+    assert read.kept is not None
+    assert read.kept.dataset["stroke"].variable._data is not None
+    same(read.dataset, result.dataset)
+    result.save(folder, overwrite=True)
+    same(load_result(folder).dataset, read.dataset)
