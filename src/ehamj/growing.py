@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import numpy as np
 
+from ehamj.errors import InputError
 from ehamj.unfinished import HELD, MARGIN, check_room, remove
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ FILE: Final = "result.nc"
 IN_MEMORY: Final = 2**29
 """Size of the rows of runs that step together [byte] up to which they stay in memory: a minute and a half of the
 default machine at 2 kHz. A result of that size is written and read in a second or two, and several fit side by side."""
+
+COPIES: Final = 1.6
+"""What of a result is in memory at once where all of it is, over its size: its channels, and what is made of them."""
 
 
 class Growing:
@@ -118,6 +122,23 @@ class Kept(NamedTuple):
     def of(cls, path: Path) -> Self:
         """Open a file, none of whose channels is in memory until it is asked for, nor after."""
         return cls(path, _opened(path)[1])
+
+    def load(self) -> "xr.Dataset":
+        """All channels in memory.
+
+        Raises:
+            InputError: where they do not fit, with what else there is made of.
+        """
+        import psutil
+
+        need, free = COPIES * self.dataset.nbytes, psutil.virtual_memory().available
+        if need > free:
+            raise InputError(
+                f"report and replay need all {self.dataset.sizes['time']} rows in memory, about {need / 2**30:.3g} "
+                f"GiB, and {free / 2**30:.3g} GiB are free; summary.json has the numbers, result.nc opens with xarray "
+                "a part at a time, and a run with a lower record_rate or duration has both"
+            )
+        return self.dataset.copy().load()
 
     def put(self, place: Path) -> None:
         """Give the file another name too, or, on another file system, copy it."""

@@ -3,10 +3,10 @@
 import contextlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -114,6 +114,11 @@ class Result:
         """Whether the simulation reached its end."""
         return self.summary.complete
 
+    def in_memory(self) -> Self:
+        """The same with all channels in memory, which pages and recordings need; raises InputError where they do not
+        fit."""
+        return self if self.kept is None else replace(self, dataset=self.kept.load(), kept=None)
+
     def __repr__(self) -> str:
         state = "complete" if self.complete else "INCOMPLETE"
         return f"<ehamj.Result {self.scenario.name!r}: {self.summary.timing.simulated_s:g} s, {state}>"
@@ -167,6 +172,8 @@ class Result:
 def check_result(folder: str | Path) -> Path:
     """A folder, checked to hold the files of a result; raises InputError otherwise."""
     folder = Path(folder)
+    if not folder.exists():
+        raise InputError(f"result {str(folder)!r}: there is no such folder")
     missing = [name for name in RESULT_FILES if not (folder / name).is_file()]
     if missing:
         raise InputError(f"result {str(folder)!r}: is no result folder, {missing[0]} is missing")

@@ -230,7 +230,10 @@ def test_a_folder_below_a_file_is_refused_before_anything_is_computed(cli: Cli) 
     [
         (("run", "no-such"), ["'no-such'", "no such file", "recorded", "benchmark"]),
         ((*QUICK, "--set", "machine.mass=-4000"), ["machine.mass = -4000", "greater than 0"]),
-        ((*QUICK, "--set", "machine.mass=heavy"), ["machine.mass = 'heavy'", "number"]),
+        ((*QUICK, "--set", "machine.mass=4t"), ["machine.mass = '4t'", "number, in kg"]),
+        ((*QUICK, "--set", "machine.weight=4000"), ["unknown key; allowed: mass, "]),
+        (("replay",), ["RESULT: is missing", "`ehamj run` makes one"]),
+        (("report", "runs/0007"), ["'runs/0007': there is no such folder"]),
         ((*QUICK, "--set", "machine.mass"), ["--set 'machine.mass'", "key=value"]),
         ((*QUICK, "--set", "mount.0.position=[1.5, 0.6]"), ["front-left", "[1.5, 0.6]", "±1.1 by ±0.8 m"]),
         ((*QUICK, "--set", "timestep=0.0003"), ["timestep = 0.0003", "record_rate", "0.000333333"]),
@@ -255,6 +258,18 @@ def test_unknown_commands_and_options_are_refused(cli: Cli, arguments: tuple[str
     assert "Usage: ehamj" in said.err
     assert "Traceback" not in said.err
     assert not tree()
+
+
+def test_a_key_that_was_taken_for_an_option_has_a_way_out(cli: Cli) -> None:
+    said = cli("run", "--duration", "3")
+    assert said.code == 2
+    assert "keys of the scenario are set by --set, such as --set duration=3" in " ".join(said.err.split())
+
+
+def test_the_latest_result_is_named_where_none_was(cli: Cli) -> None:
+    for _ in range(2):
+        cli(*QUICK)
+    assert "the latest here is 'runs/0002'" in cli("replay").message
 
 
 def test_no_command_shows_the_help(cli: Cli) -> None:

@@ -14,8 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-TIME: Final = 90.0
-"""Within which a case ends, unless it steps a long run [s]."""
+import psutil
+
+TIME: Final = 60.0
+"""Of the processor, within which a case ends, unless it steps a long run [s]."""
+PATIENCE: Final = 900.0
+"""Within which it ends that waits for something [s]: on a busy machine a short case lasts."""
 START: Final = 300.0
 """Within which a worker is ready: it may have to compile [s]."""
 TURNS: Final = 400
@@ -35,6 +39,7 @@ class Worker:
     turns: int = 0
     order: dict[str, Any] | None = None
     began: float = 0.0
+    used: float = 0.0
     ready: bool = False
     _rest: bytes = b""
 
@@ -56,6 +61,7 @@ class Worker:
     def give(self, order: dict[str, Any]) -> None:
         """A case to try."""
         self.order, self.began, self.turns = order, time.monotonic(), self.turns + 1
+        self.used = self.processor()
         assert self.process.stdin is not None
         self.process.stdin.write(json.dumps(order).encode() + b"\n")
         self.process.stdin.flush()
@@ -67,6 +73,21 @@ class Worker:
             return None
         *whole, self._rest = (self._rest + data).split(b"\n")
         return (json.loads(line) for line in whole)
+
+    def processor(self) -> float:
+        """Time of the processor that it has used [s]."""
+        try:
+            return sum(psutil.Process(self.process.pid).cpu_times()[:2])
+        except psutil.Error:
+            return 0.0
+
+    @property
+    def late(self) -> bool:
+        """Whether it should have answered."""
+        waited = time.monotonic() - self.began
+        if not self.ready:
+            return waited > START
+        return self.order is not None and (waited > PATIENCE or (waited > TIME and self.processor() - self.used > TIME))
 
     def shown(self) -> str:
         """Where the process is, of all its threads."""
@@ -162,9 +183,7 @@ def _turn(
                 if len(pool) < workers and following is not None:  # the first has compiled what the others load
                     pool.append(Worker(kept))
         for one in list(pool):
-            if (one.order is not None and time.monotonic() - one.began > _limit(one.order)) or (
-                not one.ready and time.monotonic() - one.began > START
-            ):
+            if one.late:
                 pool.remove(one)
                 _late(one, tally)
                 if following is not None:
@@ -177,12 +196,6 @@ def _turn(
                 one.give(following)
                 following = next(orders, None)
         told()
-
-
-def _limit(order: dict[str, Any]) -> float:
-    from fuzz.signals import PATIENCE
-
-    return 4 * PATIENCE if order["kind"] == "signal" else TIME
 
 
 def _count(answer: dict[str, Any], tally: Tally, seconds: float) -> None:
@@ -219,4 +232,6 @@ def _late(worker: Worker, tally: Tally) -> None:
         return
     ours = [line.strip() for line in shown.splitlines() if "/ehamj/" in line]
     place = ours[0].split("/ehamj/")[-1] if ours else "outside of ehamj"
-    tally.add(kind, "late", [f"no end in {TIME:g} s at {place}"], {**worker.order, "stack": shown[:8000]})
+    tally.add(
+        kind, "late", [f"no end in {TIME:g} s of the processor at {place}"], {**worker.order, "stack": shown[:8000]}
+    )

@@ -125,7 +125,7 @@ def named(outcome: dict[str, Any], said: str) -> bool:
         return True
     if any(re.search(rf"\b{name}(\.\w| = |\[)", message) for name in PLACES):
         return True
-    return bool(re.match(r"standard output", message))
+    return bool(re.match(r"standard output|[\w.…-]+ = .*: unknown key; ", message))
 
 
 def _message(said: str) -> str:

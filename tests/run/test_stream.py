@@ -1,16 +1,19 @@
 """Runs whose rows go to a file as they come: to the bit those that stay in memory, and gone with who holds them."""
 
 import gc
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 
 from ehamj import columns, growing
 from ehamj.control import PythonController
-from ehamj.errors import SimulationFailed
+from ehamj.errors import InputError, SimulationFailed
 from ehamj.result import Result, load_result
 from ehamj.run.failures import Incomplete
 from ehamj.run.many import simulate_many
@@ -141,3 +144,47 @@ def test_a_saved_result_is_the_file_itself_and_opens_as_one(streamed: None, tmp_
     same(read.dataset, result.dataset)
     result.save(folder, overwrite=True)
     same(load_result(folder).dataset, read.dataset)
+
+
+def test_what_shows_all_of_a_run_is_left_out_where_it_does_not_fit(
+    streamed: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    result = simulate(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path)
+    free = type("Free", (), {"available": result.dataset.nbytes})
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
+    with pytest.warns(UserWarning, match=r"report and replay need all \d+ rows in memory, about .* GiB are free"):
+        result.save(tmp_path / "saved")
+    assert {"result.nc", "summary.json", "scenario.toml"} <= {path.name for path in (tmp_path / "saved").iterdir()}
+    assert not (tmp_path / "saved" / "report.html").exists()
+    with pytest.raises(InputError, match="report and replay need all"):
+        load_result(tmp_path / "saved").in_memory()
+    free.available = 2 * result.dataset.nbytes
+    held = result.in_memory()
+    assert held.kept is None
+    same(held.dataset, result.dataset)
+
+
+MEASURED = """
+import resource
+from ehamj import columns, growing
+from ehamj.run.simulate import observed
+from ehamj.scenario.load import parse_scenario
+
+columns.ROWS, growing.IN_MEMORY = 2048, 0
+
+def peak(duration):
+    run = observed(parse_scenario({"duration": duration, "record_rate": 2000.0, "engine": "small-motion",
+                                   "ground": {"kind": "sine", "dof": "z", "frequency": 10.0, "amplitude": 1e-6}}))
+    return run.dataset.nbytes, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+(small, before), (large, after) = peak(6.0), peak(24.0)
+print(large - small, after - before)
+"""
+
+
+def test_memory_does_not_grow_with_the_duration() -> None:
+    """A run four times as long, 40 MB more in its file: what is read of it to say whether it failed is a column."""
+    said = subprocess.run([sys.executable, "-c", MEASURED], capture_output=True, text=True, check=True).stdout
+    more, grown = map(int, said.split())
+    assert more > 3.5e7
+    assert grown < 0.2 * more

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final
 import typer
 from rich.console import Console
 from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
 
 from ehamj.cli.early import check_early
 from ehamj.cli.timing import Clock
@@ -39,6 +40,15 @@ class Command(TyperCommand):
 
     That is once all words of the command line are understood: one too many is what is said first.
     """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Understand the words; what is no option, and like none, may be meant as a key of the scenario."""
+        try:
+            return super().parse_args(ctx, args)
+        except TyperException as error:
+            if hasattr(error, "option_name") and hasattr(error, "message") and not getattr(error, "possibilities", ()):
+                error.message += "; keys of the scenario are set by --set, such as --set duration=3"
+            raise
 
     def invoke(self, ctx: Any) -> Any:
         if "scenario" in ctx.params:

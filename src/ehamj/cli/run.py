@@ -47,13 +47,15 @@ def run(
     off = [f"output.{name}=false" for name, given in (("replay", no_replay), ("report", no_report)) if given]
     chosen = [] if engine is None else [f"engine={engine}"]
     loaded = load_scenario(scenario, [*(overrides or ()), *chosen, *off])
-    check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS)
+    check_rows(loaded, 1 + len(loaded.compare), out_folder or RUNS, loaded.output.report or loaded.output.replay)
     clock = context.obj
     results, failures = _simulate(loaded, clock, RUNS if out_folder is None else out_folder.resolve().parent)
     from ehamj.store import write_run
 
     with new_folder(out_folder, overwrite) as (folder, target), doing("writing") as step, clock.during("writing"):
-        write_run(target, results, step, apart=True)
+        left_out = write_run(target, results, step, apart=True)
+    if left_out:
+        log.print(f"note: {left_out}", markup=False, highlight=False, soft_wrap=True)
     summary = results[loaded.name].summary
     if as_json:
         variants = {name: results[loaded.variant(name).name].summary.to_dict() for name in loaded.compare}
@@ -126,7 +128,7 @@ def _import_writers(output: "Output") -> None:
     before the first step does not."""
     from importlib import import_module
 
-    from ehamj.run.simulate import import_judging
+    from ehamj.run.judging import import_judging
 
     import_judging()
     wanted = ["ehamj.store", "h5netcdf"]

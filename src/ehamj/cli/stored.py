@@ -10,17 +10,18 @@ from ehamj.cli.frame import Json, app, log
 from ehamj.cli.printing import print_json, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
+from ehamj.folders import RUNS
 
 if TYPE_CHECKING:
     from ehamj.result import Result
 
-ResultFolder = Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder.")]
+ResultFolder = Annotated[Path | None, typer.Argument(metavar="RESULT", help="A result folder, such as runs/0001.")]
 Compare = Annotated[list[Path] | None, typer.Option("--compare", help="Another result, shown beside it.")]
 
 
 @app.command()
 def replay(
-    folder: ResultFolder,
+    folder: ResultFolder = None,
     compare: Compare = None,
     rebuild: Annotated[
         bool, typer.Option("--rebuild", help="Build RESULT/replay.rrd anew, with RESULT's own variants as `run` did.")
@@ -39,6 +40,7 @@ def replay(
 
     if compare and rebuild:
         raise InputError("--rebuild: is for RESULT's own recording; --compare always builds another, so leave one out")
+    folder = _named(folder)
     path = folder / ("replay-compare.rrd" if compare else "replay.rrd")
     _check_result(folder)
     built = bool(compare) or rebuild or not path.is_file()
@@ -59,7 +61,7 @@ def replay(
 
 @app.command()
 def report(
-    folder: ResultFolder,
+    folder: ResultFolder = None,
     compare: Compare = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="Print it as report.pdf too, by an installed browser.")] = False,
     as_json: Json = False,
@@ -75,6 +77,7 @@ def report(
     from ehamj.pages.pdf import check_browser, print_page
     from ehamj.report import write_report
 
+    folder = _named(folder)
     name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
     path, printed = folder / f"{name}.html", folder / f"{name}.pdf"
     if pdf:
@@ -91,6 +94,15 @@ def report(
         say(f"report: {path}", whole=True)
         if pdf:
             say(f"PDF: {printed}", whole=True)
+
+
+def _named(folder: Path | None) -> Path:
+    """The folder that was named; raises InputError where none was, which names the latest there is."""
+    if folder is not None:
+        return folder
+    there = sorted(path.parent for path in RUNS.glob("*/summary.json"))
+    latest = f"the latest here is {str(there[-1])!r}" if there else "`ehamj run` makes one"
+    raise InputError(f"RESULT: is missing; name a result folder, {latest}")
 
 
 def _check_result(folder: Path) -> None:
@@ -129,6 +141,16 @@ def _variants(folder: Path) -> list[Path]:
     return [one for one in folders if one.is_dir()]
 
 
+def _in_memory(folder: Path) -> "Result":
+    from ehamj.result import load_result
+
+    try:
+        return load_result(folder).in_memory()
+    except InputError as error:
+        said = str(error)
+        raise InputError(said if said.startswith("result ") else f"result {str(folder)!r}: {said}") from error
+
+
 def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     """Stored results by what tells each from the others.
 
@@ -139,10 +161,9 @@ def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     Raises:
         InputError: if a folder is named twice, or holds no row.
     """
-    from ehamj.result import load_result
     from ehamj.scenario.variants import labels
 
-    results = [load_result(folder) for folder in folders]
+    results = [_in_memory(folder) for folder in folders]
     paths = [folder.resolve() for folder in folders]
     for folder, path in zip(folders, paths, strict=True):
         if paths.count(path) > 1:

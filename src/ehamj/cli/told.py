@@ -51,7 +51,9 @@ def print_run(results: Mapping[str, Result], folder: Path, spent: str) -> None:
     else:
         say(f"{summary.failure}")
         say("nothing is judged; histories, report and replay show what led there")
-    _print_notes(summary, "on the page" if (folder / "report.html").is_file() else f"in {folder / 'summary.json'}")
+    _print_notes(
+        summary, scenario, "on the page" if (folder / "report.html").is_file() else f"in {folder / 'summary.json'}"
+    )
     say(spent, "time: ")
     _print_next(folder, complete=summary.complete)
 
@@ -134,12 +136,14 @@ def _levels(summary: Summary, keys: Sequence[str]) -> list[float | None]:
     return [None if level is None else MICRO * level for level in levels]
 
 
-def _print_notes(summary: Summary, more: str) -> None:
+def _print_notes(summary: Summary, scenario: Scenario, more: str) -> None:
     """What a reader must know: neither what was said above, nor how a record was processed."""
     said = {*(one.in_words() for one in summary.worse if one.made_worse), *reached(summary.saturation)}
     left = [text for text in summary.warnings if text not in said and not PROCESSING.match(text)]
     for text in left[:NOTES]:
         say(text, "note: ")
+    if (scale := getattr(scenario.ground, "scale", 1.0)) != 1.0:
+        say(f"the recorded floor is scaled by {scale:g} (ground.scale)", "note: ")
     if hidden := len(summary.warnings) - len(left[:NOTES]):
         say(f"and {hidden} more {more}", "notes: " if not left else "")
 

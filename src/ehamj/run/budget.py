@@ -16,13 +16,11 @@ from ehamj.scenario.model import Scenario
 
 CHANNELS: Final = (160, 45)
 """Numbers of a row, about: whatever the machine has with a law of a hundred states, and more per mount."""
-COPIES: Final = 1.6
-"""Rows that are held at once, per row: what was stepped beside what is read of it."""
 BLOCKS: Final = 4
 """Blocks of rows that a run holds whose rows go to a file: what was stepped, its channels and what they are made of."""
-JUDGED: Final = 150
+JUDGED: Final = 200
 """What judging such a run holds per row [byte]: one channel, its spectra in three orders of differences, what is behind
-a filter, and the times. Measured: 95 to 110 with and without lines, beside 20 for times."""
+a filter, and the times. Measured on ten million rows: 170."""
 STEP_SECONDS: Final = {"mujoco": 6e-6, "small-motion": 1e-6}
 """Time that a step takes, about, by engine [s]."""
 LONGEST: Final = 30 * 86_400.0
@@ -36,13 +34,14 @@ def row_bytes(mounts: int) -> int:
     return 8 * (CHANNELS[0] + CHANNELS[1] * mounts)
 
 
-def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None) -> None:
+def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None, shown: bool = False) -> None:
     """Refuse a run whose rows do not fit.
 
     Args:
         scenario: that is to run.
         together: how many such runs are held at once.
         folder: where they are to be written, if they are; those that are too many for memory are anyway.
+        shown: whether a page or a recording is made of them, which takes all in memory.
 
     Raises:
         InputError: which names what they need, what is free, and the keys.
@@ -51,14 +50,17 @@ def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None
     of_row = row_bytes(len(scenario.plant.mounts))
     size = rows * of_row
     streams = size > growing.IN_MEMORY * together
-    memory = together * BLOCKS * columns.ROWS * of_row + rows * JUDGED if streams else size * COPIES
+    memory = size * growing.COPIES
+    if streams and not shown:
+        memory = together * BLOCKS * columns.ROWS * of_row + rows * JUDGED
     what = f"duration = {scenario.duration:g} s at record_rate = {scenario.record_rate:g} Hz"
     what += f", {together} runs together" if together > 1 else ""
     free = psutil.virtual_memory().available
     if memory > free:
+        beside = ", or leave out what shows all of it (--no-report --no-replay)" if streams and shown else ""
         raise InputError(
             f"{what}: {rows:.3g} rows need about {_gib(memory)} of memory and {_gib(free)} are free; lower "
-            "record_rate or duration"
+            f"record_rate or duration{beside}"
         )
     if folder is None and not streams:
         return

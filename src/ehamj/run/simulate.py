@@ -1,8 +1,6 @@
 """Run one scenario: prepare → drive → observe → summarise."""
 
-import threading
 import time as clock
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,6 +10,7 @@ from ehamj.ground.shared import Floors
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.model import drawn_xml
 from ehamj.run.drive import Driven, Progress, drive
+from ehamj.run.judging import import_judging
 from ehamj.run.prepare import Prepared, prepare
 from ehamj.run.side_by_side import drive_block, small
 from ehamj.scenario.load import Given, as_scenario
@@ -22,16 +21,6 @@ if TYPE_CHECKING:
 
     from ehamj.growing import Kept
     from ehamj.result import Result
-
-_importing = threading.Lock()
-
-
-def import_judging() -> None:
-    """Import what reads a run, for which no step waits; one thread at a time, since two would find each other's modules
-    half made."""
-    with _importing:
-        for name in ("failures", "observe", "summarise"):
-            import_module(f"ehamj.run.{name}")
 
 
 def simulate(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from ehamj import columns, growing
 from ehamj.run.budget import row_bytes
+from ehamj.run.judging import import_judging
 from ehamj.unfinished import beside, clear_leftovers
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Stream:
 
     def __init__(self, prepared: "Prepared") -> None:
         """For a run whose rows are to come."""
+        import_judging()
         within = prepared.within or Path(tempfile.gettempdir())
         within.mkdir(parents=True, exist_ok=True)
         clear_leftovers(within)

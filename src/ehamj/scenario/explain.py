@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from ehamj.bounds import unit_of
 from ehamj.errors import InputError, did_you_mean
 from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.settings import Settings
@@ -72,6 +73,8 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     elif kind in ("model_type", "model_attributes_type", "dict_type"):
         kinds = by_kind(_walk(location, settings)[1])
         message = f"must be a table{f', such as {{ kind = {value!r} }}' if str(value) in kinds else ''}"
+    elif kind == "float_type":
+        message = f"must be a valid number{_in_its_unit(location, settings)}"
     elif kind == "tuple_type":
         message = "must be a list"
         if isinstance(value, Mapping) and all(str(number).isdigit() for number in value):
@@ -91,9 +94,18 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     return f"{key} = {shown if len(shown) <= 200 else shown[:200] + '…'}", message
 
 
+def _in_its_unit(location: tuple[int | str, ...], settings: type[Settings]) -> str:
+    """In which unit the number of a key is stated, where it has one."""
+    table, name = only(_walk(location[:-1], settings)[1]), str(location[-1])
+    field = table.model_fields.get(name) if isinstance(table, type) and issubclass(table, Settings) else None
+    unit = None if field is None else unit_of(field.description)
+    return f", in {unit}" if unit not in (None, "-") else ""
+
+
 def _no_such_key(key: str, allowed: Sequence[str]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    return f"unknown key; {did_you_mean(key, allowed)}allowed: {', '.join(allowed)}"
+    told = sorted(allowed, key=lambda one: one == "sources")  # which none writes by hand comes last
+    return f"unknown key; {did_you_mean(key, allowed)}allowed: {', '.join(told)}"
 
 
 def _key(location: tuple[int | str, ...], settings: type[Settings]) -> str:

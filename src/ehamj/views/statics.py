@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.memory import activations
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
@@ -67,7 +67,7 @@ class StaticLoads:
             InputError: if no shims do.
         """
         if goal not in GOALS:
-            raise InputError(f"shims {goal!r}: must be one of {', '.join(GOALS)}")
+            raise InputError(f"shims {goal!r}: {did_you_mean(goal, GOALS)}must be one of {', '.join(GOALS)}")
         try:
             return level_shims(self.plant, self.oil, goal == "equal")
         except ValueError as error:
