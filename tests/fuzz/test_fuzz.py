@@ -23,7 +23,7 @@ SOUND: dict[str, Any] = {
 def test_mutated_scenarios_are_refused_by_name_or_run(
     cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for number in range(40):
+    for number in range(20):
         folder = tmp_path / str(number)
         folder.mkdir()
         case = KINDS["mutated"].make(chance("mutated", 0, number), tmp_path)
