@@ -7,7 +7,7 @@ import pytest
 from lxml import html
 from markupsafe import Markup
 
-from ehamj.pages import Page, Picture, Section, Table, badge, render, safe_name, write_page
+from ehamj.pages import ANNEX, Page, Picture, Section, Table, badge, render, safe_name, write_page
 from ehamj.plots.charts import Line, lines_chart
 
 
@@ -85,3 +85,37 @@ def test_tables_stand_where_they_should(first: bool, order: list[str]) -> None:
     section = Section("one", figures=[picture("a")], tables=[table], tables_first=first)
     seen = html.fromstring(render(page(section)))
     assert [node.tag for node in seen.iter("table", "figure")] == order
+
+
+def test_a_folded_table_shows_its_line() -> None:
+    table = Table("T", ["", "v"], [["a", "1"], ["b", "2"]], folded="least 1 <a>")
+    (details,) = html.fromstring(render(page(Section("one", tables=[table])))).xpath("//details")
+    assert details.get("open") is None
+    assert details.xpath("./summary/span/text()") == ["least 1 <a>"]
+    assert details.xpath("./table//tbody//td/text()") == ["1", "2"]
+
+
+def test_sheets_are_headed_by_title_and_day_whatever_these_are_called() -> None:
+    one = Page('a"}</style><script>', "h", "", [Section("one", notes=["n"])], day="2026-01-02")
+    text = render(one)
+    assert html.fromstring(text).xpath("//script") == []
+    assert r'content: "a\22 \7d \3c \2f style\3e \3c script\3e ";' in text
+    assert r'content: "2026\2d 01\2d 02";' in text
+
+
+def test_a_heading_is_kept_with_what_follows_and_the_annex_with_all_after_it() -> None:
+    long = Table("L", ["a", "b"], [["x", "y"]] * 20)
+    sections = [Section("one", "One", [picture("a"), picture("b")]), ANNEX, Section("two", "Two", tables=[long])]
+    seen = html.fromstring(render(page(*sections)))
+    assert seen.xpath('//section[@id="one"]/div[@class="start"]/*/@id') == ["figure-a"]
+    assert seen.xpath('//section[@id="one"]/div[@class="figures"]/*/@id') == ["figure-b"]
+    assert seen.xpath('//div[@class="annexed"]/section/@id') == ["annex", "two"]
+    assert seen.xpath('//section[@id="two"]/div[@class="start"]//table') == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "cells", "broad"),
+    [("words", ["a", "b"], False), ("words", ["a" * 20] * 4, True), ("numbers", ["a" * 70, "1"], True)],
+)
+def test_a_broad_table_is_one_that_half_a_sheet_does_not_hold(kind: str, cells: list[str], broad: bool) -> None:
+    assert Table("T", cells, [cells], kind=kind).broad is broad

@@ -6,8 +6,8 @@ import pytest
 
 from ehamj.judge.faults import NOTHING, WHOLE
 from ehamj.report.sections.attenuation import at_places
+from ehamj.report.sections.classes import classes
 from ehamj.report.sections.faults import LINEAR, faults
-from ehamj.report.sections.headline import classes
 from ehamj.report.sections.runs import verdict_in_words
 from ehamj.report.shown import Shown
 from ehamj.result import Result

@@ -23,6 +23,8 @@ from ehamj.criteria.vc import CLASSES
 from ehamj.designs.footprint import rocking_modes, slowest_rocking
 from ehamj.evaluation import FREQUENCIES
 from ehamj.ground import Start
+from ehamj.judge.brief import PROCESSING, brief
+from ehamj.judge.worse import CAUSES
 from ehamj.linear.loop import Loop
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import modes
@@ -32,7 +34,7 @@ from ehamj.pages.words import number
 from ehamj.plant.mounts import MOUNTS
 from ehamj.report import report_page, write_report
 from ehamj.report.sections import SECTIONS
-from ehamj.report.sections.headline import PROCESSING, headline, warnings
+from ehamj.report.sections.headline import headline, warnings
 from ehamj.report.sections.histories import characteristic_part, histories
 from ehamj.report.sections.inputs import inputs
 from ehamj.report.sections.limits import limits
@@ -153,7 +155,9 @@ def test_three_significant_digits(given: float | None, shown: str) -> None:
 def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
     criterion = json.loads((folder / "summary.json").read_text())["criterion"]
     verdict, loudest = criterion["verdict"], criterion["max_1s"]["verdict"]
-    lines = [" ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li')]
+    lines = [
+        " ".join(line.text_content().split()) for line in whole.xpath('//*[@id="verdict"]/li[not(@class="worse")]')
+    ]
     vertical, horizontal, by, second = lines
     assert vertical.startswith(f"vertical {verdict['vertical']}. Machine worst at ")
     assert horizontal.startswith(f"horizontal {verdict['horizontal']}")
@@ -161,6 +165,18 @@ def test_the_verdict_is_the_summarys(folder: Path, whole: Any) -> None:
     both = "; ".join(f"{name} {loudest[name]}" for name in ("vertical", "horizontal"))
     assert second == f"by the largest 1 s RMS {both}"
     assert "actuated" in verdict["vertical"]
+
+
+def test_the_verdict_says_where_the_machine_is_worse_than_its_floor(results: dict[str, Result], whole: Any) -> None:
+    """In one sentence: axis, decibel, band and reason."""
+    found = [one for one in results["feedforward"].summary.worse if one.amplification_db is not None]
+    assert len(found) > 1
+    (said,) = whole.xpath('//*[@id="verdict"]/li[@class="worse"]')
+    text = " ".join(said.text_content().split())
+    for one in found:
+        assert f"by {one.amplification_db:.1f} dB at {one.band} Hz" in text
+        assert CAUSES[one.by] in text
+    assert brief(results["feedforward"].summary)["worse"] == text.removeprefix("worse than its floor ")
 
 
 def test_headline_attenuation_is_the_summarys(results: dict[str, Result], whole: Any) -> None:

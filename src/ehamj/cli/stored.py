@@ -60,24 +60,40 @@ def replay(
 
 
 @app.command()
-def report(folder: ResultFolder = None, compare: Compare = None, as_json: Json = False) -> None:
+def report(
+    folder: ResultFolder = None,
+    compare: Compare = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print it as report.pdf too, by an installed browser.")] = False,
+    as_json: Json = False,
+) -> None:
     """Build the report of a stored result anew, variants that ran with it beside it, as RESULT/report.html.
 
     With `--compare` (repeatable) the page shows RESULT and the others named, side by side, without RESULT's own
     variants; it is RESULT/report-compare.html, its figures are in RESULT/figures-compare/.
+
+    With `--pdf` Chromium, Chrome or Edge prints it: two sheets to read, and an annex with everything. The environment
+    variable EHAMJ_BROWSER names a browser that is not on the path.
     """
+    from ehamj.pages.pdf import check_browser, print_page
     from ehamj.report import write_report
 
     folder = _named(folder)
-    shown = _side_by_side([folder, *(compare or _variants(folder))], "report")
     name, figures = ("report-compare", "figures-compare") if compare else ("report", "figures")
+    path, printed = folder / f"{name}.html", folder / f"{name}.pdf"
+    if pdf:
+        check_browser(path)
+    shown = _side_by_side([folder, *(compare or _variants(folder))], "report")
     with doing("drawing the report"):
         write_report(folder, shown, name, figures)
-    path = folder / f"{name}.html"
+    if pdf:
+        with doing("printing"):
+            print_page(path, printed)
     if as_json:
-        print_json({"report": str(path), "results": list(shown)})
+        print_json({"report": str(path), "results": list(shown)} | ({"pdf": str(printed)} if pdf else {}))
     else:
         say(f"report: {path}", whole=True)
+        if pdf:
+            say(f"PDF: {printed}", whole=True)
 
 
 def _named(folder: Path | None) -> Path:

@@ -12,10 +12,11 @@ from ehamj.design.figures import telling
 from ehamj.design.outcome import SHOWN
 from ehamj.isolator.actuator import Actuator
 from ehamj.judge.levels import SLAB
-from ehamj.pages import Page, Picture, Section, Table
+from ehamj.pages import ANNEX, Page, Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, BAR, DASH, LITRE_PER_MINUTE, MICRO, decibel, exact, number, plain
 from ehamj.scenario.model import Scenario
 from ehamj.studies.outcome import Outcome
+from ehamj.studies.page import headline_of, said_besides
 from ehamj.synthesis.judged import Design
 
 NANO: Final = 1e9
@@ -40,17 +41,18 @@ def design_page(
         files: what stands beside the page, in words.
     """
     pictures = [Picture(name, one.draw(), one.caption) for name, one in outcome.drawings.items()]
-    tables = [margins(design), attenuations(limits), left(limits, wrong), contributions(limits)]
     sections = [
-        Section("machine", "The machine that it is for", facts=list(facts(scenario, design))),
+        *said_besides(outcome),
         Section("figures", figures=pictures),
-        Section("tables", "Numbers", tables=tables),
+        Section("tables", tables=[margins(design), left(limits, wrong)]),
         Section("notes", "What holds, and what does not", items=outcome.notes),
-        Section("files", notes=[files]),
+        ANNEX,
+        Section("machine", "The machine that it is for", facts=list(facts(scenario, design))),
+        Section("numbers", "Numbers", tables=[attenuations(limits), contributions(limits)]),
+        Section("files", "Files", notes=[files]),
     ]
     lead = f"{outcome.question} Machine: {scenario.name}, {exact(scenario.plant.machine.mass)} kg."
-    verdict = [("", answer) for answer in outcome.answers]
-    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, verdict)
+    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, headline_of(outcome))
 
 
 def facts(scenario: Scenario, design: Design) -> Iterator[tuple[str, str]]:
@@ -112,7 +114,17 @@ def margins(design: Design) -> Table:
             rows.append([pattern, f"{decibel(m.gain) if np.isfinite(m.gain) else number(m.gain)}",
                          number(m.phase), number(m.disk), number(m.peak)])  # fmt: skip
     head = ["motion", "gain [dB]", "phase [°]", "disk", "peak S"]
-    return Table("Margins, the other motions closed", head, rows)
+    return Table("Margins, the other motions closed", head, rows, folded=worst_margins(design) if rows else "")
+
+
+def worst_margins(design: Design) -> str:
+    """The least of each margin, and the machine that has it: the line for which the table stands."""
+    words = (("gain", decibel, " dB"), ("phase", number, "°"), ("disk", number, ""))
+    said = (
+        f"{name} {written(value) if np.isfinite(value) else number(value)}{unit} ({machine})"
+        for (name, written, unit), (value, machine) in zip(words, design.least, strict=True)
+    )
+    return f"least on {len(design.reports)} machines: {', '.join(said)}"
 
 
 def attenuations(limits: Budget, only: Collection[str] | None = None) -> Table:

@@ -8,7 +8,7 @@ from ehamj.judge.attenuation import SHOWN_BANDS, quiet_bands
 from ehamj.judge.learnt import Belief, nothing
 from ehamj.judge.levels import SLAB, ByBand
 from ehamj.judge.summary import PlaceMargins, Summary
-from ehamj.judge.worse import LEAST, cancelled
+from ehamj.judge.worse import LEAST, cancelled, made_worse
 from ehamj.plant.axes import AXES
 
 MICRO: Final = 1e6
@@ -38,6 +38,8 @@ def brief(summary: Summary) -> dict[str, str]:
     by = f", by {summary.criterion.title}" if summary.criterion.title else ""
     by += f", {mixed}" if (mixed := summary.mixed) else ""
     found |= {name: f"{said}{by}" for name, said in summary.criterion.briefly().items()}
+    if worse := made_worse(summary.worse):
+        found["worse"] = worse
     mixed = f", {mixed}" if mixed else ""
     first = summary.attenuation_first()
     if len(first) > 1:

@@ -4,6 +4,6 @@ A `Page` is a list of `Section`; a section holds notes, figures and tables. `wri
 """
 
 from ehamj.pages.document import render, write_page
-from ehamj.pages.parts import Page, Picture, Section, Table, badge, safe_name
+from ehamj.pages.parts import ANNEX, Page, Picture, Section, Table, badge, safe_name
 
-__all__ = ["Page", "Picture", "Section", "Table", "badge", "render", "safe_name", "write_page"]
+__all__ = ["ANNEX", "Page", "Picture", "Section", "Table", "badge", "render", "safe_name", "write_page"]

@@ -17,7 +17,14 @@ from ehamj.result import written_whole
 @cache
 def _environment() -> Environment:
     loader = PackageLoader("ehamj.pages")
-    return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    made.filters["css_text"] = _css_text
+    return made
+
+
+def _css_text(text: str) -> str:
+    """Any text as a string of a style sheet: all but letters, digits and spaces by their numbers."""
+    return Markup('"{}"').format(Markup("".join(c if c.isalnum() or c == " " else f"\\{ord(c):x} " for c in text)))
 
 
 def render(page: Page, drawings: Mapping[str, str] | None = None) -> str:

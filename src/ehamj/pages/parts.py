@@ -3,11 +3,22 @@
 import hashlib
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import date
+from typing import Final
 
 from markupsafe import Markup
 
 from ehamj.plots import Figure
+
+NARROW: Final = 64
+"""Letters of a row of words, with its gaps, that stand on half a sheet's width; of numbers, which are slim, 8 more."""
+BREAKS: Final = 18
+"""Letters at which a cell of words breaks."""
+LONG: Final = 300
+"""Letters of a cell from which on it is no cell of a narrow table."""
+SHORT: Final = 16
+"""Rows from which on a table may go on on the next sheet."""
 
 
 def safe_name(text: str) -> str:
@@ -58,10 +69,31 @@ class Table:
     """``numbers`` (to the right; ``numbers wide``: with long names) or ``words`` (to the left)."""
     numeric: Collection[int] = ()
     """Columns of a table of words that hold numbers."""
+    folded: str = ""
+    """The line that stands for it where it is folded away, such as its worst one; without, it stands open."""
+
+    @property
+    def short(self) -> bool:
+        """Whether it is not parted on paper."""
+        return len(self.rows) < SHORT
+
+    @property
+    def broad(self) -> bool:
+        """Whether it needs the whole width of a sheet."""
+        rows = [row for row in (self.head, *self.rows) if len(row) == len(self.head)]
+        widest = [max(map(_letters, column)) for column in zip(*rows, strict=True)]
+        if self.kind != "words":  # nothing in them breaks
+            return sum(widest) + 3 * len(widest) > NARROW + 8
+        return max(widest) > LONG or sum(min(letters, BREAKS) + 3 for letters in widest) > NARROW
 
     def side(self, column: int) -> str:
         """The attribute of a cell in a column."""
         return Markup(' class="number"') if column in self.numeric else ""
+
+
+def _letters(cell: str) -> int:
+    """How long a cell is to be read."""
+    return len(Markup(cell).striptags())
 
 
 @dataclass(frozen=True)
@@ -80,14 +112,43 @@ class Section:
     items: Sequence[str] = ()
     items_title: str = ""
     kind: str = ""
-    """Its look, where it is one of its own: ``headline``, ``warnings``."""
+    """Its look, where it is one of its own: ``headline``, ``warnings``; ``abreast``: tables or facts beside figures;
+    ``sheet``: on a new sheet."""
     tables_first: bool = False
     """Whether tables stand above the figures."""
+
+    @property
+    def begins(self) -> "Picture | Table | None":
+        """What is kept with the heading: the first figure, or a short table that stands first."""
+        table = next((table for table in self.tables if table.rows), None)
+        if self.figures and not (self.tables_first and table):
+            return self.figures[0]
+        return table if table is not None and (table.short or table.broad) else None
+
+    @property
+    def begins_broad(self) -> bool:
+        """Whether that needs the whole width of a sheet."""
+        return _broad(self.begins)
+
+    @property
+    def ends_broad(self) -> bool:
+        """Whether what stands last does."""
+        tables = [table for table in self.tables if table.rows]
+        shown: list[Picture | Table] = [*tables, *self.figures] if self.tables_first else [*self.figures, *tables]
+        return "abreast" in self.kind or self.kind == ANNEX.kind or bool(not self.items and shown and _broad(shown[-1]))
+
+
+def _broad(part: Picture | Table | None) -> bool:
+    return part is not None and (part.wide if isinstance(part, Picture) else part.broad)
+
+
+ANNEX: Final = Section("annex", "Annex", kind="annex")
+"""Where the annex begins: on paper what stands before is the part that a client reads, and this a sheet of its own."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page: its heading, what it says first, its sections."""
+    """A page: its heading, what it says first, its sections; those after `ANNEX` are the annex."""
 
     title: str
     heading: str
@@ -98,6 +159,8 @@ class Page:
     alerts: Sequence[tuple[str, str]] = ()
     """What went wrong, above everything: a few words, and what it means."""
     footer: str = ""
+    day: str = field(default_factory=lambda: date.today().isoformat())
+    """When it was made, for the heads of the sheets."""
 
     @property
     def pictures(self) -> list[Picture]:

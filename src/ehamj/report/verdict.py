@@ -1,17 +1,28 @@
 """What the page says in words: verdict, class met, and what failed."""
 
+from typing import Final
+
 from ehamj.criteria.curves import Norm
 from ehamj.criteria.verdict import Verdict, where
 from ehamj.judge.decisive import decibel, met_in_words, unit_of
+from ehamj.judge.worse import made_worse
 from ehamj.pages.words import number, scaled
 from ehamj.plant.axes import AXES
 from ehamj.report.shown import Results, Shown
 
+WORSE: Final = "worse than its floor"
+"""What the headline calls motion that the machine has more of."""
+
 
 def verdict(shown: Shown) -> list[tuple[str, str]]:
-    """The headline as the summary of the result reported says it, vertical apart from horizontal."""
+    """The headline as the summary of the result reported says it, vertical apart from horizontal, and where the machine
+    moves more than its floor."""
     whose = "" if shown.together else f"{shown.label}, "
-    return [(f"{whose}{name}", said) for name, said in shown.first.summary.lines().items()]
+    found = [(f"{whose}{name}", said) for name, said in shown.first.summary.lines().items()]
+    if said := made_worse(shown.first.summary.worse):
+        directions = len(shown.first.summary.directions) * max(1, len(shown.first.summary.parts()))
+        found.insert(directions, (f"{whose}{WORSE}", said))
+    return found
 
 
 def class_met(verdict: Verdict, norm: Norm, worse: str, axis: str = "", place: str = "") -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from ehamj.pages import Page, Picture, Section, Table, safe_name, write_page
+from ehamj.pages import ANNEX, Page, Picture, Section, Table, safe_name, write_page
 from ehamj.pages.words import exact, number
 from ehamj.result import written_whole
 from ehamj.scenario.model import Scenario
@@ -131,12 +131,22 @@ def page(name: str, outcome: Outcome, scenario: Scenario) -> Page:
             tables.append(Table(title, head, cells, kind="words", numeric=numeric))
     does = Markup(", with which <code>ehamj study {} scenario.toml</code> comes out the same.").format(name)
     sections = [
+        *said_besides(outcome),
         Section("figures", figures=pictures),
+        Section("notes", "What holds, and what does not" if outcome.notes else "", items=outcome.notes),
+        ANNEX,
         Section("tables", "Numbers", tables=tables),
-        Section("files", notes=[Markup("{}").format(files_of(outcome)) + does]),
+        Section("files", "Files", notes=[Markup("{}").format(files_of(outcome)) + does]),
     ]
-    if outcome.notes:
-        sections.append(Section("notes", "What holds, and what does not", items=outcome.notes))
     lead = f"{outcome.question} Machine: {scenario.name}."
-    verdict = [("", answer) for answer in outcome.answers]
-    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, verdict)
+    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, headline_of(outcome))
+
+
+def headline_of(outcome: Outcome) -> list[tuple[str, str]]:
+    """The answer that stands first, as a page's verdict."""
+    return [("", answer) for answer in outcome.answers[:1]]
+
+
+def said_besides(outcome: Outcome) -> list[Section]:
+    """The answers below it."""
+    return [Section("answers", items=outcome.answers[1:])] if len(outcome.answers) > 1 else []

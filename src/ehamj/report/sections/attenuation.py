@@ -1,6 +1,6 @@
 """Attenuation over third-octave bands, and at every place."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from ehamj import plots
@@ -8,9 +8,12 @@ from ehamj.judge.decisive import place_in_words
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import AXIS_NAMES, DASH, decibel
 from ehamj.plots import Levels
-from ehamj.report.sections.headline import HEADLINE_BANDS, OF_LEVELS, mixed_in
+from ehamj.report.levels import HEADLINE_BANDS, OF_LEVELS, mixed_in
+from ehamj.report.sections.faults import in_front
 from ehamj.report.shown import Shown, floor_moves, known
 
+FIRST: Final = "z"
+"""The motion whose attenuation stands in front, unless what a fault made of it does."""
 ALONG: Final = {"z": "Vertical attenuation", "x": "Attenuation along x", "y": "Attenuation along y"}
 
 
@@ -19,14 +22,16 @@ def attenuation(shown: Shown) -> Section:
     return Section(
         "attenuation",
         "Attenuation",
-        list(_figures(shown)),
+        list(figures_of(shown, [axis for axis in AXIS_NAMES if axis != FIRST or in_front(shown)])),
         [at_places(shown, axis) for axis in shown.judged_axes],
         _notes(shown),
     )
 
 
-def _figures(shown: Shown) -> Iterator[Picture]:
-    for axis, words in AXIS_NAMES.items():
+def figures_of(shown: Shown, motions: Iterable[str]) -> Iterator[Picture]:
+    """Attenuation of each machine over the bands, a figure for each of some motions in which any is known."""
+    for axis in motions:
+        words = AXIS_NAMES[axis]
         tables = {label: result.summary.attenuation_db.get(axis, {}) for label, result in shown.results.items()}
         curves = [
             Levels.of_bands(label, table, shown.colors[label]) for label, table in tables.items() if known([table])

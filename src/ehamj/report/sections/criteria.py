@@ -1,6 +1,6 @@
 """What norms say: levels against the curves of each, and the classes met at every place."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from typing import Any, Final
 
@@ -30,21 +30,40 @@ WORSE: Final = "The worse of x and y in each band."
 
 def criteria(shown: Shown) -> Section:
     """Levels of floor and machines beside the norms that judge the first result."""
-    norms = shown.norms
-    figures = [picture for name, norm in norms.items() for picture in _figures(shown, name, norm)]
+    norms, front = shown.norms, first_views(shown)
+    figures = [
+        picture
+        for k, (name, norm) in enumerate(norms.items())
+        for picture in figures_of(shown, name, norm, [view for view in views_of(name) if k or view not in front])
+    ]
     return Section("criterion", "Criteria", figures, [_at_places(shown, norms)], _notes(shown))
 
 
-def _figures(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
-    """Floor and machines against the curves of a norm, if it has curves; VC curves along each axis."""
+def views_of(name: str) -> Mapping[str, str]:
+    """The views in which a norm is drawn, in words: VC curves along each axis."""
+    return {axis: AXIS_NAMES[axis] for axis in CRITERION_AXES} if name == "vc" else VIEWS
+
+
+def first_views(shown: Shown) -> tuple[str, ...]:
+    """Views of the first norm that stand in front: the vertical, and that in which the machine is worst across."""
+    name, norm = next(iter(shown.norms.items()))
+    if name != "vc":
+        return tuple(VIEWS)
+    places = dict(shown.first.summary.criteria[name].places)
+    places.pop("floor")
+    return "z", min("xy", key=lambda axis: min(norm.rank(place[axis]) for place in places.values()))
+
+
+def figures_of(shown: Shown, name: str, norm: Norm, views: Collection[str]) -> Iterator[Picture]:
+    """Floor and machines against the curves of a norm, if it has curves, in some of its views."""
     if norm.swinging:
-        yield from _swings(shown, name, norm)
+        yield from _swings(shown, name, norm, views)
     if not any(norm.needed(axis) for axis in CRITERION_AXES):
         return
     usable = {result.summary.analysis.usable_to_hz for result in shown.results.values()}
     known_to = min((value for value in usable if value is not None), default=None)
-    views = {axis: AXIS_NAMES[axis] for axis in CRITERION_AXES} if name == "vc" else VIEWS
-    for view, words in views.items():
+    for view in views:
+        words = views_of(name)[view]
         curves = [
             Levels.of_bands(label, table, color)
             for label, color, table in shown.with_floors(partial(_seen, norm, view))
@@ -69,9 +88,10 @@ def _statistic(norm: Norm) -> BandStatistic:
     return "rms"
 
 
-def _swings(shown: Shown, name: str, norm: Norm) -> Iterator[Picture]:
+def _swings(shown: Shown, name: str, norm: Norm, views: Collection[str]) -> Iterator[Picture]:
     """Peaks at the frequency of their swing, against limits that depend on it."""
-    for view, words in VIEWS.items():
+    for view in views:
+        words = VIEWS[view]
         of_classes = {own: norm.limit(own, view[0], None) for own in norm.classes}
         limits = {own: limit for own, limit in of_classes.items() if limit is not None and limit.corners}
         if not limits:

@@ -11,7 +11,7 @@ from ehamj.judge.levels import ByBand
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import BAR, MICRO, decibel, measured, number, scaled
 from ehamj.plots import Levels
-from ehamj.report.sections.headline import HEADLINE_BANDS
+from ehamj.report.levels import HEADLINE_BANDS
 from ehamj.report.shown import Shown
 
 PHASES: Final = {"before": "before", "during": "while it settles", "after": "after"}
@@ -34,21 +34,36 @@ def faults(shown: Shown) -> Section | None:
     figures: list[Picture] = []
     tables: list[Table] = []
     notes: list[str] = []
+    front = in_front(shown)
     for label, found in struck.items():
         whose = "" if shown.alone else f"{label}, "
         end = shown.results[label].summary.timing.simulated_s
-        for number_of, one in enumerate(found, 1):
+        for one in found:
             words = f"{whose}{one.in_words()}"
             if one.idle:
                 notes.append(f"{words[0].upper()}{words[1:]}: {NOTHING}.")
                 continue
-            figures += _picture(f"{label}-{number_of}", f"{whose}fault at {one.where}", one, shown.colors[label])
+            figures += [] if one is front or not _curves(one, "") else [picture(shown, label, one)]
             tables += _tables(words, one, end)
     return Section("faults", "Faults", figures, tables, [NOTE, *notes] if tables else notes, tables_first=True)
 
 
-def _picture(file: str, title: str, one: FaultFound, color: str) -> Iterator[Picture]:
-    """Vertical attenuation before and after, and what was to be expected after."""
+def in_front(shown: Shown) -> FaultFound | None:
+    """The fault of the first result whose figure stands in front: the last of which there is one."""
+    return next((one for one in reversed(shown.first.summary.broken) if _curves(one, "")), None)
+
+
+def picture(shown: Shown, label: str, one: FaultFound) -> Picture:
+    """Vertical attenuation before and after a fault of a result, and what was to be expected after."""
+    whose = "" if shown.alone else f"{label}, "
+    title = f"Vertical attenuation, {whose}fault at {one.where}"
+    number_of = 1 + next(k for k, other in enumerate(shown.results[label].summary.fault) if other is one)
+    figure = plots.attenuation(title, _curves(one, shown.colors[label]))
+    settled = "" if one.after else " The run had not settled after it."
+    return Picture(f"fault-{label}-{number_of}", figure, f"At {one.time_s:.4g} s {one.what}.{settled}")
+
+
+def _curves(one: FaultFound, color: str) -> list[Levels]:
     curves = [
         Levels.of_bands(f"{words}, run", phase.attenuation_db, own)
         for words, phase, own in (("before", one.before, plots.GREY), ("after", one.after, color))
@@ -58,10 +73,7 @@ def _picture(file: str, title: str, one: FaultFound, color: str) -> Iterator[Pic
         name = LINEAR if one.after else f"{LINEAR} (run not settled)"
         linear = Levels.of_bands(name, one.expected.attenuation_db, EXPECTED_COLOR)
         curves.append(replace(linear, dash="--"))
-    if curves:
-        figure = plots.attenuation(f"Vertical attenuation, {title}", curves)
-        settled = "" if one.after else " The run had not settled after it."
-        yield Picture(f"fault-{file}", figure, f"At {one.time_s:.4g} s {one.what}.{settled}")
+    return curves
 
 
 def _tables(title: str, one: FaultFound, end: float) -> Iterator[Table]:

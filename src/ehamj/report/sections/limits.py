@@ -38,9 +38,14 @@ def limits_of(result: Result) -> Limits:
     return Limits(stroke, voltage, spool, gain * spool)
 
 
+def nearest(shown: Shown) -> Section:
+    """How near each run came to its limits."""
+    return Section("nearest", tables=[_against_limits(shown)])
+
+
 def limits(shown: Shown) -> Section:
-    """How near a run came to its limits, and what it drew."""
-    tables = [_against_limits(shown), _saturation(shown), _when_limited(shown), _oil(shown)]
+    """For how long a run was at its limits, and what it drew."""
+    tables = [_saturation(shown), _when_limited(shown), _oil(shown)]
     return Section("limits", "Limits, oil and power", tables=tables)
 
 

@@ -1,4 +1,4 @@
-"""What was simulated, in a few lines and two drawings."""
+"""What was simulated, in a few lines and a drawing; and what the mounts do."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -7,7 +7,7 @@ import numpy as np
 
 from ehamj import plots
 from ehamj.pages import Picture, Section, Table
-from ehamj.pages.words import BAR, DASH, exact, measured, scaled
+from ehamj.pages.words import BAR, DASH, exact, measured, plain, scaled
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
 from ehamj.plots import Mark
@@ -24,12 +24,31 @@ PATTERNS: Final = 5
 
 
 def machine(shown: Shown) -> Section:
-    """The first result's machine, mounts, floor, control and instruments."""
-    drawings, facts = list(_drawings(shown.scenario)), list(_facts(shown.first))
-    return Section("machine", "What was simulated", drawings, [_mounts(shown.first)], facts=facts)
+    """The first result's machine, floor, control and instruments, and what of them the user set otherwise."""
+    drawing, _ = _drawings(shown.scenario)
+    facts = [*_facts(shown.first), *_given(shown.scenario)]
+    return Section("machine", "What was simulated", [drawing], facts=facts, kind="abreast")
 
 
-def _drawings(scenario: Scenario) -> Iterator[Picture]:
+def mounts(shown: Shown) -> Section:
+    """Where the first result's mounts stand, and what they do."""
+    _, drawing = _drawings(shown.scenario)
+    return Section("mounts", "Mounts", [drawing], [_mounts(shown.first)], kind="abreast")
+
+
+def _given(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Values that are not those of the preset, or of the machine as it is by default."""
+    kinds = {f"actuator {name}": own for name, own in scenario.running.items()}
+    for name, own in {"machine": scenario.machine, **kinds, "supply": scenario.supply}.items():
+        units = own.quantities()
+        keys = [key for key, source in own.sources.items() if source == "given" and key in units]
+        if keys:
+            said = (f"{key} {plain(getattr(own, key))} {units[key][0].removeprefix('-')}".strip() for key in keys)
+            yield f"set, {name}", ", ".join(said)
+
+
+def _drawings(scenario: Scenario) -> tuple[Picture, Picture]:
+    """From above and from the side."""
     plant = scenario.plant
     kinds = {mount.name: mount.actuator for mount in scenario.mount}
     feet = [
@@ -48,9 +67,9 @@ def _drawings(scenario: Scenario) -> Iterator[Picture]:
         caption += " Arrows: along which isolators act that are not upright; grey: what they stand on."
     if len(feet) > FEW:
         caption += " Numbers, where there is no room for names: of the table of mounts."
-    yield Picture("machine-plan", plots.machine_plan(size, cg, feet, list(waves), points), caption)
+    plan = Picture("machine-plan", plots.machine_plan(size, cg, feet, list(waves), points), caption)
     caption = "To scale but for the height of the mounts; dimensions in metres."
-    yield Picture("machine-side", plots.machine_side(size, cg, feet, points), caption)
+    return plan, Picture("machine-side", plots.machine_side(size, cg, feet, points), caption)
 
 
 def _mounts(result: Result) -> Table:

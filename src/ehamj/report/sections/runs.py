@@ -34,6 +34,16 @@ def runs(shown: Shown) -> Section | None:
     return Section("runs", "What is compared", tables=[_each(shown), differences(shown)])
 
 
+def runs_first(shown: Shown) -> Section | None:
+    """The same in front, where what is compared is not a scenario and its variants."""
+    return None if shown.together else runs(shown)
+
+
+def runs_beside(shown: Shown) -> Section | None:
+    """The same of a scenario and its variants."""
+    return runs(shown) if shown.together else None
+
+
 def _each(shown: Shown) -> Table:
     """Name, description, duration, floor, control and verdict of each run."""
     columns = []
