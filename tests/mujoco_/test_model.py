@@ -24,7 +24,7 @@ from ehamj.plant.plant import Plant
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
-from ehamj.views.statics import check_goal
+from ehamj.views.statics import static_loads
 
 STEP = 1e-4
 GRAVITY = 9.80665
@@ -303,4 +303,4 @@ def test_tied_plates_on_soft_feet_are_refused_wherever_the_machine_is_built() ->
     with pytest.raises(InputError, match="plates = 'tied' needs rigid feet"):
         linear_model(scenario.plant)
     with pytest.raises(InputError, match="plates = 'tied' needs rigid feet"):
-        check_goal(scenario)
+        static_loads(scenario)
