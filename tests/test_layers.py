@@ -26,6 +26,7 @@ RANKS = (
         "plots",
         "columns",
         "growing",
+        "opened",
     ),
     ("belonging",),
     ("isolator", "estimate", "slides", "series"),
