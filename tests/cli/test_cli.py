@@ -204,7 +204,7 @@ def test_overwrite_refuses_a_folder_that_is_no_result(cli: Cli, name: str) -> No
     Path("mine").mkdir()
     Path("mine", name).write_text("mine")
     before = tree()
-    assert "replaces a folder of its own kind only" in cli(*QUICK, "--out", "mine", "--overwrite").message
+    assert "replaces one of its own kind only" in cli(*QUICK, "--out", "mine", "--overwrite").message
     assert tree() == before
 
 
