@@ -75,6 +75,7 @@ def response(of: Controller, z: complex) -> np.ndarray:
         ({"delay": 1e9}, r"controller\.delay = 1000000000\.0: must be from zero to 1 s"),
         ({"fade": 1e-300}, r"controller\.fade = 1e-300: must be zero or at least 1e-09 s"),
         ({"D": [[1e31], [0], [0], [0]]}, r"controller\.D: has entries beyond 1e\+30"),
+        ({"delay": 0.5}, r"controller\.delay = 0\.5: .* at most 100 periods"),
         ({"delay": -1e-4}, r"controller\.delay = -0\.0001: must be from zero to 1 s"),
         ({"delay": np.nan}, r"controller\.delay = nan: must be from zero to 1 s"),
         ({"voltage_limit": 0.0}, r"controller\.voltage_limit = 0\.0: must be a positive number"),
@@ -256,6 +257,7 @@ def laws(draw: st.DrawFn) -> Controller:
     A = draw(arrays(float, (n, n), elements=st.floats(-0.3, 0.3)))  # rows sum to less than one: stable
     B, C, D = (draw(arrays(float, shape, elements=entries)) for shape in ((n, p), (4, n), (4, p)))
     inputs = draw(st.lists(st.sampled_from(channel_names()), min_size=p, max_size=p, unique=True))
+    period = draw(st.floats(1e-6, 1.0))
     windup = draw(st.booleans()) and anti_windup_gain(A, C, 1e-4, 0.01)
     return Controller(
         A,
@@ -263,8 +265,8 @@ def laws(draw: st.DrawFn) -> Controller:
         C,
         D,
         tuple(inputs),
-        period=draw(st.floats(1e-6, 1.0)),
-        delay=draw(st.none() | st.floats(0.0, 1.0)),
+        period=period,
+        delay=draw(st.none() | st.floats(0.0, min(1.0, 100 * period))),
         voltage_limit=draw(st.floats(0.1, 100.0)),
         bits=draw(st.none() | st.integers(2, 52)),
         anti_windup=windup if isinstance(windup, np.ndarray) else None,

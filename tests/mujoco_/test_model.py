@@ -10,7 +10,9 @@ import pytest
 from oracles import linear
 from scipy.optimize import linear_sum_assignment
 
+from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
+from ehamj.linear.machine import linear_model
 from ehamj.memory import isolators
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.equilibrium import Inputs, equilibrium, jacobian
@@ -22,6 +24,7 @@ from ehamj.plant.plant import Plant
 from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
+from ehamj.views.statics import static_loads
 
 STEP = 1e-4
 GRAVITY = 9.80665
@@ -293,3 +296,11 @@ def test_each_row_of_parameters_belongs_to_its_mount() -> None:
         assert (row["mount_x"], row["mount_y"]) == position[:2]
         assert row["volume_1"] + row["volume_2"] == pytest.approx(actuator.chamber_volume, rel=1e-15)
         assert row["weight"] == -actuator.plate_mass * GRAVITY
+
+
+def test_tied_plates_on_soft_feet_are_refused_wherever_the_machine_is_built() -> None:
+    scenario = parse_scenario({"plates": "tied", "actuators": {"isolator": {"foot_stiffness": 1e8}}})
+    with pytest.raises(InputError, match="plates = 'tied' needs rigid feet"):
+        linear_model(scenario.plant)
+    with pytest.raises(InputError, match="plates = 'tied' needs rigid feet"):
+        static_loads(scenario)

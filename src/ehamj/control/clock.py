@@ -9,6 +9,15 @@ from ehamj.errors import InputError
 SHORTEST = 1e-7
 """Shortest period or delay that is followed [s]."""
 
+MOST_WAITING = 100
+"""Periods that a command may wait: each is a state of every valve, and more is no time to compute."""
+
+
+def waits_in_time(delay: float | None, period: float) -> bool:
+    """Whether commands act from zero to one second after the sample, or one period where that is longer, and wait no
+    longer than `MOST_WAITING` periods."""
+    return delay is None or 0.0 <= delay <= min(max(1.0, period), MOST_WAITING * period * (1 + 1e-9))
+
 
 def exact(time: float) -> Fraction:
     """A time [s] as the fraction that was meant: 1e-4 is 1/10000.

@@ -8,7 +8,7 @@ import numpy as np
 
 from ehamj.bounds import check_magnitude
 from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
-from ehamj.control.clock import SHORTEST
+from ehamj.control.clock import MOST_WAITING, SHORTEST, waits_in_time
 from ehamj.control.learners import Learner, strokes
 from ehamj.control.spools import KnownSpool, positions
 from ehamj.control.valves import KnownValve, measured
@@ -104,8 +104,8 @@ class Sampled(Converter):
             raise InputError(f"controller.inputs: {again[0]!r} stands there twice; each channel must be there once")
         _must(SHORTEST <= self.period < np.inf, "period", self.period, f"at least {SHORTEST:g} s")
         _plausible("period", self.period, "s")
-        waits = "from zero to 1 s, or to one period where that is longer"
-        _must(self.delay is None or 0.0 <= self.delay <= max(1.0, self.period), "delay", self.delay, waits)
+        waits = f"from zero to 1 s, or to one period where that is longer, and at most {MOST_WAITING} periods"
+        _must(waits_in_time(self.delay, self.period), "delay", self.delay, waits)
         super().__post_init__()
         twice = [name for name in self.measures if self.from_rest and name in self.inputs]
         if twice:

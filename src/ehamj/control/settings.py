@@ -5,10 +5,11 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Self, get_args
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
+from ehamj.control.clock import MOST_WAITING, waits_in_time
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
@@ -104,6 +105,15 @@ class SampledSettings(ControlSettings):
         description="loop about the spool of each valve, whose position is measured ([sensors.spool]); linearisation "
         "then leaves to it what it takes back; without, or false: none",
     )
+
+    @model_validator(mode="after")
+    def _waits_in_time(self) -> Self:
+        if self.delay is not None and not waits_in_time(self.delay, self.period):
+            raise ValueError(
+                f"delay = {self.delay:g} s is {self.delay * self.rate:.3g} samples at rate = {self.rate:g} Hz; at most "
+                f"{MOST_WAITING} are allowed"
+            )
+        return self
 
     @property
     def clock(self) -> dict[str, Any]:

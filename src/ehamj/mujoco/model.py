@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 import mujoco
 
+from ehamj.errors import InputError
 from ehamj.memory import ISOLATOR, MACHINE_BODY, Row, rows, size, userdata_size
 from ehamj.mujoco.drawing import draw
 from ehamj.mujoco.membranes import add_lateral_membranes
@@ -47,7 +48,7 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
         drawn: with geometry and movable ground pads, to look at; without, for speed. The physics is the same.
 
     Raises:
-        ValueError: if the plant cannot be built with these plates.
+        InputError: if the plant cannot be built with these plates.
     """
     check_plates(plant)
     spec = mujoco.MjSpec.from_file(str(template()))
@@ -92,14 +93,14 @@ def build_model(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.Mj
     """The compiled model; see `build_spec`.
 
     Raises:
-        ValueError: as `build_spec`, and if the engine refuses masses or inertias.
+        InputError: as `build_spec`, and if the engine refuses masses or inertias.
     """
     spec = build_spec(plant, timestep, drawn)
     try:
         model = spec.compile()
     except ValueError as error:
         said = str(error).splitlines()[0].removeprefix("Error: ")
-        raise ValueError(f"machine, part, slide, mount, actuators: the engine cannot build them, {said}") from error
+        raise InputError(f"machine, part, slide, mount, actuators: the engine cannot build them, {said}") from error
     if model.body("machine").id != MACHINE_BODY:
         raise RuntimeError(f"the machine is body {model.body('machine').id} of the model, not {MACHINE_BODY}")
     model.tendon_invweight0[:] *= CONSTRAINT_SOFTENING

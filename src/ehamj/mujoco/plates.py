@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from ehamj.errors import InputError
 from ehamj.mujoco.membranes import put
 from ehamj.plant.axes import DOFS
 from ehamj.plant.plant import Plant
@@ -16,16 +17,16 @@ def check_plates(plant: Plant) -> None:
     """Refuse plates that the model cannot have.
 
     Raises:
-        ValueError: which names the actuator.
+        InputError: which names the actuator.
     """
     for name, actuator in zip(plant.mounts, plant.actuators, strict=True):
         if plant.plates == "tied" and not actuator.rigid_foot:
-            raise ValueError(
+            raise InputError(
                 f"plates = 'tied' needs rigid feet, but the actuator of {name} has foot_stiffness = "
                 f"{actuator.foot_stiffness:g} N/m; use plates = 'sliding'"
             )
         if plant.plates == "sliding" and actuator.plate_mass <= 0:
-            raise ValueError(
+            raise InputError(
                 f"plates = 'sliding' needs plates with mass, but the actuator of {name} has plate_mass = "
                 f"{actuator.plate_mass:g} kg; use plates = 'tied'"
             )

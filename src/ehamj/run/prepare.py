@@ -19,10 +19,11 @@ from ehamj.forces import Load
 from ehamj.ground import Motion
 from ehamj.ground.shared import Floors
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
+from ehamj.mujoco.model import build_model
 from ehamj.plant.statics import check_standing
 from ehamj.run.budget import check_rows, check_steps
 from ehamj.run.faults import shorter_step, unread
-from ehamj.run.timestep import choose_timestep, compiled
+from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
 from ehamj.signals import Signal
@@ -163,7 +164,7 @@ def prepare(
         timestep = choose_timestep(scenario, controller)
         check_steps(scenario, timestep)
         loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
-        model = compiled(scenario.plant, timestep)
+        model = build_model(scenario.plant, timestep)
         data = mujoco.MjData(model)
         start = np.zeros(1)
         ground = motion.sample(start).below(len(commands))

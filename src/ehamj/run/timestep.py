@@ -97,21 +97,9 @@ def follows(plant: Plant, timestep: float) -> bool:
 def _modes(plant: Plant) -> NDArray[np.complex128]:
     """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
     stiff = tuple(actuator.with_values({"air_fraction": 0.0}) for actuator in plant.actuators)
-    model = compiled(reduced(replace(plant.locked(), actuators=stiff)), 1e-4)
+    model = build_model(reduced(replace(plant.locked(), actuators=stiff)), 1e-4)
     data = mujoco.MjData(model)
     with hydraulics():
         rest = Inputs.rest(model)
         matrix = jacobian(model, data, equilibrium(model, data, rest), rest)
     return np.linalg.eigvals(matrix).astype(complex)
-
-
-def compiled(plant: Plant, timestep: float) -> mujoco.MjModel:
-    """The engine's model of a plant.
-
-    Raises:
-        InputError: if the plant cannot be built.
-    """
-    try:
-        return build_model(plant, timestep)
-    except ValueError as error:
-        raise InputError(str(error)) from error
