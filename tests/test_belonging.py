@@ -1,5 +1,6 @@
 """A stored result is read as its run wrote it, or refused in one line: damage, files of other runs, edits by hand."""
 
+import hashlib
 import json
 import shutil
 from collections.abc import Callable, Iterator
@@ -14,9 +15,11 @@ from harness import sealed_anew
 from oracles.damage import damaged
 
 import ehamj
-from ehamj.belonging import KEY, check_result, told
+from ehamj import belonging
+from ehamj.belonging import KEY, check_result, digest_of, told
 from ehamj.cli import main
 from ehamj.errors import InputError
+from ehamj.interruption import Interrupted
 from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
@@ -238,6 +241,43 @@ def test_a_result_that_says_not_what_belongs_to_it_is_refused_with_the_way_out(c
     (copy / "summary.json").write_text(json.dumps(table))
     with pytest.raises(InputError, match=rf"an older ehamj wrote it\); `ehamj run {copy}/scenario\.toml` makes"):
         load_result(copy)
+
+
+@pytest.mark.parametrize("name", ["../other/result.nc", "/etc/hostname", "n" * 5000])
+def test_a_summary_that_names_files_which_no_run_writes_is_refused(copy: Path, name: str) -> None:
+    table = json.loads((copy / "summary.json").read_text())
+    table[KEY]["files"][name] = "0" * 64
+    (copy / "summary.json").write_text(json.dumps(table))
+    for read in (load_result, check_result):
+        with pytest.raises(InputError, match=r"copy': summary\.json: belongs\.files names '.{1,60}', and a run writes"):
+            read(copy)
+
+
+@pytest.mark.parametrize("name", ["model.xml", "result.nc"])
+def test_a_file_that_cannot_be_read_is_named(copy: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def denied(path: Path) -> str:
+        if path.name == name:
+            raise PermissionError(13, "Permission denied", str(path))
+        return digest_of(path)
+
+    monkeypatch.setattr(belonging, "digest_of", denied)
+    with pytest.raises(InputError, match=rf"copy': {name} cannot be read: Permission denied"):
+        load_result(copy)
+
+
+def test_a_digest_is_that_of_the_whole_file_and_can_be_interrupted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(belonging, "PIECE", 7)
+    (tmp_path / "file").write_bytes(bytes(range(100)))
+    assert digest_of(tmp_path / "file") == hashlib.sha256(bytes(range(100))).hexdigest()
+
+    def asked() -> None:
+        raise Interrupted
+
+    monkeypatch.setattr(belonging, "check", asked)
+    with pytest.raises(Interrupted):
+        digest_of(tmp_path / "file")
 
 
 def test_a_law_beside_a_run_that_had_none_is_refused(copy: Path, other: Path) -> None:

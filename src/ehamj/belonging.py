@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from ehamj.errors import InputError
 from ehamj.findings import Finding
 from ehamj.folders import RESULT_FILES
+from ehamj.interruption import check
 from ehamj.plain.text import json_of
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ COMMENTS: Final = {"scenario.toml": "# of run {}\n", "model.xml": "<!-- of run {
 _CARRIED: Final = re.compile(rb'(?:of run |"run": ?")([0-9a-f]{32})\b')
 CARRYING: Final = ("scenario.toml", "model.xml", "controller.json", HISTORIES)
 """Files that carry the identity, if they are there, beside the summary's."""
+PIECE: Final = 2**22
+"""Of a file that is read at once for its digest [B]."""
 
 
 class Belongs(Finding):
@@ -121,6 +124,12 @@ def check_own(found: Told) -> None:
         InputError: which names the file.
     """
     belongs, whose = found.belongs, f"result {str(found.folder)!r}"
+    for name in belongs.files:
+        if name not in CARRYING:
+            raise InputError(
+                f"{whose}: {SUMMARY}: {KEY}.files names {name[:60]!r}, and a run writes {', '.join(CARRYING)}; "
+                f"{_run_again(found.folder)}"
+            )
     carried = {name: _carried(found.folder / name) for name in CARRYING if (found.folder / name).is_file()}
     carried[SUMMARY] = belongs.run
     missing = [name for name in belongs.files if not (found.folder / name).is_file()]
@@ -146,7 +155,7 @@ def check_unchanged(found: Told, names: Iterable[str]) -> None:
     if _rest(found.summary) != found.belongs.rest:
         raise changed(found.folder, SUMMARY)
     for name in names:
-        if digest_of(found.folder / name) != found.belongs.files[name]:
+        if digest_to_check(found.folder, name) != found.belongs.files[name]:
             raise changed(found.folder, name)
 
 
@@ -200,8 +209,20 @@ def changed(folder: Path, name: str) -> InputError:
 
 def digest_of(path: Path) -> str:
     """Of a file, as ``sha256sum`` prints it."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    found, piece = hashlib.sha256(), memoryview(bytearray(PIECE))
+    with path.open("rb", buffering=0) as file:
+        while count := file.readinto(piece):
+            check()
+            found.update(piece[:count])
+    return found.hexdigest()
+
+
+def digest_to_check(folder: Path, name: str) -> str:
+    """`digest_of` a file of a stored result; raises InputError if it cannot be read."""
+    try:
+        return digest_of(folder / name)
+    except OSError as error:
+        raise InputError(f"result {str(folder)!r}: {name} cannot be read: {error.strerror}") from error
 
 
 def _run_again(folder: Path) -> str:

@@ -36,9 +36,9 @@ class Growing:
             rows: that all parts have but the last.
             count: rows that are to come, for which there must be room.
         """
-        self.folder, self._rows, self._count, self._written = folder, rows, count, 0
+        self.folder, self._rows, self._count, self._written = folder.absolute(), rows, count, 0
         self._file: Any = None
-        self._gone = weakref.finalize(self, _put_away, folder, os.getpid())
+        self._gone = weakref.finalize(self, _put_away, self.folder, os.getpid())
 
     @property
     def path(self) -> Path:
@@ -109,19 +109,23 @@ class Growing:
         store, dataset = _opened(self.path)
         weakref.finalize(store, _put_away, self.folder, os.getpid())
         self._gone.detach()
-        return Kept(self.path, dataset)
+        return Kept(self.path, dataset, _told(self.path))
 
 
 class Kept(NamedTuple):
     """Channels in a file, which are read as they are asked for."""
 
     path: Path
+    """Where it stood when it was opened, absolute."""
     dataset: "xr.Dataset"
+    told: tuple[int, int]
+    """What tells the file from another that takes its place."""
 
     @classmethod
     def of(cls, path: Path) -> Self:
         """Open a file, none of whose channels is in memory until it is asked for, nor after."""
-        return cls(path, _opened(path)[1])
+        path = path.absolute()
+        return cls(path, _opened(path)[1], _told(path))
 
     def load(self) -> "xr.Dataset":
         """All channels in memory.
@@ -140,25 +144,36 @@ class Kept(NamedTuple):
             )
         return self.dataset.copy().load()
 
-    def put(self, place: Path) -> None:
-        """Give the file another name too, or, on another file system, copy it."""
+    def put(self, place: Path) -> bool:
+        """Give the file another name too, or, on another file system, copy it; False where it no longer stands where
+        it stood, and its channels alone can be read."""
+        try:
+            if _told(self.path) != self.told:
+                return False
+        except OSError:
+            return False
         try:
             os.link(self.path, place)
         except OSError:
             check_room(place, self.path.stat().st_size)
             shutil.copyfile(self.path, place)
+        return True
 
 
 def _opened(path: Path) -> "tuple[Any, xr.Dataset]":
     """What reads a file, and its channels, each of which holds on to that."""
     import xarray as xr  # takes its time
-    from xarray.backends import H5NetCDFStore
 
-    class Store(H5NetCDFStore):
-        __slots__ = ("__weakref__",)
+    from ehamj.opened import Store
 
     store = Store.open(str(path), phony_dims="access")
     return store, xr.open_dataset(store, cache=False)
+
+
+def _told(path: Path) -> tuple[int, int]:
+    """Device and number of a file."""
+    found = path.stat()
+    return found.st_dev, found.st_ino
 
 
 def _put_away(folder: Path, process: int) -> None:

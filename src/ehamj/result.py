@@ -20,7 +20,7 @@ from ehamj.belonging import (
     changed,
     check_own,
     check_unchanged,
-    digest_of,
+    digest_to_check,
     identity_of,
     is_result,
     marked,
@@ -122,9 +122,8 @@ class Result:
         if self.controller is not None:
             texts[CONTROLLER_FILE] = json.dumps(self.controller.to_dict(), indent=1) + "\n"
         with written_whole(folder / HISTORIES) as path:
-            if self.kept is not None and self.kept.dataset is self.dataset:
-                self.kept.put(path)
-            else:
+            own = self.kept if self.kept is not None and self.kept.dataset is self.dataset else None
+            if own is None or not own.put(path):
                 check_room(path, self.dataset.nbytes)
                 # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
                 self.dataset.assign_attrs({RUN: self.identity}).to_netcdf(path, engine="h5netcdf")
@@ -149,7 +148,7 @@ def load_result(folder: str | Path) -> Result:
     check_own(found)
     check_unchanged(found, [name for name in found.belongs.files if name != HISTORIES])
     with pool_of(1) as pool:
-        digest = pool.submit(digest_of, folder / HISTORIES)
+        digest = pool.submit(digest_to_check, folder, HISTORIES)
         scenario, law = _ran(folder, whose)
         try:
             model = unmarked("model.xml", _model_of(folder / "model.xml"), found.belongs.run)

@@ -15,6 +15,7 @@ from ehamj.run.apart import work_off
 from ehamj.run.progress import Progress, silent
 from ehamj.run.unjudged import in_words
 from ehamj.scenario.variants import known_variants, labels
+from ehamj.unfinished import clear_leftovers, remove
 
 Work = tuple[Path, Shown, Result, Mapping[str, str]]
 """A run's folder, what it shows, what is stored, and the identities of what is written beside it."""
@@ -78,7 +79,18 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
         work_off(shows, finished, apart, failed)
     except Exception as error:  # a process that did it is gone
         lost["report and replay"] = Path(), error
+        for at, *_ in work:
+            _clear(at)
     return Written(left_out, lost)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what processes that are gone had begun to write in a run's folder, and figures whose page never came."""
+    figures = folder / "figures"
+    for at in (folder, figures):
+        clear_leftovers(at)
+    if not (folder / "report.html").exists():
+        remove(figures)
 
 
 def _shows(folder: Path, shown: Shown, stored: Result) -> "Iterator[tuple[str, Callable[[], None]]]":

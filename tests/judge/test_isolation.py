@@ -16,7 +16,7 @@ from ehamj.criteria.settings import CriteriaSettings, ResponseSpectrumSettings
 from ehamj.criteria.vc import CLASSES
 from ehamj.estimate.bands import bands
 from ehamj.judge import isolation, settled
-from ehamj.judge.levels import SLAB, floor_and_machine, levels_of
+from ehamj.judge.levels import SLAB, floor_as_whole, levels_of
 from ehamj.judge.places import worst_class
 from ehamj.judge.spectra import response_spectra
 from ehamj.judge.verdicts import by_norm, undecided
@@ -131,17 +131,17 @@ def test_rotation_is_that_of_the_plane_fitted_to_the_mounts(
 
 
 @pytest.mark.parametrize("corners", [None, CORNERS], ids=["symmetric", "asymmetric"])
-def test_floor_and_machine_turn_the_same_way(corners: dict[str, list[float]] | None) -> None:
+def test_a_rigid_floor_turns_as_a_machine_that_turns_with_it(corners: dict[str, list[float]] | None) -> None:
     motion, plant = Motion(), plant_of(corners)
     rx, ry = noise(3), noise(4)
     x, y, _ = np.array(plant.positions).T
     motion.ground[:, :, Z] = np.outer(rx, y) - np.outer(ry, x)
     motion.machine[:, 3], motion.machine[:, 4] = rx, ry
-    values = {"ground_velocity": motion.ground, "cg_velocity": motion.cg, "machine_velocity": motion.machine}
-    floor, machine = floor_and_machine(make_dataset(TIMES, values, {}, {"mount": MOUNTS}), plant)
+    floor, levels = floor_as_whole(motion.ground, plant), levels_of(motion.dataset(), plant, RATE, bands(1.0, 200.0))
     for name, expected in (("rx", rx), ("ry", ry)):
-        np.testing.assert_allclose(floor[:, SLAB.index(name)], expected, rtol=0, atol=1e-18)
-        np.testing.assert_array_equal(machine[:, SLAB.index(name)], expected)
+        k = SLAB.index(name)
+        np.testing.assert_allclose(floor[:, k], expected, rtol=0, atol=1e-18)
+        np.testing.assert_allclose(levels.floor[:, k], levels.machine[:, k], rtol=1e-9)
 
 
 def test_the_beginning_of_a_run_does_not_count() -> None:

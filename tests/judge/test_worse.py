@@ -101,3 +101,21 @@ def test_an_axis_along_which_only_the_machine_moves_is_told_where_it_moves_most(
 
 def test_a_floor_at_rest_makes_nothing_worse() -> None:
     assert found(ground_velocity=((slice(None), slice(None)), 0.0), cg_velocity=(Z, line(20.0, 1e-5))) == []
+
+
+@pytest.mark.parametrize(("beside", "worse_off"), [(None, True), (1.0, True), (0.0, False), (-1.0, False)])
+def test_a_machine_that_moves_no_more_than_its_floor_s_strongest_motion_is_not_made_worse(
+    beside: float | None, worse_off: bool
+) -> None:
+    one = Worse(
+        axis="x",
+        place="nose",
+        band="63",
+        amplification_db=None,
+        beside_db=beside,
+        beside="z",
+        level=1e-6,
+        first_band="63",
+        last_band="63",
+    )
+    assert one.made_worse is worse_off

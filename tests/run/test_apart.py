@@ -2,13 +2,19 @@
 
 import os
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from ehamj import store
 from ehamj.errors import InputError
+from ehamj.result import load_result, written_whole
 from ehamj.run import apart
 from ehamj.run.apart import work_off
+from ehamj.run.simulate import simulate
+from ehamj.scenario.load import parse_scenario
 
 WAYS = [False, True]
 
@@ -65,6 +71,38 @@ def test_an_error_that_cannot_be_carried_over_says_what_it_was() -> None:
 def test_a_process_that_dies_is_no_success() -> None:
     with pytest.raises(RuntimeError, match="ended with 7"):
         work_off([("a", lambda: os._exit(7)), ("b", lambda: None)], lambda name: None, apart=True)
+
+
+def test_what_processes_that_are_gone_had_begun_is_removed_and_the_result_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One process is killed while it writes, and the other, in the middle of its figures, stopped for that."""
+
+    def shows(folder: Path, *_: Any) -> Iterator[tuple[str, Callable[[], None]]]:
+        def dies() -> None:
+            with written_whole(folder / "replay.rrd") as path:
+                path.touch()
+                while not list(folder.glob("figures/.*")):
+                    threading.Event().wait(0.01)
+                os._exit(7)
+
+        def draws() -> None:
+            (folder / "figures").mkdir()
+            (folder / "figures" / "one.svg").touch()
+            with written_whole(folder / "figures" / "two.svg") as path:
+                path.touch()
+                threading.Event().wait(60.0)
+
+        yield "replay of it", dies
+        yield "report of it", draws
+
+    monkeypatch.setattr(store, "_shows", shows)
+    off = {"report": False, "replay": False}
+    result = simulate(parse_scenario({"duration": 0.01, "plates": "tied", "compare": [], "output": off}))
+    written = store.write_run(tmp_path, {result.scenario.name: result}, apart=True)
+    assert list(written.lost) == ["report and replay"]
+    assert {path.name for path in tmp_path.iterdir()} == {"result.nc", "summary.json", "scenario.toml", "model.xml"}
+    assert load_result(tmp_path).complete
 
 
 def test_an_interruption_ends_the_processes(tmp_path: Path) -> None:

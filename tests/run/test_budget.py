@@ -14,7 +14,7 @@ from ehamj.scenario.load import load_scenario, parse_scenario
 
 def test_rows_that_do_not_fit_are_refused_with_what_they_need(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     scenario = parse_scenario({"duration": 100.0, "record_rate": 1000.0})
-    size = 1e5 * row_bytes(4)
+    size = 1e5 * row_bytes(scenario)
     free = type("Free", (), {"available": 2.0 * size, "free": size})
     monkeypatch.setattr(budget.psutil, "virtual_memory", lambda: free)
     monkeypatch.setattr(budget.psutil, "disk_usage", lambda _: free)
@@ -26,11 +26,19 @@ def test_rows_that_do_not_fit_are_refused_with_what_they_need(monkeypatch: pytes
         check_rows(scenario, 1, tmp_path / "a" / "b")
 
 
+def test_a_row_has_more_of_every_point_and_of_every_relative_motion() -> None:
+    points = {"points": {"nose": [1.0, 0.0, 0.5], "tail": [-1.0, 0.0, 0.5]}}
+    one, two = row_bytes(parse_scenario({"points": {"nose": [1.0, 0.0, 0.5]}})), row_bytes(parse_scenario(points))
+    both = row_bytes(parse_scenario({**points, "relative": [{"name": "gap", "from": "nose", "to": "tail"}]}))
+    assert (two - one, both - two) == (9 * 8, 6 * 8)
+
+
 def test_what_a_row_is_thought_to_need_is_what_it_needs() -> None:
     """Within a factor of two: a row of the reference, whose law has most states."""
-    result = simulate(load_scenario("vc-c-floor", ["duration=0.1", "compare=[]", "engine=small-motion"]))
+    scenario = load_scenario("vc-c-floor", ["duration=0.1", "compare=[]", "engine=small-motion"])
+    result = simulate(scenario)
     rows = result.dataset.sizes["time"]
-    assert 0.5 < result.dataset.nbytes / rows / row_bytes(4) < 2.0
+    assert 0.5 < result.dataset.nbytes / rows / row_bytes(scenario) < 2.0
 
 
 @pytest.mark.parametrize(

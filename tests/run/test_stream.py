@@ -1,8 +1,13 @@
 """Runs whose rows go to a file as they come: to the bit those that stay in memory, and gone with who holds them."""
 
 import gc
+import itertools
+import os
+import pickle
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +19,14 @@ import xarray as xr
 from ehamj import columns, growing
 from ehamj.control import PythonController
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.mujoco import hydraulics
 from ehamj.result import Result, load_result
+from ehamj.run import budget, side_by_side
 from ehamj.run.failures import Incomplete
-from ehamj.run.many import simulate_many
-from ehamj.run.simulate import simulate
-from ehamj.scenario.load import load_scenario
+from ehamj.run.many import observe_many
+from ehamj.run.simulate import driven_alone, ready, seen, simulate
+from ehamj.run.stream import Stream
+from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import ENGINES
 
 ROWS = 300
@@ -39,6 +47,16 @@ def short_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 def streamed(short_blocks: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever runs is too long for memory."""
     monkeypatch.setattr(growing, "IN_MEMORY", 0)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """One whose channels are in a file, and that nothing shows."""
+    sets = ["duration=0.4", "compare=[]", "output.replay=false", "output.report=false"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(columns, "ROWS", ROWS)
+        patch.setattr(growing, "IN_MEMORY", 0)
+        return simulate(load_scenario("benchmark", sets), within=tmp_path_factory.mktemp("kept") / "rows")
 
 
 def same(one: xr.Dataset, other: xr.Dataset) -> None:
@@ -77,13 +95,44 @@ def test_a_run_in_a_file_is_to_the_bit_the_one_in_memory(
 
 def test_runs_side_by_side_have_a_file_each(streamed: None) -> None:
     scenario = load_scenario("benchmark", ["duration=0.5", "compare=[]", "engine=small-motion"])
-    two = simulate_many([scenario, scenario.varied({"machine.mass": 4400.0})], threads=1)
-    alone = simulate(scenario)
+    two = observe_many([scenario, scenario.varied({"machine.mass": 4400.0})], lambda run: run, threads=1)
+    (alone,) = observe_many([scenario], lambda run: run, threads=1)
     assert two[0].kept is not None
     assert two[1].kept is not None
     assert two[0].kept.path != two[1].kept.path
     same(two[0].dataset, alone.dataset)
     assert not np.array_equal(two[1].dataset["stroke"].values, alone.dataset["stroke"].values)
+
+
+SHORT = {"duration": 0.1, "engine": "small-motion"}
+
+
+def test_runs_that_are_too_long_together_are_refused_where_the_disk_is_full(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = parse_scenario(SHORT)
+    monkeypatch.setattr(growing, "IN_MEMORY", int(1.5 * budget.size_of(scenario)))
+    monkeypatch.setattr(budget.psutil, "disk_usage", lambda _: type("Free", (), {"free": 1e3}))
+    observe_many([scenario], lambda run: run, threads=1)
+    with pytest.raises(InputError, match=r"scenarios 0, 1, .*: .*, 2 runs together: 200 rows need about .* on disk"):
+        observe_many([scenario, scenario], lambda run: run, threads=1)
+
+
+def test_the_run_is_named_whose_last_rows_cannot_be_written(streamed: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    numbers = itertools.count()
+
+    class Full(Stream):
+        def __init__(self, *given: Any) -> None:
+            super().__init__(*given)
+            self.number = next(numbers)
+
+        def add(self, *given: Any) -> None:
+            if self.number == 1:
+                raise OSError("no room")
+            super().add(*given)
+
+    monkeypatch.setattr(side_by_side, "Stream", Full)
+    with pytest.raises(OSError, match="no room") as failed:
+        observe_many([parse_scenario(SHORT)] * 2, lambda run: run, threads=1)
+    assert any(note.startswith("in scenario 1 (") for note in failed.value.__notes__)
 
 
 def breaks(time: float, measured: np.ndarray, limited: np.ndarray) -> np.ndarray:
@@ -111,7 +160,10 @@ def test_what_was_written_until_a_failure_is_kept(
 
 
 def test_a_file_goes_with_the_last_who_holds_one_of_its_channels(streamed: None, tmp_path: Path) -> None:
-    stroke = simulate(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path).dataset["stroke"]
+    with hydraulics():
+        prepared = ready(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path).prepared
+        stroke = seen(prepared, driven_alone(prepared)).dataset["stroke"]
+    del prepared
     gc.collect()
     assert len(list(tmp_path.iterdir())) == 1
     assert np.isfinite(stroke[:, 1].values).all()
@@ -131,25 +183,55 @@ def test_a_file_goes_where_a_run_breaks_off(streamed: None, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir())
 
 
-def test_a_saved_result_is_the_file_itself_and_opens_as_one(streamed: None, tmp_path: Path) -> None:
-    sets = ["duration=0.4", "compare=[]", "output.replay=false", "output.report=false"]
-    result = simulate(load_scenario("benchmark", sets), within=tmp_path)
+def test_a_saved_result_is_the_file_itself_and_opens_as_one(streamed: None, kept: Result, tmp_path: Path) -> None:
     folder = tmp_path / "saved"
-    result.save(folder)
-    assert result.kept is not None
-    assert (folder / "result.nc").samefile(result.kept.path)
+    kept.save(folder)
+    assert kept.kept is not None
+    assert (folder / "result.nc").samefile(kept.kept.path)
     read = load_result(folder)
     assert read.kept is not None
     assert read.kept.dataset["stroke"].variable._data is not None
-    same(read.dataset, result.dataset)
-    result.save(folder, overwrite=True)
+    same(read.dataset, kept.dataset)
+    kept.save(folder, overwrite=True)
     same(load_result(folder).dataset, read.dataset)
 
 
-def test_what_shows_all_of_a_run_is_left_out_where_it_does_not_fit(
-    streamed: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+def test_a_result_is_saved_as_it_is_read_whatever_stands_in_its_file_s_place(
+    streamed: None, kept: Result, tmp_path: Path
 ) -> None:
-    result = simulate(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path)
+    kept.save(tmp_path / "a")
+    read = load_result(tmp_path / "a")
+    replace(kept, dataset=kept.dataset.load().isel(time=slice(200)), kept=None).write(tmp_path / "a")
+    read.save(tmp_path / "b")
+    same(load_result(tmp_path / "b").dataset, kept.dataset)
+    shutil.rmtree(tmp_path / "a")
+    read.save(tmp_path / "c")
+    same(load_result(tmp_path / "c").dataset, kept.dataset)
+
+
+def test_a_result_is_saved_from_wherever_one_stands_by_then(
+    streamed: None, kept: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kept.save("a")
+    read = load_result("a")
+    Path("below").mkdir()
+    os.chdir("below")
+    read.save("b")
+    assert Path("b/result.nc").samefile(tmp_path / "a" / "result.nc")
+
+
+def test_a_result_in_a_file_is_pickled(streamed: None, kept: Result, tmp_path: Path) -> None:
+    kept.save(tmp_path / "a")
+    found = pickle.loads(pickle.dumps(load_result(tmp_path / "a")))
+    same(found.dataset, kept.dataset)
+
+
+def test_what_shows_all_of_a_run_is_left_out_where_it_does_not_fit(
+    streamed: None, kept: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    shown = kept.scenario.output.model_copy(update={"report": True, "replay": True})
+    result = replace(kept, scenario=kept.scenario.model_copy(update={"output": shown}))
     free = type("Free", (), {"available": result.dataset.nbytes})
     monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
     with pytest.warns(UserWarning, match=r"report and replay need all \d+ rows in memory, about .* GiB are free"):

@@ -1,9 +1,11 @@
 """What is said beside a refusal: the word that was meant, the key as a user writes it, and the way out."""
 
 import re
+from pathlib import Path
 
 import pytest
 
+from ehamj.control import Controller
 from ehamj.errors import InputError, did_you_mean
 from ehamj.mujoco import hydraulics
 from ehamj.run.prepare import prepare
@@ -91,6 +93,22 @@ def test_a_step_that_fits_no_rate_of_the_spools_is_told_which_rates_to_choose(ov
     scenario = load_scenario("recorded", [*fast, *overrides])
     with hydraulics(), pytest.raises(InputError, match=said):
         prepare(scenario, None)
+
+
+def test_a_step_that_fits_no_rate_of_a_law_is_told_what_its_rate_is_called_there(tmp_path: Path) -> None:
+    shared = ["plates=tied", "compare=[]", "record_rate=1000", "control={kind='feedforward', rate=17777.7}"]
+    own = load_scenario("recorded", shared)
+    law = own.controller()
+    assert isinstance(law, Controller)
+    law.save(tmp_path / "law.json")
+    filed = load_scenario("recorded", [*shared[:3], f"control={{kind='law', file='{tmp_path / 'law.json'}'}}"])
+    for scenario, given, called in (
+        (own, None, r"control\.rate"),
+        (own, law, "1/period of the controller"),
+        (filed, None, "1/period_s of the law's file"),
+    ):
+        with hydraulics(), pytest.raises(InputError, match=f"choose record_rate and {called} that are multiples"):
+            prepare(scenario, given)
 
 
 def test_spools_that_are_read_exactly_are_told_of() -> None:

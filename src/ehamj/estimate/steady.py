@@ -14,7 +14,7 @@ from scipy.fft import prev_fast_len
 from scipy.signal.windows import general_cosine
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.columns import ROWS, blocks
+from ehamj.columns import blocks
 from ehamj.estimate.counted import Counted, of_all
 
 MOST: Final = 12
@@ -27,6 +27,8 @@ LEFT: Final = 0.01
 """Share of the energy around that may be left where a line was: 20 dB are taken out, or it was none."""
 FAINTEST: Final = 1e-10
 """Power of a line over the strongest, below which it need not be taken out: it leaks nowhere."""
+WHOLE: Final = 2**22
+"""Numbers of waves that are kept for the next order: 32 MiB."""
 COSINES: Final = (0.35875, -0.48829, 0.14128, -0.01168)
 """Of that window (Harris, Proc. IEEE 66, 1978)."""
 
@@ -75,7 +77,7 @@ class Waves:
 
     def __iter__(self) -> Iterator[tuple[slice, Array]]:
         """Which samples, and theirs, (2k, …)."""
-        if self.counted.n - self.counted.first <= ROWS:
+        if 2 * self.frequency.size * (self.counted.n - self.counted.first) <= WHOLE:
             yield slice(self.counted.first, self.counted.n), self._whole
             return
         for rows in blocks(self.counted.n - self.counted.first):

@@ -142,18 +142,6 @@ def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Samples]:
     return places
 
 
-def floor_and_machine(dataset: xr.Dataset, plant: Plant) -> tuple[Samples, Samples]:
-    """Velocity of the floor as a whole and of the machine, (time, `SLAB`) each [m/s, rad/s].
-
-    For the floor see `floor_as_whole`.
-    """
-    of_cg, turning = (dataset[f"{what}_velocity"].variable for what in ("cg", "machine"))
-    machine = Made(
-        (of_cg.shape[0], len(SLAB)), lambda rows: np.hstack([of_cg[rows].values, turning[rows, len(AXES) :].values])
-    )
-    return _slab(dataset["ground_velocity"].variable, plant.positions), machine
-
-
 def _slab(ground: Samples, positions: Positions) -> Made:
     """`floor_as_whole` of samples of any length, as it is asked for."""
     return Made((ground.shape[0], len(SLAB)), lambda rows: _as_whole(np.asarray(ground[rows]), positions))

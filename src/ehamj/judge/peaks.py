@@ -39,15 +39,16 @@ def peaks_of(dataset: xr.Dataset, rate: float, norms: Iterable[Norm]) -> Peaks:
     found = Peaks()
     for quantity in sorted(wanted):
         for place, motion in motions_of(dataset, quantity).items():
-            level = np.full(len(AXES), np.nan)
+            enough = motion.shape[0] >= LEAST_ROWS
+            level = np.full(len(AXES), -np.inf if enough else np.nan)
             found.levels.setdefault(place, {})[quantity, "peak"] = level[None]
-            if motion.shape[0] < LEAST_ROWS:
+            if not enough:
                 continue
             swings: dict[int, list[Swings]] = {}
             for at in places(motion):
                 moved, k = column(motion, *at), at[-1]
                 moved = moved - moved.mean() if quantity == "displacement" else moved
-                level[k] = np.fmax(level[k], np.abs(moved).max())
+                level[k] = np.maximum(level[k], np.abs(moved).max())
                 if quantity in swinging:
                     swings.setdefault(k, []).append(Swings.of(moved, rate))
             for k, parts in swings.items():

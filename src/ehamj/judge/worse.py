@@ -72,7 +72,7 @@ class Worse(Finding):
     @property
     def made_worse(self) -> bool:
         """Whether the machine moves more than its floor does at all, and not only along an axis where that rests."""
-        return self.amplification_db is not None or (self.beside_db or math.inf) > 0.0
+        return self.amplification_db is not None or self.beside_db is None or self.beside_db > 0.0
 
     def briefly(self) -> str:
         """Axis, by how much, band, place and mode."""

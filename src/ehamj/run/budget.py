@@ -16,6 +16,8 @@ from ehamj.scenario.model import Scenario
 
 CHANNELS: Final = (160, 45)
 """Numbers of a row, about: whatever the machine has with a law of a hundred states, and more per mount."""
+PLACES: Final = (9, 6)
+"""Numbers of a row per point and per relative motion."""
 BLOCKS: Final = 4
 """Blocks of rows that a run holds whose rows go to a file: what was stepped, its channels and what they are made of."""
 JUDGED: Final = 200
@@ -29,9 +31,20 @@ FLOOR: Final = 2e-8
 """Step below which whatever asks for it was hardly meant [s]."""
 
 
-def row_bytes(mounts: int) -> int:
+def row_bytes(scenario: Scenario) -> int:
     """Size of a row of a result, about."""
-    return 8 * (CHANNELS[0] + CHANNELS[1] * mounts)
+    places = PLACES[0] * len(scenario.points) + PLACES[1] * len(scenario.relative)
+    return 8 * (CHANNELS[0] + CHANNELS[1] * len(scenario.plant.mounts) + places)
+
+
+def size_of(scenario: Scenario) -> float:
+    """Of all rows of a run [byte], about."""
+    return scenario.duration * scenario.record_rate * row_bytes(scenario)
+
+
+def streams(*together: Scenario) -> bool:
+    """Whether rows of runs that step together are too many for memory, and go to a file of each."""
+    return sum(map(size_of, together)) > growing.IN_MEMORY
 
 
 def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None, shown: bool = False) -> None:
@@ -47,30 +60,41 @@ def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None
         InputError: which names what they need, what is free, and the keys.
     """
     rows = scenario.duration * scenario.record_rate * together
-    of_row = row_bytes(len(scenario.plant.mounts))
-    size = rows * of_row
-    streams = size > growing.IN_MEMORY * together
-    memory = size * growing.COPIES
-    if streams and not shown:
-        memory = together * BLOCKS * columns.ROWS * of_row + rows * JUDGED
-    what = f"duration = {scenario.duration:g} s at record_rate = {scenario.record_rate:g} Hz"
-    what += f", {together} runs together" if together > 1 else ""
+    in_file = streams(scenario)
+    memory = together * size_of(scenario) * growing.COPIES
+    if in_file and not shown:
+        memory = together * BLOCKS * columns.ROWS * row_bytes(scenario) + rows * JUDGED
     free = psutil.virtual_memory().available
     if memory > free:
-        beside = ", or leave out what shows all of it (--no-report --no-replay)" if streams and shown else ""
+        beside = ", or leave out what shows all of it (--no-report --no-replay)" if in_file and shown else ""
         raise InputError(
-            f"{what}: {rows:.3g} rows need about {_gib(memory)} of memory and {_gib(free)} are free; lower "
-            f"record_rate or duration{beside}"
+            f"{_asked(scenario, together)}: {rows:.3g} rows need about {_gib(memory)} of memory and {_gib(free)} are "
+            f"free; lower record_rate or duration{beside}"
         )
-    if folder is None and not streams:
-        return
+    if folder is not None or in_file:
+        check_disk(scenario, together, folder)
+
+
+def check_disk(scenario: Scenario, together: int = 1, folder: Path | None = None) -> None:
+    """Refuse runs whose rows do not fit on disk; arguments as of `check_rows`, by default what is temporary.
+
+    Raises:
+        InputError: which names what they need, what is free, and the keys.
+    """
+    rows, size = scenario.duration * scenario.record_rate * together, together * size_of(scenario)
     folder = folder or Path(tempfile.gettempdir())
     above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if size > (free := psutil.disk_usage(str(above)).free):
         raise InputError(
-            f"{what}: {rows:.3g} rows need about {_gib(size)} on disk and {_gib(free)} are free in {str(above)!r}; "
-            "lower record_rate or duration, or name another --out"
+            f"{_asked(scenario, together)}: {rows:.3g} rows need about {_gib(size)} on disk and {_gib(free)} are free "
+            f"in {str(above)!r}; lower record_rate or duration, or name another --out"
         )
+
+
+def _asked(scenario: Scenario, together: int) -> str:
+    """What asks for so many rows."""
+    what = f"duration = {scenario.duration:g} s at record_rate = {scenario.record_rate:g} Hz"
+    return what + (f", {together} runs together" if together > 1 else "")
 
 
 def check_steps(scenario: Scenario, timestep: float) -> None:

@@ -18,9 +18,10 @@ from ehamj.memory import COMMAND, inputs
 from ehamj.mujoco.advance import NOT_LOADED, STANDING, advance, compile_loop
 from ehamj.mujoco.rows import Recording, Rows, Tally
 from ehamj.mujoco.slides import drives
+from ehamj.run.budget import streams
 from ehamj.run.faults import Struck, step_of, strike
 from ehamj.run.prepare import Prepared
-from ehamj.run.stream import Stream, ready, room, rows_of, streams
+from ehamj.run.stream import Stream, ready, room, rows_of
 from ehamj.signals import Signal, Zero
 from ehamj.stopped import DONE, Stopped
 
@@ -58,7 +59,7 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     compile_loop()
     loop, load, timestep, plant = prepared.loop, prepared.load, prepared.timestep, prepared.scenario.plant
     count = rows_of(prepared)
-    stream = Stream(prepared) if streams(prepared) else None
+    stream = Stream(prepared) if streams(prepared.scenario) else None
     places = count if stream is None else min(count, room(STRETCH))
     try:
         recording = Recording.of(prepared.model, loop, prepared.every, places)

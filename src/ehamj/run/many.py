@@ -4,7 +4,6 @@ import threading
 import time as clock
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Sized
 from contextlib import AbstractContextManager, contextmanager
-from itertools import chain
 from typing import Any, NamedTuple, TypeVar, overload
 
 from ehamj.control import as_controller
@@ -219,7 +218,9 @@ def _driven(batch: Sequence[_Item], failures: dict[int, Exception]) -> Iterator[
         with _naming(f"scenario {numbers}" if len(taken) == 1 else f"scenarios {numbers}, which step together"):
             first = next(ended)
         share = (clock.perf_counter() - began) / len(block)
-        for item, prepared, driven, spent in zip(taken, runs, chain([first], ended), before, strict=True):
+        for number, (item, prepared, spent) in enumerate(zip(taken, runs, before, strict=True)):
+            with item.named():  # its last rows go to a file of its own
+                driven = next(ended) if number else first
             yield item, prepared, driven, spent + share
 
 

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from ehamj.control import AnyController, LinearController, PythonController
+from ehamj.control.architectures.file import Law
 from ehamj.control.channels import UPSTREAM
 from ehamj.control.commands import Passive
 from ehamj.control.loop import DigitalLoop, make_loop
@@ -23,7 +24,7 @@ from ehamj.mujoco.model import build_model
 from ehamj.plant.statics import check_standing
 from ehamj.run.budget import check_rows, check_steps
 from ehamj.run.faults import shorter_step, unread
-from ehamj.run.timestep import choose_timestep
+from ehamj.run.timestep import GIVEN, OF_FILE, OF_SCENARIO, choose_timestep
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
 from ehamj.signals import Signal
@@ -155,13 +156,13 @@ def prepare(
     norms = scenario.criteria.chosen()  # files with limits are refused before anything runs
     motion, commands = scenario.motion(floors), scenario.commands()
     load, courses = scenario.pushed(), tuple(slide.course() for slide in scenario.slide)
-    found = None
+    found, keys = None, OF_FILE if isinstance(scenario.control, Law) else OF_SCENARIO
     if controller is None:
         found, controller = found_for(scenario), scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
-        commands = Passive().commands(scenario.plant.mounts)
+        commands, keys = Passive().commands(scenario.plant.mounts), GIVEN
     try:
-        timestep = choose_timestep(scenario, controller)
+        timestep = choose_timestep(scenario, controller, keys)
         check_steps(scenario, timestep)
         loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
         model = build_model(scenario.plant, timestep)

@@ -11,9 +11,10 @@ from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
 from ehamj.ground import GroundSample
 from ehamj.interruption import check
+from ehamj.run.budget import check_disk, size_of, streams
 from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_command, sample_load
 from ehamj.run.prepare import Prepared
-from ehamj.run.stream import Stream, ready, room, rows_of, streams
+from ehamj.run.stream import Stream, ready, room, rows_of
 from ehamj.signals import Zero
 from ehamj.smallmotion.block import Block, Simulation, simulation
 from ehamj.smallmotion.cubics import staged
@@ -51,11 +52,11 @@ def drive_block(
         progress: called after each stretch with the fraction done.
 
     Raises:
-        InputError: if the rows do not fit in memory.
+        InputError: if the rows do not fit in memory, or, of runs that are too long for that together, on disk.
     """
     block, first, alike = Block.of(simulations), runs[0], _alike(runs)
     count = rows_of(first)
-    streaming = [Stream(run) for run in runs] if streams(first, len(runs)) else []
+    streaming = _streams(runs)
     try:
         recorded = block.recorded(first.every, min(count, room(STRETCH)) if streaming else count)
     except MemoryError:
@@ -100,6 +101,14 @@ def drive_block(
         if streaming:
             streaming[number].add(table, faults.found)
         yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
+
+
+def _streams(runs: Sequence[Prepared]) -> list[Stream]:
+    """Files for the rows of runs that are too many for memory together, though each by itself may not be."""
+    if not streams(*(run.scenario for run in runs)):
+        return []
+    check_disk(max((run.scenario for run in runs), key=size_of), len(runs), runs[0].within)
+    return [Stream(run) for run in runs]
 
 
 def _rows_of(stopped: Stopped, every: int, rows: int) -> int:

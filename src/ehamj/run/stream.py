@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 from ehamj import columns, growing
 from ehamj.belonging import RUN
-from ehamj.run.budget import row_bytes
 from ehamj.run.judging import import_judging
 from ehamj.unfinished import beside, clear_leftovers
 
@@ -24,11 +23,6 @@ AT_LEAST: Final = 64
 otherwise."""
 PLACE: Final = "ehamj-rows"
 """What the folder of such a file stands for, as `ehamj.unfinished` tells them apart."""
-
-
-def streams(prepared: "Prepared", together: int = 1) -> bool:
-    """Whether rows of so many such runs that step together are too many for memory."""
-    return rows_of(prepared) * row_bytes(len(prepared.scenario.plant.mounts)) * together > growing.IN_MEMORY
 
 
 def ready(rows: int) -> bool:

@@ -6,6 +6,7 @@ Delays do not count: commands may switch within a step.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final, NamedTuple
 
 import mujoco
 import numpy as np
@@ -29,18 +30,31 @@ STEP_PER_TIME_CONSTANT = 1.2
 cent and motions below 100 Hz to 1e-4."""
 
 
-def choose_timestep(scenario: Scenario, controller: AnyController | None = None) -> float:
+class Keys(NamedTuple):
+    """What the rates of a law are called where it is stated."""
+
+    rate: str
+    spool_rate: str
+    spool: str
+
+
+OF_SCENARIO: Final = Keys("control.rate", "control.spool_feedback.rate", "control.spool_feedback")
+OF_FILE: Final = Keys("1/period_s of the law's file", "1/period_s of its spools", "the law's spools")
+GIVEN: Final = Keys("1/period of the controller", "1/period of its spools", "the controller's spools")
+
+
+def choose_timestep(scenario: Scenario, controller: AnyController | None = None, keys: Keys = OF_SCENARIO) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
     It divides the recording period and the controller's sampling periods, and follows the shortest force on the
-    machine. Call it with the hydraulics installed.
+    machine. Call it with the hydraulics installed; ``keys`` are those that its messages name.
 
     Raises:
         InputError: if a stated step does not divide them, or no reasonable step does.
     """
-    periods = _periods(scenario, controller)
+    periods = _periods(scenario, controller, keys)
     if scenario.timestep != "auto":
-        return _stated(scenario.timestep, periods)
+        return _stated(scenario.timestep, periods, keys)
     # Faults may make it faster: the step is one for the whole run.
     fastest = max(float(np.abs(_modes(plant)).max()) for plant in plants(scenario))
     fastest = max(fastest, STEP_PER_TIME_CONSTANT / scenario.load().longest_step)
@@ -48,13 +62,13 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None)
     if period < SHORTEST_STEP:
         times = ", ".join(f"{name} = {value:.9g} s" for name, value in periods.items())
         raise InputError(
-            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose {_rates(periods)} that "
-            "are multiples of each other"
+            f"timestep = 'auto': no step of {SHORTEST_STEP:g} s or more divides {times}; choose "
+            f"{_rates(periods, keys)} that are multiples of each other"
         )
     return period / max(1, math.ceil(period * fastest / STEP_PER_TIME_CONSTANT - 1e-9))
 
 
-def _periods(scenario: Scenario, controller: AnyController | None) -> dict[str, float]:
+def _periods(scenario: Scenario, controller: AnyController | None, keys: Keys) -> dict[str, float]:
     """Times that the step must divide [s], by what they are called in messages; the recording period first."""
     periods = {"the recording period 1/record_rate": 1.0 / scenario.record_rate}
     parts: Sequence[Controller | PythonController] = controller.parts if controller is not None else ()
@@ -62,18 +76,19 @@ def _periods(scenario: Scenario, controller: AnyController | None) -> dict[str, 
         whose = "the controller's" if len(parts) == 1 else f"the controller's part {number}'s"
         periods[f"{whose} period"] = part.period
     for spool in () if controller is None else controller.converter.spools[:1]:
-        periods["the period of control.spool_feedback"] = spool.period
+        periods[f"the period of {keys.spool}"] = spool.period
     return periods
 
 
-def _rates(periods: dict[str, float]) -> str:
+def _rates(periods: dict[str, float], keys: Keys) -> str:
     """Keys of the rates that periods are of."""
-    keys = ["record_rate", *(["control.rate"] if any("controller" in name for name in periods) else [])]
-    keys += ["control.spool_feedback.rate"] if any("spool" in name for name in periods) else []
-    return " and ".join([*([", ".join(keys[:-1])] if keys[1:] else []), keys[-1]])
+    of_spools = f"the period of {keys.spool}" in periods
+    found = ["record_rate", *([keys.rate] if len(periods) > 1 + of_spools else [])]
+    found += [keys.spool_rate] if of_spools else []
+    return " and ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
 
 
-def _stated(timestep: float, periods: dict[str, float]) -> float:
+def _stated(timestep: float, periods: dict[str, float], keys: Keys) -> float:
     """A stated step, rounded to an exact share of the recording period."""
     for name, period in periods.items():
         ratio = period / timestep
@@ -81,7 +96,8 @@ def _stated(timestep: float, periods: dict[str, float]) -> float:
             common = float(common_divisor(periods.values()))
             found = f"nearest: {common / max(1, round(common / timestep)):.9g}"
             if common < SHORTEST_STEP:
-                found = f"none of {SHORTEST_STEP:g} s or more divides all; choose {_rates(periods)} that are multiples"
+                rates = _rates(periods, keys)
+                found = f"none of {SHORTEST_STEP:g} s or more divides all; choose {rates} that are multiples"
             raise InputError(f"timestep = {timestep:g} s must divide {name} = {period:g} s; {found}")
     first = next(iter(periods.values()))
     return first / round(first / timestep)
