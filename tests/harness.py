@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 
@@ -43,3 +44,13 @@ SKEW_MOUNTS: list[dict[str, Any]] = [
     {"name": "level", "position": [0.9, 0.5, 0.4], "direction": [-1.0, 0.0, 0.0]},
 ]
 """Five mounts off the plane: two skew, one of them shimmed, one that leans over, one upright, one level."""
+
+
+def sealed_anew(folder: Path, change: Callable[[dict[str, Any]], Any] = lambda summary: None) -> None:
+    """Let the summary believe that the files beside it are those that its run wrote."""
+    from ehamj.belonging import summary_text, told
+
+    found = told(folder)
+    change(found.summary)
+    text = summary_text(found.summary, found.belongs.run, folder, found.belongs.files, found.belongs.variants)
+    (folder / "summary.json").write_text(text)

@@ -11,11 +11,12 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
+from harness import sealed_anew
 from oracles.damage import damaged
 
 import ehamj
 from ehamj import belonging
-from ehamj.belonging import KEY, check_result, digest_of, summary_text, told
+from ehamj.belonging import KEY, check_result, digest_of, told
 from ehamj.cli import main
 from ehamj.errors import InputError
 from ehamj.interruption import Interrupted
@@ -283,14 +284,6 @@ def test_a_law_beside_a_run_that_had_none_is_refused(copy: Path, other: Path) ->
     shutil.copy(copy / "controller.json", copy / "passive")
     with pytest.raises(InputError, match=r"controller\.json is of another run"):
         load_result(copy / "passive")
-
-
-def sealed_anew(folder: Path, change: Callable[[dict[str, Any]], Any] = lambda summary: None) -> None:
-    """Let the summary believe that the files beside it are those that its run wrote."""
-    found = told(folder)
-    change(found.summary)
-    text = summary_text(found.summary, found.belongs.run, folder, found.belongs.files, found.belongs.variants)
-    (folder / "summary.json").write_text(text)
 
 
 def reordered(data: xr.Dataset) -> xr.Dataset:

@@ -21,7 +21,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from harness import Cli, Said
+from harness import Cli, Said, sealed_anew
 from obspy.core.stream import _is_pickle
 from scipy.io import savemat
 
@@ -334,6 +334,7 @@ def test_results(cli: Cli, folder: Path, result: Path, command: str, name: str) 
 def test_a_stored_model_names_no_other_file(cli: Cli, folder: Path, result: Path, text: str) -> None:
     shutil.copytree(result, folder / "result")
     (folder / "result/model.xml").write_text(f"<mujoco>{text}</mujoco>")
+    sealed_anew(folder / "result")  # as whoever means harm would
     said = cli("replay", "result")
     refused(said)
     assert "draws in another file" in said.message

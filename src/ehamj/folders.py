@@ -50,12 +50,12 @@ def check_out(
     check_name(where, said)
     above = next(path for path in (where.absolute(), *where.absolute().parents) if path.exists())
     if folder is not None and folder.exists():
-        if not overwrite:
-            why = f"exists already; name another folder or add {flag}"
-        elif not folder.is_dir():
+        if not folder.is_dir():
             why = "is a file, not a folder"
         elif any(folder.iterdir()) and not all((folder / name).is_file() for name in marks):
-            why = f"{flag} replaces a folder of its own kind only, and this is none"
+            why = f"exists already; name another folder ({flag} replaces one of its own kind only, and this is none)"
+        elif not overwrite:
+            why = f"exists already; name another folder or add {flag}"
         elif Path.cwd().is_relative_to(folder.resolve()):
             why = "is where you stand; replace it from a folder above"
     if not why and not (above.is_dir() and os.access(above, os.W_OK)):

@@ -195,7 +195,9 @@ def first_lost(dataset: xr.Dataset) -> tuple[str, float] | None:
     for name, channel in dataset.data_vars.items():
         for rows in blocks(channel.sizes["time"]):
             values = channel[rows].values
-            if np.isfinite(values.sum()) or np.isfinite(values).all():  # a sum tells sooner whether any is lost
+            with np.errstate(invalid="ignore", over="ignore"):  # a sum tells sooner whether any is lost
+                total = values.sum()
+            if np.isfinite(total) or np.isfinite(values).all():
                 continue
             row = rows.start + int(np.argwhere(~np.isfinite(values))[0][0])
             return str(name), float(dataset["time"][row])

@@ -17,7 +17,7 @@ from harness import Cli, Said
 from ehamj.cli import app
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result, load_result
-from ehamj.run.simulate import simulate
+from ehamj.run.simulate import stepped
 from ehamj.scenario.load import shipped_scenarios
 
 pytestmark = pytest.mark.usefixtures("empty_folder")
@@ -204,7 +204,7 @@ def test_overwrite_refuses_a_folder_that_is_no_result(cli: Cli, name: str) -> No
     Path("mine").mkdir()
     Path("mine", name).write_text("mine")
     before = tree()
-    assert "replaces a folder of its own kind only" in cli(*QUICK, "--out", "mine", "--overwrite").message
+    assert "replaces one of its own kind only" in cli(*QUICK, "--out", "mine", "--overwrite").message
     assert tree() == before
 
 
@@ -543,10 +543,10 @@ def test_a_band_that_passes_as_it_is_has_zero_decibels(cli: Cli, monkeypatch: py
     """And no minus zero; what is amplified keeps its sign."""
 
     def passed(*arguments: Any, **options: Any) -> Result:
-        result = simulate(*arguments, **options)
+        result = stepped(*arguments, **options)
         bands = {"5": -0.3, "10": 0.3, "20": -0.6}
         return replace(result, summary=result.summary.changed(attenuation_db={"z": bands}))
 
-    monkeypatch.setattr("ehamj.run.simulate.simulate", passed)
+    monkeypatch.setattr("ehamj.run.simulate.stepped", passed)
     said = cli(*QUICK)
     assert re.search(r"5 Hz +10 Hz +20 Hz *\n─+\nvertical +worst place +0 +0 +−1\n", said.out)

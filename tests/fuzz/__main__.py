@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import shutil
 import sys
 import tempfile
 import time
@@ -54,7 +55,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         "--out", type=Path, default=Path("runs/fuzz"), help="folder of fuzz.json; with --case: of the case"
     )
-    return parser.parse_args()
+    asked = parser.parse_args()
+    if asked.case is not None and len(asked.kind or ()) != 1:
+        parser.error("--case: name its --kind, one")
+    return asked
 
 
 def _orders(asked: argparse.Namespace) -> Iterator[dict[str, Any]]:
@@ -77,8 +81,9 @@ def _once(asked: argparse.Namespace, kept: Path) -> int:
     from fuzz.judge import findings
     from fuzz.worker import tried
 
-    (kind,) = asked.kind or [""]
+    (kind,) = asked.kind
     folder = asked.out / f"{kind}-{asked.seed}-{asked.case}"
+    shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     outcome = asdict(tried(kind, asked.seed, asked.case, kept, folder))
     print(json.dumps({key: value for key, value in outcome.items() if key != "said"}, indent=1, ensure_ascii=False))
@@ -112,9 +117,10 @@ def _print(tally: Tally, out: Path, asked: argparse.Namespace) -> None:
             f"asked to, commands ended within {half:.2f} s (half), {most:.2f} s (95 %), {max(tally.ended):.2f} s (all)"
         )
     for signature, one in sorted(tally.findings.items(), key=lambda found: -found[1]["count"]):
-        case = one["first"]
+        case = one["shortest"]
         print(f"\n{one['count']} × {signature}")
-        print(f"  PYTHONPATH=tests python -m fuzz --kind {case['kind']} --seed {case['seed']} --case {case['number']}")
+        again = f"--kind {case['kind']} --seed {case['seed']} --case {case['number']}"
+        print(f"  PYTHONPATH=tests {sys.executable} -m fuzz {again}")
     print(f"\n{out / 'fuzz.json'}")
 
 

@@ -126,11 +126,11 @@ class Tally:
         self.ends.setdefault(kind, Counter())[end] += 1
         for signature in found:
             key = f"{kind}: {signature}"
-            one = self.findings.setdefault(key, {"count": 0, "first": None})
+            one = self.findings.setdefault(key, {"count": 0, "shortest": None})
             one["count"] += 1
             size = len(case.get("told", "")) + len(case.get("said", ""))
-            if one["first"] is None or size < one["size"]:
-                one["first"], one["size"] = case, size
+            if one["shortest"] is None or size < one["size"]:
+                one["shortest"], one["size"] = case, size
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as plain data."""

@@ -261,7 +261,7 @@ def test_any_text_is_a_target_or_refused_in_one_line(tmp_path_factory: Any, text
         ),
         (
             {"target": {"kind": "third-octave", "bands": [9.0], "levels": [1e-6]}},
-            r"ground\.target: bands: 9 Hz is not the centre of a third-octave band",
+            r"ground\.target\.bands: 9 Hz is not the centre of a third-octave band",
         ),
         (
             {"target": {"kind": "third-octave", "bands": [8.0, 8.0], "levels": [1e-6, 1e-6]}},

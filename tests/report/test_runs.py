@@ -58,6 +58,14 @@ def test_every_run_is_described(results: dict[str, Result]) -> None:
     ]
 
 
+def test_two_runs_of_one_scenario_are_compared_and_no_family(results: dict[str, Result]) -> None:
+    one = results["hall"]
+    assert not Shown.of({"hall (a)": one, "hall (b)": one}).together
+    variant = one.scenario.variant("passive")
+    beside = SimpleNamespace(scenario=variant, dataset=one.dataset, summary=one.summary)
+    assert Shown.of({"feedforward": one, "passive": beside}).together  # type: ignore[dict-item]
+
+
 def test_settings_that_differ_stand_side_by_side(results: dict[str, Result]) -> None:
     found = {name.split()[-1]: cells for name, cells in rows(results, "Differences in settings").items()}
     assert found["machine.mass"] == ["4000", "5200", "4000", "4000"]

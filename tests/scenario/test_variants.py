@@ -112,4 +112,4 @@ def test_folders_tell_apart_what_is_alike() -> None:
     folders = [Path("/runs/one/mill"), Path("/runs/two/mill"), Path("/runs/three")]
     assert labels([hall, passive], folders[:2]) == ["combined", "passive"]
     assert labels([hall, hall], folders[1:]) == ["combined (mill)", "combined (three)"]
-    assert labels([hall, hall, passive], folders)[1:] == ["combined (two/mill)", "passive (runs/three)"]
+    assert labels([hall, hall, passive], folders) == ["combined (one/mill)", "combined (two/mill)", "passive"]

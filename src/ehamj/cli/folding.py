@@ -3,14 +3,10 @@
 import re
 import textwrap
 from collections.abc import Sequence
-from typing import Final
 
 from rich.console import Console
 
-UNITS: Final = r"(?:dB|Hz|kHz|µm/s|mm/s|µm|mm|m/s|m|s|ms|V|mA|kg|N|kN|bar|MPa|GPa|µrad|%|l/min)"
-GLUED: Final = re.compile(rf"(?<=\d) (?={UNITS}(?![\w/]))")
-"""A space that stands between a number and its unit."""
-GLUE: Final = "\N{NO-BREAK SPACE}"
+from ehamj.plain.glue import GLUE, glued
 
 
 def natural(text: str) -> int:
@@ -20,7 +16,7 @@ def natural(text: str) -> int:
 
 def longest_word(text: str) -> int:
     """Width that a text needs at least, broken between its words."""
-    return max(map(len, re.split(r"[ \n]", GLUED.sub(GLUE, text))))
+    return max(map(len, re.split(r"[ \n]", glued(text))))
 
 
 def hung(text: str, width: int, after: str = "  ") -> str:
@@ -32,7 +28,7 @@ def hung(text: str, width: int, after: str = "  ") -> str:
         return text
     lines = [
         textwrap.fill(
-            GLUED.sub(GLUE, line),
+            glued(line),
             width,
             subsequent_indent=after if not k else re.match(" *", line)[0] + after,  # type: ignore[index]
             break_long_words=False,

@@ -46,7 +46,8 @@ class Command(TyperCommand):
         try:
             return super().parse_args(ctx, args)
         except TyperException as error:
-            if hasattr(error, "option_name") and hasattr(error, "message") and not getattr(error, "possibilities", ()):
+            unknown = getattr(error, "message", "").startswith("No such option")
+            if unknown and not getattr(error, "possibilities", ()):
                 error.message += "; keys of the scenario are set by --set, such as --set duration=3"
             raise
 

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ehamj.cli.folding import GLUE
 from ehamj.cli.printing import print_table, say
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import Axis, Energies
 from ehamj.pages.words import motion, number
+from ehamj.plain.glue import GLUE
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.rig.modal_test import ModalTest
 

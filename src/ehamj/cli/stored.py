@@ -52,11 +52,11 @@ def replay(
     if as_json:
         print_json({"replay": str(path), "opened": not why, "built": built})
         return
-    say(f"replay: {path}" + ("" if built else " (as it is; --rebuild builds it anew)"))
+    say(f"replay: {path}" + ("" if built else " (as it is; --rebuild builds it anew)"), whole=True)
     if why:
         import rerun
 
-        say(f"{why}; open it with: rerun {path}  (Rerun {rerun.__version__}, on this or another machine)")
+        say(f"{why}; open it with: rerun {path}  (Rerun {rerun.__version__}, on this or another machine)", whole=True)
 
 
 @app.command()

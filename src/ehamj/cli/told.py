@@ -140,11 +140,12 @@ def _print_notes(summary: Summary, scenario: Scenario, more: str) -> None:
     """What a reader must know: neither what was said above, nor how a record was processed."""
     said = {*(one.in_words() for one in summary.worse if one.made_worse), *reached(summary.saturation)}
     left = [text for text in summary.warnings if text not in said and not PROCESSING.match(text)]
+    if (scale := getattr(scenario.ground, "scale", 1.0)) != 1.0:
+        way_out = "as the scenario states; --set ground.scale=1 takes a record as it is"
+        say(f"the recorded floor is scaled by {scale:g} (ground.scale), {way_out}", "note: ")
     for text in left[:NOTES]:
         say(text, "note: ")
-    if (scale := getattr(scenario.ground, "scale", 1.0)) != 1.0:
-        say(f"the recorded floor is scaled by {scale:g} (ground.scale)", "note: ")
-    if hidden := len(summary.warnings) - len(left[:NOTES]):
+    if hidden := len([text for text in summary.warnings if text not in said]) - len(left[:NOTES]):
         say(f"and {hidden} more {more}", "notes: " if not left else "")
 
 

@@ -39,7 +39,7 @@ CAUSES: Final[dict[Cause, str]] = {
     "law": "its law does it, with the valves held it would not be so",
     "mounts": "its mounts do it, with the valves held as well",
     "limits": "its valves are at a limit",
-    "": "see the notes",
+    "": "why is not known",
 }
 """What makes a machine worse than its floor, in words."""
 

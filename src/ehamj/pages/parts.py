@@ -12,7 +12,7 @@ from markupsafe import Markup
 from ehamj.plots import Figure
 
 NARROW: Final = 64
-"""Letters of a row of words, with its gaps, that stand on half a sheet's width; of numbers, which are slim, 8 more."""
+"""Letters of a row of words, with its gaps, that stand on half a sheet's width."""
 BREAKS: Final = 18
 """Letters at which a cell of words breaks."""
 LONG: Final = 300
@@ -83,7 +83,7 @@ class Table:
         rows = [row for row in (self.head, *self.rows) if len(row) == len(self.head)]
         widest = [max(map(_letters, column)) for column in zip(*rows, strict=True)]
         if self.kind != "words":  # nothing in them breaks
-            return sum(widest) + 3 * len(widest) > NARROW + 8
+            return sum(widest) + 3 * len(widest) > NARROW
         return max(widest) > LONG or sum(min(letters, BREAKS) + 3 for letters in widest) > NARROW
 
     def side(self, column: int) -> str:

@@ -15,7 +15,7 @@ from ehamj.plots.style import Artist, Axes, Figure
 LABEL_HEIGHT: Final = 8.0
 """Least distance between the names of two curves [pt]."""
 
-QUIETEST: Final = 0.01
+QUIETEST: Final = 1e-3
 """Lowest velocity on a criterion plot [µm/s]."""
 
 

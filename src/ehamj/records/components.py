@@ -120,6 +120,11 @@ def answers_of(name: str) -> tuple[str, ...]:
     return tuple(letters) if len(letters) == 1 and words - {"x", "y", "z"} <= BESIDE_AXES else ()
 
 
+def _likely(answers: Sequence[str]) -> str:
+    """The axis that a component's names end in, as ``vz`` does; upwards where they end in none."""
+    return next((name[-1].lower() for name in reversed(answers) if name and name[-1].lower() in "xyz"), "z")
+
+
 def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, Place]:
     """Axis of each component that is used, by its place in the file.
 
@@ -139,10 +144,11 @@ def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, 
         if axis is not None:
             chosen[k] = axis
         elif axes is None:
+            own = toml_key(next(filter(None, reversed(answers)), numbers[k]))
             raise ValueError(
-                f"ground.axes does not say which axis {called(components, k)} is; name it, for instance "
-                f'axes = {{ {toml_key(next(filter(None, reversed(answers)), numbers[k]))} = "x" }} (and turn it round '
-                f"with ground.scale where it points the other way); else {', '.join(STANDARD_AXES)} are known"
+                f"ground.axes does not say which axis {called(components, k)} is; name it, for instance axes = "
+                f'{{ {own} = "{_likely(answers)}" }}, which is --set ground.axes.{own}={_likely(answers)} (and turn it '
+                f"round with ground.scale where it points the other way); else {', '.join(STANDARD_AXES)} are known"
             )
     held = ", ".join(called(components, k) for k in range(len(components)))
     missing = [name for name in axes or {} if not any(name in answers for answers in names)]

@@ -80,9 +80,10 @@ class Shown:
 
     @property
     def together(self) -> bool:
-        """Whether all results are of one scenario: itself and its variants."""
+        """Whether all results are of one scenario: itself and its variants, each once."""
+        names = [result.scenario.name for result in self.results.values()]
         own = {self.scenario.name, *known_variants(self.scenario)}
-        return all(result.scenario.name in own for result in self.results.values())
+        return len(set(names)) == len(names) and own.issuperset(names)
 
     @cached_property
     def colors(self) -> dict[str, str]:

@@ -76,7 +76,7 @@ def _finding(found: Any, settings: type[Settings]) -> tuple[str, str]:
     elif kind == "float_type":
         message = f"must be a valid number{_in_its_unit(location, settings)}"
     elif kind == "tuple_type":
-        message = "must be a list"
+        message = "must be a list in brackets, its entries between commas"
         if isinstance(value, Mapping) and all(str(number).isdigit() for number in value):
             message += "; an entry of it is set by its number only where the scenario states the list"
     elif kind == "missing" and isinstance(location[-1], int):

@@ -33,6 +33,8 @@ def check_named(scenario: "Scenario", mounts: Sequence[str]) -> None:
         if mount not in mounts:
             unknown.setdefault(mount, []).append(key)
     if unknown:
-        said = "; ".join(f"{mount!r} in {', '.join(dict.fromkeys(keys))}" for mount, keys in unknown.items())
-        near = "".join(did_you_mean(mount, mounts) for mount in unknown)
-        raise ValueError(f"no mount has this name: {said}; {near}[[mount]] has {', '.join(mounts)}")
+        said = "; ".join(
+            f"{mount!r} in {', '.join(dict.fromkeys(keys))}, {did_you_mean(mount, mounts)}".rstrip(", ")
+            for mount, keys in unknown.items()
+        )
+        raise ValueError(f"no mount has this name: {said}; [[mount]] has {', '.join(mounts)}")

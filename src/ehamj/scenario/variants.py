@@ -87,7 +87,10 @@ def labels(scenarios: Sequence["Scenario"], folders: Sequence[Path] = ()) -> lis
     found, depths = names, count(1)
     while len(set(found)) < len(folders):
         depth = next(depths)
-        found = [f"{name} ({Path(*folder.parts[-depth:])})" for name, folder in zip(names, folders, strict=True)]
+        found = [
+            f"{name} ({Path(*folder.parts[-depth:])})" if names.count(name) > 1 else name
+            for name, folder in zip(names, folders, strict=True)
+        ]
     return found
 
 

@@ -135,7 +135,7 @@ def page(name: str, outcome: Outcome, scenario: Scenario) -> Page:
         Section("figures", figures=pictures),
         Section("notes", "What holds, and what does not" if outcome.notes else "", items=outcome.notes),
         ANNEX,
-        Section("tables", "Numbers", tables=tables),
+        *([Section("tables", "Numbers", tables=tables)] if tables else []),
         Section("files", "Files", notes=[Markup("{}").format(files_of(outcome)) + does]),
     ]
     lead = f"{outcome.question} Machine: {scenario.name}."

@@ -1,11 +1,14 @@
 """What was simulated, in a few lines and a drawing; and what the mounts do."""
 
 from collections.abc import Iterator
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 
 from ehamj import plots
+from ehamj.ground.records import RecordGround
+from ehamj.isolator.presets import NAMED
 from ehamj.pages import Picture, Section, Table
 from ehamj.pages.words import BAR, DASH, exact, measured, plain, scaled
 from ehamj.plant.axes import DOFS
@@ -39,6 +42,12 @@ def mounts(shown: Shown) -> Section:
 def _given(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Values that are not those of the preset, or of the machine as it is by default."""
     kinds = {f"actuator {name}": own for name, own in scenario.running.items()}
+    for name, chosen in scenario.actuators.items():
+        fields = type(chosen).model_fields
+        named = {key: getattr(chosen, key) for key in NAMED if key in fields}
+        other = [f"{key} {value}" for key, value in named.items() if value != fields[key].default]
+        if other:
+            yield f"chosen, actuator {name}", ", ".join(other)
     for name, own in {"machine": scenario.machine, **kinds, "supply": scenario.supply}.items():
         units = own.quantities()
         keys = [key for key, source in own.sources.items() if source == "given" and key in units]
@@ -113,6 +122,14 @@ def _actuated(plant: Plant) -> str:
     return f"{said}; {patterns} pattern{'' if patterns == 1 else 's'} of self-stress" if patterns else said
 
 
+def _floor(part: Any) -> str:
+    """The kind of a floor; of a record its file too, what it is scaled by, and from where it is known."""
+    if not isinstance(part, RecordGround):
+        return str(getattr(part, "kind", ""))
+    scale = "" if part.scale == 1.0 else f" × {part.scale:g}" if isinstance(part.scale, float) else ", scaled"
+    return f"record {Path(part.file).name}{scale}" + (f", high-passed at {part.highpass:g} Hz" if part.highpass else "")
+
+
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
     scenario, law = result.scenario, result.controller
     plant, supply = scenario.plant, scenario.supply
@@ -120,7 +137,7 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     yield "machine", f"{exact(plant.total_mass)} kg with its plates, on {count} mounts ({scenario.plates} plates)"
     yield "actuated", _actuated(plant)
     yield "supply", f"{exact(BAR * supply.pressure)} bar, tank {exact(BAR * supply.tank_pressure)} bar (absolute)"
-    yield "floor", " + ".join(getattr(part, "kind", "") for part in ground_parts(scenario))
+    yield "floor", " + ".join(map(_floor, ground_parts(scenario)))
     yield "control", scenario.control.kind
     if law is not None:
         rates = (f"{exact(1e-3 / part.period)} kHz, delay {exact(1e3 * part.latency)} ms" for part in law.parts)
