@@ -24,17 +24,17 @@ from ehamj.result import Result, load_result
 from ehamj.run import budget, side_by_side
 from ehamj.run.failures import Incomplete
 from ehamj.run.many import observe_many
-from ehamj.run.simulate import driven_alone, ready, seen, simulate
+from ehamj.run.simulate import Observed, driven_alone, ready, seen, simulate
 from ehamj.run.stream import Stream
 from ehamj.scenario.load import load_scenario, parse_scenario
-from ehamj.scenario.model import ENGINES
+from ehamj.scenario.model import ENGINES, Scenario
 
 ROWS = 300
 """Of a block, so that short runs have several; no number of steps between two returns to Python has it."""
 
 SLIDE = ["slide.0.start=-0.1", "slide.0.profile.moves=[{time=0.2,to=0.0,speed=1.0,acceleration=9.0,jerk=200.0}]"]
 FAULT = ["fault=[{kind='valve-stuck',mount='front-left',time=0.3,settling=0.1}]"]
-SETS = [*SLIDE, *FAULT, "duration=0.5", "compare=[]"]
+SETS = [*SLIDE, *FAULT, "duration=0.46", "compare=[]"]
 
 
 @pytest.fixture
@@ -69,6 +69,13 @@ def same(one: xr.Dataset, other: xr.Dataset) -> None:
     assert one.attrs == other.attrs
 
 
+def unjudged(scenario: Scenario, *, within: Path | None = None) -> Observed:
+    """A run's channels."""
+    with hydraulics():
+        prepared = ready(scenario, within=within).prepared
+        return seen(prepared, driven_alone(prepared))
+
+
 def numbers(result: Result) -> dict[str, Any]:
     """The summary but for how long it took."""
     found = result.summary.to_dict()
@@ -80,21 +87,24 @@ def numbers(result: Result) -> dict[str, Any]:
 def test_a_run_in_a_file_is_to_the_bit_the_one_in_memory(
     engine: str, short_blocks: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Under a law, with a slide that moves and a valve that sticks meanwhile."""
+    """Under a law, with a slide that moves and a valve that sticks meanwhile; what one engine's channels say is judged
+    too."""
     scenario = load_scenario("moving-slide", [*SETS, f"engine={engine}"])
-    held = simulate(scenario)
+    run = simulate if engine == "small-motion" else unjudged
+    held = run(scenario)
     monkeypatch.setattr(growing, "IN_MEMORY", 0)
-    kept = simulate(scenario, within=tmp_path)
+    kept = run(scenario, within=tmp_path)
     assert held.kept is None
     assert kept.kept is not None
     assert kept.kept.path.is_relative_to(tmp_path)
     assert held.dataset.sizes["time"] > 1.5 * ROWS
     same(kept.dataset, held.dataset)
-    assert numbers(kept) == numbers(held)
+    if isinstance(kept, Result) and isinstance(held, Result):
+        assert numbers(kept) == numbers(held)
 
 
 def test_runs_side_by_side_have_a_file_each(streamed: None) -> None:
-    scenario = load_scenario("benchmark", ["duration=0.5", "compare=[]", "engine=small-motion"])
+    scenario = load_scenario("benchmark", ["duration=0.4", "compare=[]", "engine=small-motion"])
     two = observe_many([scenario, scenario.varied({"machine.mass": 4400.0})], lambda run: run, threads=1)
     (alone,) = observe_many([scenario], lambda run: run, threads=1)
     assert two[0].kept is not None
@@ -160,10 +170,7 @@ def test_what_was_written_until_a_failure_is_kept(
 
 
 def test_a_file_goes_with_the_last_who_holds_one_of_its_channels(streamed: None, tmp_path: Path) -> None:
-    with hydraulics():
-        prepared = ready(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path).prepared
-        stroke = seen(prepared, driven_alone(prepared)).dataset["stroke"]
-    del prepared
+    stroke = unjudged(load_scenario("benchmark", ["duration=0.4", "compare=[]"]), within=tmp_path).dataset["stroke"]
     gc.collect()
     assert len(list(tmp_path.iterdir())) == 1
     assert np.isfinite(stroke[:, 1].values).all()
