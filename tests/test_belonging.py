@@ -413,3 +413,12 @@ def test_a_run_of_a_python_function_is_read_again(tmp_path: Path) -> None:
     result = simulate(parse_scenario({**SHORT, "duration": 0.01, "compare": []}), controller=python)
     result.write(tmp_path)
     assert same(load_result(tmp_path), result)
+
+
+def test_a_force_that_never_comes_is_a_channel_of_zeros(tmp_path: Path) -> None:
+    """Its first move begins after the run: the scenario has a force, and its result says how strong it was."""
+    jerk = {"kind": "axis-jerk", "moving_mass": 210.0, "begin": 1.0}
+    found = simulate(parse_scenario({"duration": 0.01, "plates": "tied", "force": [jerk]}))
+    found.save(tmp_path / "found")
+    read = load_result(tmp_path / "found")
+    np.testing.assert_array_equal(read.dataset["external_force"], np.zeros((read.dataset.sizes["time"], 6)))

@@ -23,12 +23,11 @@ from ehamj.result import make_dataset
 from ehamj.run.faults import Struck
 from ehamj.run.prepare import Prepared
 from ehamj.scenario.model import Scenario
+from ehamj.variables import MOTIONS, labels_of
 
 Channels = dict[str, Array]
 
 REPORTED_VERSIONS = ("ehamj", "mujoco", "numpy", "scipy", "numba", "control", "rerun-sdk", "xarray", "obspy")
-
-MOTIONS = ("displacement", "velocity", "acceleration")
 
 
 def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first: int = 0) -> xr.Dataset:
@@ -59,7 +58,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first
         if set(one.plant.cut_off) == set(plant.mounts):  # a constant supply that is lost
             channels["supply_pressure"][times >= one.time - 1e-9] = plant.supply.tank_pressure
     channels |= _relative(scenario, channels)
-    if not prepared.load.absent:
+    if scenario.force:
         channels["external_force"] = scenario.load().sample(times)[0]
     if plant.slides:
         begins = [slide.begins for slide in plant.slides]
@@ -69,18 +68,7 @@ def observe(prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first
     law = prepared.controller
     if law is not None:
         channels |= _of_the_law(law, rows)
-    labels: dict[str, Sequence[Any]] = {
-        "mount": plant.mounts,
-        "point": list(scenario.points),
-        "slide_name": [slide.name for slide in plant.slides],
-        "relative": [relative.name for relative in scenario.relative],
-        "sensor": law.reads if law is not None else (),
-        "law_state": range(law.states) if law is not None else (),
-        "line": [line.frequency for line in law.lines] if law is not None else (),
-    }
-    return make_dataset(
-        times, channels, {"title": scenario.name}, {name: along for name, along in labels.items() if len(along)}
-    )
+    return make_dataset(times, channels, {"title": scenario.name}, labels_of(scenario, law))
 
 
 def identity(prepared: Prepared, dataset: xr.Dataset) -> str:
