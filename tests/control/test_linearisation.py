@@ -449,7 +449,7 @@ def test_a_law_keeps_in_its_file_what_it_knows(tmp_path: Any) -> None:
     [
         (lambda one: one.pop("overlap", one.pop("band")), r"must be a table of valve_gain, .*band"),
         (lambda one: one.update(more=1.0), r"must be a table of valve_gain"),
-        (lambda one: one.update(play="much"), r"every entry must be a number"),
+        (lambda one: one.update(play="much"), r"must be a number"),
         (lambda one: one.update(band=0.0), r"band, reversal positive"),
         (lambda one: one.update(quiet=-0.1), r"play and quiet be zero or positive"),
         (lambda one: one.update(curve=[0.0, 1.0]), r"curve 11 shares"),
@@ -459,7 +459,7 @@ def test_a_law_keeps_in_its_file_what_it_knows(tmp_path: Any) -> None:
 def test_what_is_known_of_a_valve_is_whole_or_refused(change: Callable[[Any], Any], message: str) -> None:
     table = law_of(known_of(PLANT)).to_dict()
     change(table["valves"][0])
-    with pytest.raises(InputError, match=f"^controller.valves: .*{message}"):
+    with pytest.raises(InputError, match=rf"^controller\.valves.*{message}"):
         Controller.from_dict(table)
 
 
@@ -479,12 +479,12 @@ def test_a_pressure_cannot_count_from_rest_and_be_absolute() -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"rated": 10**400}, "int too large"),
-        ({"play": "a"}, "could not convert"),
-        ({"curve": [10**400] * 11}, "int too large"),
+        ({"rated": 10**400}, "beyond what a number can be"),
+        ({"play": "a"}, "must be a number"),
+        ({"curve": [10**400] * 11}, "beyond what a number can be"),
         ({"curve": 3}, "curve must be a list"),
         ({"curve": "0.1"}, "curve must be a list"),
-        ({"curve": [0.0, None]}, "every entry must be a number"),
+        ({"curve": [0.0, None]}, "must be a number"),
     ],
 )
 def test_a_known_valve_whose_numbers_are_none_is_refused_by_name(wrong: dict[str, Any], said: str) -> None:

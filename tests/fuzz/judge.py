@@ -68,9 +68,10 @@ def findings(kind: str, outcome: dict[str, Any]) -> Iterator[str]:
         return
     if code == 2:
         yield from _refusal(outcome, said)
-    if code == 3 and "simulation failed" not in said and "should not happen" not in said:
+    unjudged = "could not be judged" in said  # the run is whole, and what cannot be said of it is named
+    if code == 3 and not unjudged and "simulation failed" not in said and "should not happen" not in said:
         yield f"failure without its words: {same(_message(said) or _first(said))}"
-    if code == 3 and outcome["complete"] and codes[:1] == [3]:
+    if code == 3 and not unjudged and outcome["complete"] and codes[:1] == [3]:
         yield "failed, and the result says complete"
     if code == 0 and outcome["complete"] is False:
         yield "done, and the result says incomplete"

@@ -275,7 +275,7 @@ def test_a_sum_is_at_rest_when_all_its_parts_are() -> None:
 @pytest.mark.parametrize(
     ("ground", "message"),
     [
-        ({"kind": "sin"}, r"ground\.kind = 'sin': must be one of 'rest', 'sine', "),
+        ({"kind": "sin"}, r"ground\.kind = 'sin': did you mean 'sine'\? must be one of 'rest', 'sine', "),
         ({}, r"ground\.kind: is missing; must be one of .*'rest', 'shaped', 'shock', 'sine', "),
         ({"kind": "sine", "dof": "w"}, r"ground\.dof = 'w': must be 'x', 'y', 'z', 'rx', 'ry' or 'rz'"),
         ({"kind": "sine", "frequency": 0.0}, r"ground\.frequency = 0\.0: must be greater than 0"),

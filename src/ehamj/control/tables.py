@@ -1,5 +1,6 @@
 """What a law's file holds: keys that are known, numbers that are no texts."""
 
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
@@ -29,7 +30,7 @@ def number_in(value: Any, where: str) -> float:
         InputError: if it is none.
     """
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise InputError(f"{where} = {value!r}: must be a number")
+        raise InputError(f"{where} = {reprlib.repr(value)}: must be a number")
     try:
         return float(value)
     except OverflowError:
@@ -50,14 +51,14 @@ def check_keys(where: str, table: Mapping[str, Any], known: Sequence[str]) -> No
 def names_in(names: Any) -> tuple[str, ...]:
     """Names of channels in a law's file; raises InputError where they are none."""
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(f"controller.inputs = {names!r}: must be a list of channels' names")
+        raise InputError(f"controller.inputs = {reprlib.repr(names)}: must be a list of channels' names")
     return tuple(names)
 
 
 def flag_in(value: Any) -> bool:
     """Whether a law reads from rest, as its file says; raises InputError where it does not."""
     if not isinstance(value, bool):
-        raise InputError(f"controller.from_rest = {value!r}: must be true or false")
+        raise InputError(f"controller.from_rest = {reprlib.repr(value)}: must be true or false")
     return value
 
 

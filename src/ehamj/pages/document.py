@@ -5,14 +5,12 @@ from collections import defaultdict
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from ehamj import plots
 from ehamj.pages.parts import Page
-from ehamj.plain.glue import glued
 from ehamj.result import written_whole
 
 
@@ -20,12 +18,8 @@ from ehamj.result import written_whole
 def _environment() -> Environment:
     loader = PackageLoader("ehamj.pages")
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.filters |= {"css_text": _css_text, "glued": _glued}
+    made.filters["css_text"] = _css_text
     return made
-
-
-def _glued(text: Any) -> Any:
-    return glued(text) if isinstance(text, str) else text
 
 
 def _css_text(text: str) -> str:

@@ -121,8 +121,8 @@ def answers_of(name: str) -> tuple[str, ...]:
 
 
 def _likely(answers: Sequence[str]) -> str:
-    """The axis that a component's names end in, as ``vz`` does; upwards where they end in none."""
-    return next((name[-1].lower() for name in reversed(answers) if name and name[-1].lower() in "xyz"), "z")
+    """The axis that a component's names end in, as ``vz`` does; x where they end in none."""
+    return next((name[-1].lower() for name in reversed(answers) if name and name[-1].lower() in "xyz"), "x")
 
 
 def choose_axes(components: Sequence[Component], axes: AxisChoice) -> dict[int, Place]:

@@ -80,10 +80,10 @@ class Shown:
 
     @property
     def together(self) -> bool:
-        """Whether all results are of one scenario: itself and its variants, each once."""
-        names = [result.scenario.name for result in self.results.values()]
+        """Whether all results are of one scenario: itself and its variants, none of them twice."""
+        found = [(result.scenario.name, result.scenario.control.kind) for result in self.results.values()]
         own = {self.scenario.name, *known_variants(self.scenario)}
-        return len(set(names)) == len(names) and own.issuperset(names)
+        return len(set(found)) == len(found) and own.issuperset(name for name, _ in found)
 
     @cached_property
     def colors(self) -> dict[str, str]:
