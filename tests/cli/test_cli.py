@@ -102,7 +102,7 @@ def test_a_run_says_what_binds_where_the_time_went_and_what_to_open_next(cli: Cl
     spent = re.search(r"^time: ([\d.]+) s: (.*)$", said.out, re.MULTILINE)
     assert spent is not None
     stages = dict(re.findall(r"([a-z ]+[a-z]) ([\d.]+) s", spent[2]))
-    assert {"writing", "reading and compiling"} <= {stage.strip() for stage in stages}
+    assert "writing" in {stage.strip() for stage in stages}  # what took next to nothing is left out
     assert sum(map(float, stages.values())) == pytest.approx(float(spent[1]), rel=0.1, abs=0.5)
     assert "\nread: result/report.html\n" in said.out
     assert said.out.endswith("replay: none; `ehamj replay result` writes it\n")

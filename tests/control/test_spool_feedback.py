@@ -286,13 +286,13 @@ def test_a_law_keeps_in_its_file_how_spools_are_fed_back(tmp_path: Path) -> None
         ({"limit": 0.0}, "limit = 0 must be finite and positive"),
         ({"delay": -1.0}, "delay = -1 must be finite and zero or positive"),
         ({"crossing": float("nan")}, "crossing = nan must be finite"),
-        ({"period": "soon"}, "every entry must be a number"),
+        ({"period": "soon"}, "must be a number"),
         ({"more": 1.0}, "each must be a table of valve_gain"),
     ],
 )
 def test_what_is_known_of_a_spool_is_whole_or_refused(change: dict[str, Any], message: str) -> None:
     own = SpoolFeedback().known(plant_of(), IDEAL)[0].to_dict()
-    with pytest.raises(InputError, match=f"controller.spools: .*{message}"):
+    with pytest.raises(InputError, match=rf"controller\.spools.*{message}"):
         KnownSpool.from_dict({**own, **change})
 
 

@@ -75,7 +75,7 @@ def test_a_test_as_plain_data_is_strict_json(noisy: ModalTest) -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"kind": "shaker"}, "measured = 'shaker': must be one of ring-down, random, sweep, hammer"),
+        ({"kind": "shaker"}, "'shaker': did you mean 'hammer'? must be one of ring-down, random, sweep, hammer"),
         ({"kind": "sweep", "noise": 1.0}, "noise = 1: must be from 0"),
         ({"kind": "sweep", "realisations": 0}, "realisations = 0: must be at least 1"),
     ],

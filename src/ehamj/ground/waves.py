@@ -17,7 +17,7 @@ from ehamj.signals import Array, Sample, Signal, faded
 class Wave(Settings):
     """A plane wave that passes below the machine."""
 
-    speed: float = Field(200.0, ge=1.0, description="apparent wave speed c [m/s]")
+    speed: Positive = Field(200.0, description="apparent wave speed c [m/s]")
     direction: float = Field(0.0, description="direction of travel, from +x towards +y [deg]")
 
     def delays(self, positions: Array) -> Array:

@@ -34,7 +34,8 @@ def check_named(scenario: "Scenario", mounts: Sequence[str]) -> None:
             unknown.setdefault(mount, []).append(key)
     if unknown:
         said = "; ".join(
-            f"{mount!r} in {', '.join(dict.fromkeys(keys))}, {did_you_mean(mount, mounts)}".rstrip(", ")
+            f"{mount!r} in {', '.join(dict.fromkeys(keys))}; {did_you_mean(mount, mounts)}".rstrip("; ")
             for mount, keys in unknown.items()
         )
-        raise ValueError(f"no mount has this name: {said}; [[mount]] has {', '.join(mounts)}")
+        between = " " if said.endswith("?") else "; "
+        raise ValueError(f"no mount has this name: {said}{between}[[mount]] has {', '.join(mounts)}")
