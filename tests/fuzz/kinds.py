@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from fuzz.case import Case, Maker
+from fuzz.case import Maker
 from fuzz.records import record
 from fuzz.scenarios import mutated, valid
 from fuzz.signals import interrupted
@@ -17,14 +17,11 @@ from fuzz.worker import Outcome
 class Kind:
     """A generator of cases, or what tries one out by itself, and how many a full run has."""
 
-    make: Maker
+    make: Maker | None
+    """None of what tries itself out."""
     full: int
     about: str
     try_out: Callable[[Random, Path, Path], Outcome] | None = None
-
-
-def _none(random: Random, kept: Path) -> Case:
-    raise NotImplementedError  # it tries out by itself
 
 
 KINDS = {
@@ -33,5 +30,5 @@ KINDS = {
     "record": Kind(record, 5_000, "damaged records of every format"),
     "law": Kind(law, 1_000, "laws' files with values, keys or bytes as they must not be"),
     "result": Kind(result, 1_000, "results' folders damaged, renamed, mixed, before what opens them"),
-    "signal": Kind(_none, 200, "commands that are killed or interrupted at any moment", interrupted),
+    "signal": Kind(None, 200, "commands that are killed or interrupted at any moment", interrupted),
 }

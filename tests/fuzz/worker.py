@@ -124,11 +124,12 @@ def tried(kind: str, seed: int, number: int, kept: Path, keep: Path | None = Non
     from fuzz.case import MARK, chance
     from fuzz.kinds import KINDS
 
-    random, trial = chance(kind, seed, number), KINDS[kind].try_out
-    if trial is not None:
+    random, own = chance(kind, seed, number), KINDS[kind]
+    if own.try_out is not None:
         with _own_folder(keep) as folder:
-            return trial(random, kept, folder)
-    case = KINDS[kind].make(random, kept)
+            return own.try_out(random, kept, folder)
+    assert own.make is not None
+    case = own.make(random, kept)
     found = Outcome(
         told=case.told, keys=list(case.keys), commands=[list(one) for one in case.commands], damaged=case.damaged
     )

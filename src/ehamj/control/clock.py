@@ -14,9 +14,10 @@ MOST_WAITING = 100
 
 
 def waits_in_time(delay: float | None, period: float) -> bool:
-    """Whether commands act from zero to one second after the sample, or one period where that is longer, and wait no
-    longer than `MOST_WAITING` periods."""
-    return delay is None or 0.0 <= delay <= min(max(1.0, period), MOST_WAITING * period * (1 + 1e-9))
+    """Whether commands act at once, or from `SHORTEST` to one second after the sample, one period where that is longer,
+    and wait no longer than `MOST_WAITING` periods."""
+    longest = min(max(1.0, period), MOST_WAITING * period * (1 + 1e-9))
+    return delay is None or delay == 0.0 or SHORTEST <= delay <= longest
 
 
 def exact(time: float) -> Fraction:

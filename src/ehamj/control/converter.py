@@ -104,7 +104,7 @@ class Sampled(Converter):
             raise InputError(f"controller.inputs: {again[0]!r} stands there twice; each channel must be there once")
         _must(SHORTEST <= self.period < np.inf, "period", self.period, f"at least {SHORTEST:g} s")
         _plausible("period", self.period, "s")
-        waits = f"from zero to 1 s, or to one period where that is longer, and at most {MOST_WAITING} periods"
+        waits = f"zero, or from {SHORTEST:g} to 1 s (one period where that is longer), at most {MOST_WAITING} periods"
         _must(waits_in_time(self.delay, self.period), "delay", self.delay, waits)
         super().__post_init__()
         twice = [name for name in self.measures if self.from_rest and name in self.inputs]

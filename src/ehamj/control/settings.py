@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
-from ehamj.control.clock import MOST_WAITING, waits_in_time
+from ehamj.control.clock import MOST_WAITING, SHORTEST, waits_in_time
 from ehamj.control.inertial import MotionLoop
 from ehamj.control.installation import DesignedFor
 from ehamj.control.law import UNSTABLE, Controller
@@ -110,8 +110,8 @@ class SampledSettings(ControlSettings):
     def _waits_in_time(self) -> Self:
         if self.delay is not None and not waits_in_time(self.delay, self.period):
             raise ValueError(
-                f"delay = {self.delay:g} s is {self.delay * self.rate:.3g} samples at rate = {self.rate:g} Hz; at most "
-                f"{MOST_WAITING} are allowed"
+                f"delay = {self.delay:g} s is {self.delay * self.rate:.3g} samples at rate = {self.rate:g} Hz; it "
+                f"must be zero, or at least {SHORTEST:g} s and at most {MOST_WAITING} samples"
             )
         return self
 
