@@ -93,7 +93,7 @@ def check_magnitude(value: Any, unit: str | None, endless: bool = False, signed:
         least, largest = BOUNDS.get(unit, NOISE) if unit is not None else (0.0, math.inf)
         least = 0.0 if signed else least
         if number and math.isfinite(number) and not least <= abs(number) <= (math.inf if endless else largest):
-            allowed = f"at most {largest:g}" if abs(number) > largest else f"zero or at least {least:g}"
+            allowed = f"at most {largest:g}" if abs(number) > largest else f"at least {least:g}"
             raise ValueError(f"must be {allowed} {'' if unit == '-' else unit}".rstrip() + " in magnitude")
     return value
 

@@ -49,7 +49,10 @@ class Made:
     @cached_property
     def known_by(self) -> bytes:
         """See `fingerprint`."""
-        return _known_by(self)
+        found = blake2b()
+        for rows in blocks(self.shape[0]):
+            found.update(np.ascontiguousarray(self.rows(rows)).data)
+        return found.digest()
 
 
 @dataclass(frozen=True, eq=False)

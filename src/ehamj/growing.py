@@ -5,12 +5,14 @@ import os
 import shutil
 import weakref
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import numpy as np
 
 from ehamj.errors import InputError
+from ehamj.plain.needs import gib
 from ehamj.unfinished import HELD, MARGIN, check_room, remove
 
 if TYPE_CHECKING:
@@ -138,25 +140,29 @@ class Kept(NamedTuple):
         need, free = COPIES * self.dataset.nbytes, psutil.virtual_memory().available
         if need > free:
             raise InputError(
-                f"report and replay need all {self.dataset.sizes['time']} rows in memory, about {need / 2**30:.3g} "
-                f"GiB, and {free / 2**30:.3g} GiB are free; summary.json has the numbers, result.nc opens with xarray "
+                f"report and replay need all {self.dataset.sizes['time']} rows in memory, about {gib(need)}, "
+                f"and {gib(free)} are free; summary.json has the numbers, result.nc opens with xarray "
                 "a part at a time, and a run with a lower record_rate or duration has both"
             )
         return self.dataset.copy().load()
 
     def put(self, place: Path) -> bool:
-        """Give the file another name too, or, on another file system, copy it; False where it no longer stands where
-        it stood, and its channels alone can be read."""
+        """Give what is temporary its name, once; copy what has one, or is on another file system.
+
+        False where it no longer stands where it stood, and its channels alone can be read.
+        """
         try:
             if _told(self.path) != self.told:
                 return False
         except OSError:
             return False
-        try:
-            os.link(self.path, place)
-        except OSError:
-            check_room(place, self.path.stat().st_size)
-            shutil.copyfile(self.path, place)
+        # Of what is ours alone: who edits a stored result is not to edit its copy.
+        if self.path.parent in HELD and self.path.stat().st_nlink == 1:
+            with suppress(OSError):
+                os.link(self.path, place)
+                return True
+        check_room(place, self.path.stat().st_size)
+        shutil.copyfile(self.path, place)
         return True
 
 

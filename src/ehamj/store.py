@@ -59,7 +59,7 @@ def write_run(folder: Path, results: Mapping[str, Result], progress: Progress = 
     # What takes longest begins first: pages before recordings, all runs together before one.
     shows = [
         job
-        for kind in zip_longest(*(_shows(*one[:3]) for one in work if not left_out))
+        for kind in zip_longest(*(_shows(*one[:2]) for one in work if not left_out))
         for job in kind
         if job is not None
     ]
@@ -93,7 +93,7 @@ def _clear(folder: Path) -> None:
         remove(figures)
 
 
-def _shows(folder: Path, shown: Shown, stored: Result) -> "Iterator[tuple[str, Callable[[], None]]]":
+def _shows(folder: Path, shown: Shown) -> "Iterator[tuple[str, Callable[[], None]]]":
     """Name and writer of each file that shows a run; none needs another."""
     output = shown.first.scenario.output
     if shown.first.dataset.time.size:  # else it failed before its first row: there is nothing to show
@@ -109,19 +109,18 @@ def check_shown(folder: Path, lost: Lost, results: Iterable[Result]) -> None:
     Raises:
         NotShown: if there is anything.
     """
-    for one in results:
-        for part, why in one.summary.unjudged.items():
-            raise NotShown(
-                f"{part} of {one.scenario.name!r} could not be judged: {why}. The run is kept in {str(folder)!r}, with "
-                f"all else; `ehamj report {folder}` shows it"
-            )
+    said = [
+        f"{part} of {one.scenario.name!r} could not be judged: {why}; `ehamj report {folder}` shows all else"
+        for one in results
+        for part, why in one.summary.unjudged.items()
+    ]
     for name, (at, error) in lost.items():
         what = name.partition(" of ")[0].split(" and ")
-        commands = [f"`ehamj {one} {folder / at}`" for one in what]
-        raise NotShown(
-            f"{name} could not be made: {in_words(error)}. The run is kept in {str(folder)!r}; {' or '.join(commands)} "
-            "makes it"
-        ) from error
+        commands = " or ".join(f"`ehamj {one} {folder / at}`" for one in what)
+        said.append(f"{name} could not be made: {in_words(error)}; {commands} makes it")
+    if said:
+        first = next((error for _, error in lost.values()), None)
+        raise NotShown(f"{'. '.join(said)}. The run is kept in {str(folder)!r}") from first
 
 
 def _write_replay(path: Path, shown: Shown) -> None:

@@ -108,6 +108,13 @@ def test_a_run_says_what_binds_where_the_time_went_and_what_to_open_next(cli: Cl
     assert said.out.endswith("replay: none; `ehamj replay result` writes it\n")
 
 
+def test_a_floor_whose_axes_are_scaled_each_by_itself_is_told_of(cli: Cli) -> None:
+    quick = ["--set", "duration=0.1", "--set", "compare=[]", "--no-report", "--no-replay"]
+    said = cli("run", "recorded", *quick, "--set", "ground.scale={z=2.0, x=-1.0}")
+    assert said.code == 0
+    assert "note: the recorded floor is scaled by 2 (z), -1 (x) (ground.scale)" in said.out
+
+
 def test_the_version_is_one_line(cli: Cli) -> None:
     said = cli("--version")
     assert said.code == 0

@@ -68,7 +68,7 @@ def test_what_is_too_light_is_named_also_without_plates(table: dict[str, object]
 
 def test_a_force_that_is_too_short_is_what_asks_for_short_steps() -> None:
     blow = {"kind": "hammer", "peak": 10.0, "pulse_time": 1e-8}
-    with pytest.raises(InputError, match="a force that is so short or fast asks for steps of 5e-10 s"):
+    with pytest.raises(InputError, match=r"force\.0 \(hammer\), which is so short or fast, asks for steps of 5e-10 s"):
         simulate(parse_scenario({"plates": "tied", "force": [blow], "duration": 1.0}))
 
 

@@ -14,6 +14,7 @@ from ehamj.result import load_result
 from ehamj.run import drive, summarise
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
+from ehamj.store import check_shown
 
 SHORT: dict[str, Any] = {
     "name": "short",
@@ -149,3 +150,11 @@ def test_one_natural_frequency_is_enough(file: Path) -> None:
 def test_a_scenario_s_own_response_spectrum_needs_a_frequency() -> None:
     with pytest.raises(InputError, match="no natural frequency"):
         parse_scenario({**SHORT, "criteria": {"response_spectrum": {"first": 1.05, "last": 1.1}}})
+
+
+def test_all_that_is_lost_is_said(tmp_path: Path) -> None:
+    lost = {"report of a": (Path(), OSError("full")), "replay of b": (Path("b"), ValueError("odd"))}
+    with pytest.raises(
+        NotShown, match=r"report of a could not .*`ehamj report .*replay of b could not .*`ehamj replay"
+    ):
+        check_shown(tmp_path, lost, [])

@@ -100,8 +100,8 @@ def _named(folder: Path | None) -> Path:
     """The folder that was named; raises InputError where none was, which names the latest there is."""
     if folder is not None:
         return folder
-    there = sorted(path.parent for path in RUNS.glob("*/summary.json"))
-    latest = f"the latest here is {str(there[-1])!r}" if there else "`ehamj run` makes one"
+    there = max(RUNS.glob("[!.]*/summary.json"), key=lambda path: path.stat().st_mtime_ns, default=None)
+    latest = f"the latest here is {str(there.parent)!r}" if there else "`ehamj run` makes one"
     raise InputError(f"RESULT: is missing; name a result folder, {latest}")
 
 

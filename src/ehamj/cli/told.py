@@ -25,6 +25,7 @@ from ehamj.result import Result
 from ehamj.run.limits import binding
 from ehamj.run.limits import warnings as reached
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variants import known_variants
 
 NOTES: Final = 5
 """Notes that are printed; the others are on the page."""
@@ -55,7 +56,7 @@ def print_run(results: Mapping[str, Result], folder: Path, spent: str) -> None:
         summary, scenario, "on the page" if (folder / "report.html").is_file() else f"in {folder / 'summary.json'}"
     )
     say(spent, "time: ")
-    _print_next(folder, complete=summary.complete)
+    _print_next(folder)
 
 
 def _print_verdict(summary: Summary) -> None:
@@ -73,7 +74,7 @@ def _print_verdict(summary: Summary) -> None:
 def _print_attenuation(results: Mapping[str, Result], scenario: Scenario) -> None:
     """Attenuation of each motion in the bands that are known, of the variants at their worst places."""
     own = next(iter(results.values())).summary
-    labels = {scenario.variant(name).name: name for name in scenario.compare}
+    labels = {full: name for full, name in known_variants(scenario).items() if name in scenario.compare}
     rows: list[tuple[str, str, Mapping[str, float | None]]] = []
     for motion, places in own.attenuation_first().items():
         name = NAMES.get(motion, f"along {motion}")
@@ -141,19 +142,21 @@ def _print_notes(summary: Summary, scenario: Scenario, more: str) -> None:
     said = {*(one.in_words() for one in summary.worse if one.made_worse), *reached(summary.saturation)}
     left = [text for text in summary.warnings if text not in said and not PROCESSING.match(text)]
     if (scale := getattr(scenario.ground, "scale", 1.0)) != 1.0:
+        by = ", ".join(f"{own:g} ({name})" for name, own in scale.items()) if isinstance(scale, dict) else f"{scale:g}"
         way_out = "as the scenario states; --set ground.scale=1 takes a record as it is"
-        say(f"the recorded floor is scaled by {scale:g} (ground.scale), {way_out}", "note: ")
+        say(f"the recorded floor is scaled by {by} (ground.scale), {way_out}", "note: ")
     for text in left[:NOTES]:
         say(text, "note: ")
     if hidden := len([text for text in summary.warnings if text not in said]) - len(left[:NOTES]):
         say(f"and {hidden} more {more}", "notes: " if not left else "")
 
 
-def _print_next(folder: Path, complete: bool) -> None:
+def _print_next(folder: Path) -> None:
     """Where it is, and what to open next."""
     say(f"{folder}", "result: ", whole=True)
     there = {name: (folder / f"{name}.{ending}").is_file() for name, ending in (("report", "html"), ("replay", "rrd"))}
-    say(f"{folder / 'report.html'}", "read: ", whole=True) if there["report"] else None
+    if there["report"]:
+        say(f"{folder / 'report.html'}", "read: ", whole=True)
     if there["replay"]:
         say(f"ehamj replay {folder}", "watch: ", whole=True)
     for name in [name for name, is_there in there.items() if not is_there]:

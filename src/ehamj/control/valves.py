@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any, Final, NamedTuple, Self
 
 from ehamj.control.channels import SUPPLY
-from ehamj.control.tables import numbers_in
+from ehamj.control.tables import number_in
 from ehamj.errors import InputError
 from ehamj.isolator.flow_curve import POINTS
 from ehamj.plant.axes import CHAMBERS
@@ -106,12 +106,10 @@ class KnownValve(NamedTuple):
         keys = (*Known._fields, "curve")
         if not isinstance(table, Mapping) or set(table) != set(keys):
             raise InputError(f"controller.valves: each must be a table of {', '.join(keys)}")
-        known = {name: table[name] for name in Known._fields}
-        numbers = Known(*numbers_in(known, Known._fields, "controller.valves"))
+        numbers = Known(*(number_in(table[name], f"controller.valves.{name}") for name in Known._fields))
         if not isinstance(table["curve"], Sequence) or isinstance(table["curve"], str):
             raise InputError("controller.valves: curve must be a list of numbers")
-        places = tuple(map(str, range(len(table["curve"]))))
-        curve = tuple(numbers_in(dict(zip(places, table["curve"], strict=True)), places, "controller.valves.curve"))
+        curve = tuple(number_in(one, f"controller.valves.curve.{k}") for k, one in enumerate(table["curve"]))
         whole = all(map(math.isfinite, (*numbers, *curve))) and len(curve) == POINTS
         if not whole or min(getattr(numbers, name) for name in POSITIVE) <= 0.0:
             raise InputError(

@@ -4,12 +4,11 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from functools import wraps
-from hashlib import blake2b
 from typing import Any, TypeVar
 
 import numpy as np
 
-from ehamj.columns import fingerprint
+from ehamj.columns import digest, fingerprint
 
 T = TypeVar("T")
 
@@ -48,5 +47,5 @@ def remembered(count: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
 def _plain(given: Any) -> Any:
     """What an argument is told by."""
     if isinstance(given, np.ndarray):
-        return given.shape, given.dtype.str, blake2b(np.ascontiguousarray(given).data).digest()
+        return given.shape, given.dtype.str, digest(given)
     return fingerprint(given) if getattr(given, "shape", ()) else given

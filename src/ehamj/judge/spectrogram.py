@@ -83,11 +83,13 @@ def spectrogram(runs: Mapping[str, Run]) -> Spectrogram | None:
         if (runs[label].rate, runs[label].dataset.time.size) == (first.rate, first.dataset.time.size)
     }
     floors: dict[str, Samples] = {}
+    distinct = set()
     for label, run in alike.items():
         ground = run.dataset["ground_velocity"].variable
         worst = np.argmax(of_each(ground, lambda one: (one**2).sum()), axis=0)
         floor = Picked(ground, [(int(mount), axis) for axis, mount in enumerate(worst)])
-        if not any(fingerprint(floor) == fingerprint(known) for known in floors.values()):
+        if (told := fingerprint(floor)) not in distinct:
+            distinct.add(told)
             floors[f"floor of {label}" if floors else "floor"] = floor
     motions = floors | {label: run.dataset["cg_velocity"].variable for label, run in alike.items()}
     if not chosen or not all(map(finite, motions.values())):

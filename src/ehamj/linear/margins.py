@@ -190,7 +190,7 @@ def report(model: LinearModel, loop: Loop, hertz: ArrayLike | None = None) -> Lo
     found = [_report(model, loop, hertz)]
     if any(line.low < line.high for line in loop.law.lines):
         found += [_report(model, replace(loop, law=loop.law.turned(end)), hertz) for end in ENDS]
-    return LoopReport.worst_of(found) if len(found) > 1 else found[0]
+    return LoopReport.worst_of(found)
 
 
 def _report(model: LinearModel, loop: Loop, hertz: ArrayLike | None) -> LoopReport:

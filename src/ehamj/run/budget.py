@@ -11,6 +11,7 @@ import psutil
 from ehamj import columns, growing
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator, hydraulic_stiffness
+from ehamj.plain.needs import gib
 from ehamj.plant.plant import Plant
 from ehamj.scenario.model import Scenario
 
@@ -68,7 +69,7 @@ def check_rows(scenario: Scenario, together: int = 1, folder: Path | None = None
     if memory > free:
         beside = ", or leave out what shows all of it (--no-report --no-replay)" if in_file and shown else ""
         raise InputError(
-            f"{_asked(scenario, together)}: {rows:.3g} rows need about {_gib(memory)} of memory and {_gib(free)} are "
+            f"{_asked(scenario, together)}: {rows:.3g} rows need about {gib(memory)} of memory and {gib(free)} are "
             f"free; lower record_rate or duration{beside}"
         )
     if folder is not None or in_file:
@@ -82,12 +83,13 @@ def check_disk(scenario: Scenario, together: int = 1, folder: Path | None = None
         InputError: which names what they need, what is free, and the keys.
     """
     rows, size = scenario.duration * scenario.record_rate * together, together * size_of(scenario)
+    other = "let TMPDIR name a folder with more room" if folder is None else "name another --out"
     folder = folder or Path(tempfile.gettempdir())
     above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if size > (free := psutil.disk_usage(str(above)).free):
         raise InputError(
-            f"{_asked(scenario, together)}: {rows:.3g} rows need about {_gib(size)} on disk and {_gib(free)} are free "
-            f"in {str(above)!r}; lower record_rate or duration, or name another --out"
+            f"{_asked(scenario, together)}: {rows:.3g} rows need about {gib(size)} on disk and {gib(free)} are free "
+            f"in {str(above)!r}; lower record_rate or duration, or {other}"
         )
 
 
@@ -110,13 +112,15 @@ def check_steps(scenario: Scenario, timestep: float) -> None:
     if scenario.timestep != "auto":
         why = f"timestep = {timestep:g} s"
     elif (longest := scenario.load().longest_step) < 1.01 * timestep:
-        why = f"a force that is so short or fast asks for steps of {longest:.3g} s"
+        number, force = min(enumerate(scenario.force), key=lambda one: one[1].longest_step)
+        why = f"force.{number} ({force.kind}), which is so short or fast, asks for steps of {longest:.3g} s"
     else:
         why = fastest_part(scenario.plant)
+    allowed = [f"the step must be at least {FLOOR:g} s"] if timestep < FLOOR else []
+    allowed += [f"the run must take at most {LONGEST / 3600.0:g} h"] if seconds > LONGEST else []
     raise InputError(
         f"{why}: a step of {timestep:.3g} s is {steps:.3g} steps in duration = {scenario.duration:g} s, about "
-        f"{seconds / 3600.0:.3g} h; the step must be at least {FLOOR:g} s and the run at most "
-        f"{LONGEST / 3600.0:g} h"
+        f"{seconds / 3600.0:.3g} h; {' and '.join(allowed)}"
     )
 
 
@@ -152,7 +156,3 @@ def _stiffness(own: Actuator) -> float:
     """Of oil and membrane together [N/m]."""
     oil: float = hydraulic_stiffness(own.bulk_modulus, own.piston_area, own.chamber_volume)
     return oil + own.membrane_stiffness
-
-
-def _gib(size: float) -> str:
-    return f"{size / 2**30:.3g} GiB"

@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 
-from ehamj.arrays import Array
 from ehamj.columns import columns, places
 from ehamj.errors import SimulationFailed
 from ehamj.judge.levels import duration_of
@@ -14,6 +13,7 @@ from ehamj.run.prepare import Prepared
 from ehamj.run.timestep import follows
 from ehamj.smallmotion.advance import LARGEST_TURN
 from ehamj.stopped import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, TOO_LARGE, Stopped
+from ehamj.variables import first_lost
 
 EMPTY = {CHAMBER_1_EMPTY: 1, CHAMBER_2_EMPTY: 2}
 """Chamber that ran empty, by status."""
@@ -54,24 +54,12 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
 
 
 def not_finite(dataset: xr.Dataset) -> str | None:
-    """Where a channel has what is no number, in words; a sum tells sooner whether any has."""
-    for name, channel in dataset.data_vars.items():
-        lost = [_first_lost(one) for one in columns(channel.variable)]
-        row = min((one for one in lost if one is not None), default=None)
-        if row is None:
-            continue
-        return (
-            f"simulation failed at {float(dataset.time[row]):.6g} s: {name} is no longer finite. Kept to the end, "
-            "marked incomplete; smaller commands or gains may help"
-        )
-    return None
-
-
-def _first_lost(values: Array) -> int | None:
-    """The first row that is no number."""
-    if np.isfinite(values.sum()) or np.isfinite(values).all():
-        return None
-    return int(np.argmin(np.isfinite(values)))
+    """Where a channel has what is no number, in words."""
+    lost = first_lost(dataset)
+    return lost and (
+        f"simulation failed at {lost[1]:.6g} s: {lost[0]} is no longer finite. Kept to the end, "
+        "marked incomplete; smaller commands or gains may help"
+    )
 
 
 def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
