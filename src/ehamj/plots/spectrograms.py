@@ -100,7 +100,7 @@ def spectrogram(
             entries[style.shown(moment.label, LONGEST)] = one.axvline(
                 moment.time, color=style.MOMENT_COLOR, linewidth=1.3, linestyle=(0, (2, 1)), zorder=5
             )
-    style.arrange(figure, [(one, ROW * len(bands)) for one in axes], entries, right=66.0, gap=20.0, head=10.0)
+    style.arrange(figure, [(one, ROW * len(bands)) for one in axes], entries, right=74.0, gap=20.0, head=10.0)
     top, bottom = axes[0].get_position(), axes[-1].get_position()
     place = top.x1 + 0.025, bottom.y0, 0.028, top.y1 - bottom.y0
     beside = figure.add_axes(place, axes_class=type(axes[0]), label="<colorbar>")
