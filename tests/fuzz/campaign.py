@@ -52,6 +52,9 @@ class Worker:
         arguments = [sys.executable, "-m", "fuzz.worker", str(writing), str(self.kept), name]
         quiet = {"COLUMNS": "200", "NO_COLOR": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONWARNINGS": "default"}
         seen = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        # A worker starts elsewhere, where relative paths of this process lead to nothing.
+        paths = [str(Path(path).absolute()) for path in seen.get("PYTHONPATH", "").split(os.pathsep) if path]
+        seen["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parents[1].absolute()), *paths])
         self.process = subprocess.Popen(
             arguments, stdin=subprocess.PIPE, pass_fds=[writing], env={**seen, **quiet}, cwd=tempfile.gettempdir()
         )
