@@ -1,0 +1,1 @@
+"""Plans: which designs a study looks at."""

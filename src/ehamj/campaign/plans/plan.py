@@ -1,0 +1,54 @@
+"""What a plan is: settings, and a generator of batches of designs that is told what they came out with."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ehamj.arrays import Array
+from ehamj.settings import Settings
+
+if TYPE_CHECKING:
+    from ehamj.campaign.parameters import Space
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What a search looks for: the columns of what it is told.
+
+    ``objectives`` are names of merits with +1 where less is better and −1 where more is; ``constraints`` are
+    (merit, at_least, at_most), None where there is no bound.
+    """
+
+    objectives: Sequence[tuple[str, float]] = ()
+    constraints: Sequence[tuple[str, float | None, float | None]] = ()
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a batch came out with: ``objectives`` (design, objective), all to be small, and ``violations``
+    (design, constraint), 0 or less where met; NaN of a design that failed."""
+
+    objectives: Array
+    violations: Array
+
+
+Batches = Generator[Array, Told, None]
+"""Yields points (design, parameter) of the unit cube, [0, 1), and is sent what they came out with."""
+
+
+class Plan(Settings, ABC):
+    """Base of all plans; each has a ``kind`` of its own and is registered in `ehamj.campaign.plans.kinds`."""
+
+    @abstractmethod
+    def count(self, space: "Space") -> int:
+        """Designs that it makes, all batches together."""
+
+    @abstractmethod
+    def batches(self, space: "Space", goals: Goals) -> Batches:
+        """Designs batch by batch, the same whenever it is asked with the same settings: a study resumes by asking
+        again and answering from its store.
+
+        Raises:
+            InputError: if the parameters or the goals do not suit it.
+        """
