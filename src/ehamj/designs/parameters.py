@@ -1,12 +1,13 @@
 """Parameters that designs differ in: their keys, units, limits and values, and a scenario with another value of one."""
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.supply import Supply
 from ehamj.linear.values import ACTUATOR_VALUES, MACHINE_VALUES
@@ -66,7 +67,12 @@ def footprint(plant: Plant, key: str) -> float:
     Raises:
         InputError: if all of them stand in one line across it.
     """
-    along, ahead = np.array(plant.positions)[:, "xy".index(FOOTPRINT[key])], footprint_sides(plant, key)
+    return _distance(key, np.array(plant.positions)[:, "xy".index(FOOTPRINT[key])])
+
+
+def _distance(key: str, along: Array) -> float:
+    """The same of coordinates along the key's axis (mount,) [m]."""
+    ahead = along > along.mean()
     if not ahead.any():
         raise InputError(f"{key}: all mounts have {FOOTPRINT[key]} = {along[0]:g} m, there is no distance to vary")
     return float(along[ahead].mean() - along[~ahead].mean())
@@ -110,21 +116,94 @@ def with_value(scenario: Scenario, key: str, value: float) -> Scenario:
         InputError: if there is no such parameter, or the value is impossible.
     """
     quantity_of(scenario, key)
-    first, _, rest = key.partition(".")
-    if first == "mount":
-        index, _, coordinate = rest.partition(".")
-        place = list(scenario.mount[int(index)].place)
-        place[int(coordinate[-1])] = value
-        return changed(scenario, {f"mount.{index}.position": place})
-    if key not in FOOTPRINT:
-        kept = {"machine.inertia": scenario.machine.inertia} if key == "machine.mass" else {}  # which would follow
+    return changed(scenario, changes_of(scenario, {key: value}))
+
+
+def changes_of(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, Any]:
+    """What `ehamj.scenario.load.changed` is told, so that a scenario has these values all at once.
+
+    Args:
+        scenario: what they differ from.
+        values: by key of `quantity_of`, or any other key of a scenario, which passes as it is. Values count as they
+            are: another mass keeps the moments of inertia, and a footprint scales positions that are set beside it.
+    """
+    values = {_by_number(scenario, key): value for key, value in values.items()}
+    found: dict[str, Any] = {}
+    for key, value in values.items():
         *of, entry = key.split(".")
         if of == ["machine", "inertia"] and isinstance(scenario.machine.inertia[0], tuple):
             key = f"{key}.{entry}"  # a moment of a tensor, whose products are kept
-        return changed(scenario, {key: value, **kept})
-    axis, factor = "xy".index(FOOTPRINT[key]), value / footprint(scenario.plant, key)
-    places = {f"mount.{k}.position.{axis}": factor * mount.position[axis] for k, mount in enumerate(scenario.mount)}
-    return changed(scenario, places)
+        if key not in FOOTPRINT and not _position_of(key) and not _own_actuator_of(key):
+            found[key] = value
+    if "machine.mass" in found and not any(key.startswith("machine.inertia") for key in found):
+        found = {"machine.inertia": scenario.machine.inertia, **found}  # which would follow
+    return found | _places(scenario, values) | _own_actuators(scenario, values)
+
+
+def _by_number(scenario: Scenario, key: str) -> str:
+    """A key of a mount by its number, where it has the mount's name."""
+    first, _, rest = key.partition(".")
+    name, _, last = rest.partition(".")
+    names = [mount.name for mount in scenario.mount]
+    return f"mount.{names.index(name)}.{last}" if first == "mount" and name in names and last else key
+
+
+def _position_of(key: str) -> tuple[int, int] | None:
+    """Mount and axis of a key that is one coordinate of a mount."""
+    parts = key.split(".")
+    if len(parts) != 4 or parts[0] != "mount" or parts[2] != "position" or not (parts[1] + parts[3]).isdigit():
+        return None
+    return int(parts[1]), int(parts[3])
+
+
+def _own_actuator_of(key: str) -> tuple[int, str] | None:
+    """Mount and quantity of a key that is a value of one mount's own actuator."""
+    parts = key.split(".")
+    own = len(parts) == 4 and parts[0] == "mount" and parts[2] == "actuator" and parts[1].isdigit()
+    return (int(parts[1]), parts[3]) if own else None
+
+
+def _places(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Positions of the mounts that have others."""
+    places = np.array([mount.place for mount in scenario.mount])
+    moved = {key for key in values if key in FOOTPRINT or _position_of(key)}
+    for key in sorted(moved, key=lambda key: key in FOOTPRINT):
+        if at := _position_of(key):
+            if at[0] >= len(places) or at[1] >= len(AXES):
+                raise InputError(f"{key}: there are mounts 0 to {len(places) - 1}, and coordinates 0 to 2 of each")
+            places[at] = values[key]
+        else:
+            along = places[:, "xy".index(FOOTPRINT[key])]
+            along *= values[key] / _distance(key, along)
+    before = np.array([mount.place for mount in scenario.mount])
+    others = np.flatnonzero((places != before).any(axis=1))
+    return {f"mount.{k}.position": places[k].tolist() for k in others.tolist()}
+
+
+def _own_actuators(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of actuators of their own for mounts that have one, from the others' as they are to become."""
+    found: dict[str, Any] = {}
+    of: dict[int, dict[str, Any]] = {}
+    for key, value in values.items():
+        if at := _own_actuator_of(key):
+            of.setdefault(at[0], {})[at[1]] = value
+    for number, own in of.items():
+        if number >= len(scenario.mount):
+            raise InputError(f"mount.{number}: there are mounts 0 to {len(scenario.mount) - 1}")
+        mount = scenario.mount[number]
+        actuator, before = scenario.actuators[mount.actuator], f"actuators.{mount.actuator}."
+        shared = {key.removeprefix(before): value for key, value in values.items() if key.startswith(before)}
+        for name in own:
+            if name not in ACTUATOR_VALUES and name not in Actuator.model_fields:
+                near = did_you_mean(name, ACTUATOR_VALUES)
+                raise InputError(
+                    f"mount.{mount.name}.actuator.{name}: {near}must be one of {', '.join(ACTUATOR_VALUES)}"
+                )
+        table = actuator.model_dump(include=set(Actuator.model_fields)) | shared | own
+        sources = {name: source for name, source in actuator.sources.items() if name not in shared | own}
+        found[f"actuators.{mount.name}"] = table | {"sources": sources}
+        found[f"mount.{number}.actuator"] = mount.name
+    return found
 
 
 def _limits(key: str) -> dict[str, float]:
