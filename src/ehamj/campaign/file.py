@@ -4,8 +4,8 @@ A study goes through stages, in this order; its designs have numbers through all
 
 - ``named``: the scenario's own design ("as it is", number 0) and each of ``named``, with values of their own keys;
 - ``search``: the designs of the plan, within ``vary``;
-- ``tolerance``: machines within ``tolerances`` around each of the ``best`` of search (by `Goals`) and of the named ones,
-  whose ``parent`` is that design;
+- ``tolerance``: machines within ``tolerances`` around each of the ``best`` of search (by `Goals`) and of the named
+  ones, whose ``parent`` is that design;
 - ``confirm``: these designs once more, on the machine as ``confirm.set`` has it; ``parent`` is the design.
 """
 
