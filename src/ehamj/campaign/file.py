@@ -1,4 +1,13 @@
-"""A study file: which machine, what is varied, which designs that makes, and what is asked of them."""
+"""A study file: which machine, what is varied, which designs that makes, and what is asked of them.
+
+A study goes through stages, in this order; its designs have numbers through all of them:
+
+- ``named``: the scenario's own design ("as it is", number 0) and each of ``named``, with values of their own keys;
+- ``search``: the designs of the plan, within ``vary``;
+- ``tolerance``: machines within ``tolerances`` around each of the ``best`` of search (by `Goals`) and of the named
+  ones, whose ``parent`` is that design;
+- ``confirm``: these designs once more, on the machine as ``confirm.set`` has it; ``parent`` is the design.
+"""
 
 import json
 from collections.abc import Iterable, Mapping
