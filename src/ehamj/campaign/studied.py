@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
+from ehamj.campaign.best import best_of, front_of
 from ehamj.campaign.file import Limit, StudyFile
 from ehamj.campaign.names import short_names, worded
 from ehamj.merits.merit import Merit
@@ -18,8 +19,10 @@ if TYPE_CHECKING:
 else:
     DataFrame = Series = Any
 
-SEARCH, NAMED, TOLERANCE, CONFIRM: Final = "search", "named", "tolerance", "confirm"
+SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
 """Stages of a study's designs."""
+AS_IT_IS: Final = "as it is"
+"""Name of the scenario's own design."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,23 @@ class Studied:
     def named(self) -> dict[str, Series]:
         """Designs with a name of their own, to compare with, as far as they are done."""
         rows = (row for _, row in self.stage(NAMED).iterrows())
-        return {name: row for name, row in zip(self.file.named, rows, strict=False) if row["status"] == "done"}
+        names = (AS_IT_IS, *self.file.named)
+        return {name: row for name, row in zip(names, rows, strict=False) if row["status"] == "done"}
+
+    @cached_property
+    def best(self) -> list[int]:
+        """Rows of `search` of the best designs that keep all limits, the best first; none without objectives."""
+        return best_of(self.objectives(self.search), self.good(self.search), self.file.best)
+
+    @cached_property
+    def front(self) -> list[int]:
+        """Rows of `search` on the Pareto front of the designs that keep all limits, by the first objective; none
+        without several objectives."""
+        if len(self.file.objectives) < 2:
+            return []
+        objectives = np.where(self.good(self.search)[:, None], self.objectives(self.search), np.nan)
+        rows = np.flatnonzero(front_of(objectives))
+        return [int(row) for row in rows[np.argsort(objectives[rows, 0], kind="stable")]]
 
     @cached_property
     def failed(self) -> DataFrame:
@@ -80,8 +99,8 @@ class Studied:
 
     def objectives(self, designs: DataFrame) -> Array:
         """Objectives of designs (design, objective), all to be small; NaN of those that failed."""
-        signs = [1.0 if way == "lowest" else -1.0 for way in self.file.objectives.values()]
-        return designs[list(self.file.objectives)].to_numpy(float) * signs
+        signs = [sign for _, sign in self.file.goals.objectives]
+        return np.asarray(designs[list(self.file.objectives)].to_numpy(float) * signs)
 
     @cached_property
     def short(self) -> dict[str, str]:

@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 
-from ehamj.campaign.best import best_rows
 from ehamj.campaign.studied import TOLERANCE, DataFrame, Studied, meets
 
 CONFIDENCE: Final = 0.95
@@ -39,7 +38,7 @@ class Yield:
 
 def groups(studied: Studied) -> dict[str, DataFrame]:
     """Machines within tolerances, by whose variations they are; without such, those of a plan that draws its own."""
-    parents = {f"design {number}": number for number in studied.search["number"].iloc[best_rows(studied)]}
+    parents = {f"design {number}": number for number in studied.search["number"].iloc[studied.best]}
     parents |= {name: int(row["number"]) for name, row in studied.named.items()}
     found = {whose: studied.children(number, TOLERANCE) for whose, number in parents.items()}
     found = {whose: machines for whose, machines in found.items() if len(machines)}

@@ -97,8 +97,10 @@ def _numbered(axes: Axes, pair: Pair) -> None:
     x, y = np.asarray(pair.x[1], float), np.asarray(pair.y[1], float)
     for row, text in pair.numbers.items():
         at = axes.transData.transform((x[row], y[row]))
-        if not np.isfinite(at).all() or any(abs(at[0] - other[0]) < (NEAR + 2.5 * len(text)) * unit
-                                            and abs(at[1] - other[1]) < 0.8 * NEAR * unit for other in taken):
+        if not np.isfinite(at).all() or any(
+            abs(at[0] - other[0]) < (NEAR + 2.5 * len(text)) * unit and abs(at[1] - other[1]) < 0.8 * NEAR * unit
+            for other in taken
+        ):
             continue  # fmt: skip
         taken.append(at)
         axes.annotate(text, (x[row], y[row]), (4, 3), textcoords="offset points", fontsize=7.8, zorder=6)

@@ -58,9 +58,7 @@ def effects_chart(
         values = np.asarray(one.values, float)
         places = room * np.arange(len(causes)) + NAME + BAR * (k + 0.5)
         known = np.isfinite(values)
-        axes.barh(
-            places[known], values[known] - base, left=base, height=0.86 * BAR, linewidth=0.8, alpha=0.75, **look
-        )
+        axes.barh(places[known], values[known] - base, left=base, height=0.86 * BAR, linewidth=0.8, alpha=0.75, **look)
         entries[style.shown(one.label, LONGEST)] = style.patch_key(**look)
         ends = [values[known]]
         if one.low is not None and one.high is not None:
