@@ -45,8 +45,9 @@ RANKS = (
     ("run", "replay"),
     ("rig",),
     ("evaluation",),
+    ("merits",),
     ("paper", "report", "studies"),
-    ("design", "verify", "store"),
+    ("design", "verify", "store", "campaign"),
     ("bench",),
     ("cli", "__init__"),
 )

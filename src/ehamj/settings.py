@@ -8,6 +8,7 @@ A source is one of
 - ``given``: set by the user.
 """
 
+import json
 import math
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
@@ -122,6 +123,17 @@ def quantity(default: Any, unit: str, symbol: str, text: str, source: Source, **
     """A field with its unit, symbol and source; ``limits`` are pydantic's (gt, ge, lt, le, …)."""
     extra: dict[str, Any] = {"unit": unit, "symbol": symbol, "source": source}
     return Field(default, description=f"{text} [{unit}]", json_schema_extra=extra, **limits)
+
+
+def schema_of(kind: type[Settings]) -> str:
+    """JSON schema of a file of settings; defaults that JSON has no number for (infinity) are left out."""
+
+    def finite(node: Any) -> Any:
+        if isinstance(node, dict):
+            return {k: finite(v) for k, v in node.items() if not (isinstance(v, float) and math.isinf(v))}
+        return [finite(entry) for entry in node] if isinstance(node, list) else node
+
+    return json.dumps(finite(kind.model_json_schema()), indent=2, allow_nan=False)
 
 
 def one_of(kinds: Iterable[type[Settings]]) -> Any:

@@ -1,7 +1,5 @@
 """Read scenarios: TOML files and shipped names, with overrides; file names become absolute."""
 
-import json
-import math
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
@@ -18,7 +16,7 @@ from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import keys_of
 from ehamj.scenario.variation import changed, derived_anew, unlike, warn_derived
 from ehamj.scenario_files import scenario_path, scenario_table, shipped_scenarios
-from ehamj.settings import FILE, OVERRIDES, SCENARIO, Settings
+from ehamj.settings import FILE, OVERRIDES, SCENARIO, Settings, schema_of
 
 __all__ = [
     "Given",
@@ -36,14 +34,8 @@ __all__ = [
 
 
 def scenario_schema() -> str:
-    """JSON schema of a scenario file; defaults that JSON has no number for (infinity) are left out."""
-
-    def finite(node: Any) -> Any:
-        if isinstance(node, dict):
-            return {k: finite(v) for k, v in node.items() if not (isinstance(v, float) and math.isinf(v))}
-        return [finite(entry) for entry in node] if isinstance(node, list) else node
-
-    return json.dumps(finite(Scenario.model_json_schema()), indent=2, allow_nan=False)
+    """JSON schema of a scenario file."""
+    return schema_of(Scenario)
 
 
 def load_scenario(source: str | Path, overrides: Iterable[str] = ()) -> Scenario:
