@@ -1,4 +1,4 @@
-"""Files of settings: scenarios and studies that ship, by name, and any other by its path, as the tables that they hold."""
+"""Files of settings, as scenarios are: those that ship, by name, and any other by its path, as the tables they hold."""
 
 from collections.abc import Mapping
 from importlib import resources

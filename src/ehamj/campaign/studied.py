@@ -1,0 +1,150 @@
+"""A study as far as it has come: its file, its designs, and which of them are good."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ehamj.arrays import Array
+from ehamj.campaign.best import best_of, front_of
+from ehamj.campaign.file import Limit, StudyFile
+from ehamj.campaign.names import short_names, worded
+from ehamj.merits.merit import Merit
+
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+else:
+    DataFrame = Series = Any
+
+SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
+"""Stages of a study's designs."""
+AS_IT_IS: Final = "as it is"
+"""Name of the scenario's own design."""
+
+
+@dataclass(frozen=True)
+class Studied:
+    """The designs of a study, and what they were to be.
+
+    Rows are designs as `ehamj.campaign.tables.frame` has them, the number a column like any other: number, stage,
+    parent, status, reason, seconds, a column for each parameter and each merit; NaN where a design has none.
+    """
+
+    file: StudyFile
+    designs: DataFrame
+    parameters: tuple[str, ...]
+    """Keys of what the plan varies."""
+    units: Mapping[str, str]
+    """Unit of each of them, and of what tolerances vary besides, by key."""
+    merits: Mapping[str, Merit]
+    """Each merit that was asked for, by name."""
+    planned: int
+    """Designs that the study makes, all stages together, as far as that is known."""
+
+    def stage(self, name: str) -> DataFrame:
+        """Designs of one stage, in order of their numbers."""
+        return self.designs[self.designs["stage"] == name].sort_values("number").reset_index(drop=True)
+
+    @cached_property
+    def search(self) -> DataFrame:
+        """The plan's own designs."""
+        return self.stage(SEARCH)
+
+    @cached_property
+    def done(self) -> DataFrame:
+        """Those of them that have merits."""
+        return self.search[self.search["status"] == "done"].reset_index(drop=True)
+
+    @cached_property
+    def named(self) -> dict[str, Series]:
+        """Designs with a name of their own, to compare with, as far as they are done."""
+        rows = (row for _, row in self.stage(NAMED).iterrows())
+        names = (AS_IT_IS, *self.file.named)
+        return {name: row for name, row in zip(names, rows, strict=False) if row["status"] == "done"}
+
+    @cached_property
+    def best(self) -> list[int]:
+        """Rows of `search` of the best designs that keep all limits, the best first; none without objectives."""
+        return best_of(self.objectives(self.search), self.good(self.search), self.file.best)
+
+    @cached_property
+    def front(self) -> list[int]:
+        """Rows of `search` on the Pareto front of the designs that keep all limits, by the first objective; none
+        without several objectives."""
+        if len(self.file.objectives) < 2:
+            return []
+        objectives = np.where(self.good(self.search)[:, None], self.objectives(self.search), np.nan)
+        rows = np.flatnonzero(front_of(objectives))
+        return [int(row) for row in rows[np.argsort(objectives[rows, 0], kind="stable")]]
+
+    @cached_property
+    def failed(self) -> DataFrame:
+        """Designs of any stage that have no merits."""
+        return self.designs[self.designs["status"] == "failed"]
+
+    def children(self, number: int, stage: str) -> DataFrame:
+        """Variations of a design in a stage."""
+        found = self.stage(stage)
+        return found[found["parent"] == number].reset_index(drop=True)
+
+    def good(self, designs: DataFrame) -> NDArray[np.bool_]:
+        """Which designs are done and keep every limit."""
+        kept = np.asarray(designs["status"] == "done")
+        for name, limit in self.file.limits.items():
+            kept &= meets(designs[name], limit)
+        return kept
+
+    def objectives(self, designs: DataFrame) -> Array:
+        """Objectives of designs (design, objective), all to be small; NaN of those that failed."""
+        signs = [sign for _, sign in self.file.goals.objectives]
+        return np.asarray(designs[list(self.file.objectives)].to_numpy(float) * signs)
+
+    @cached_property
+    def short(self) -> dict[str, str]:
+        """What each parameter and merit is called on a page."""
+        return short_names([*self.units, *self.merits])
+
+    @property
+    def numeric(self) -> list[str]:
+        """Parameters whose values are numbers, and not all the same."""
+        return [
+            key
+            for key in self.parameters
+            if self.done[key].map(lambda value: isinstance(value, int | float)).all() and self.done[key].nunique() > 1
+        ]
+
+    def unit(self, name: str) -> str:
+        """Unit of a parameter or merit."""
+        return self.merits[name].unit if name in self.merits else self.units[name]
+
+    def said(self, name: str, value: Any) -> str:
+        """A parameter or merit with its value, in words."""
+        return f"{self.short[name]} {worded(value, self.unit(name))}"
+
+    def limit_said(self, name: str) -> str:
+        """What a merit must keep, in words."""
+        limit, unit = self.file.limits[name], self.unit(name)
+        parts = [
+            f"{words} {worded(bound, unit)}"
+            for words, bound in (("at least", limit.at_least), ("at most", limit.at_most))
+            if bound is not None
+        ]
+        return f"{self.short[name]} {' and '.join(parts)}"
+
+
+def meets(values: "Series[Any]", limit: Limit) -> NDArray[np.bool_]:
+    """Which values keep a limit; NaN does not."""
+    return excess(np.asarray(values, float), limit) <= 0.0
+
+
+def excess(values: Array, limit: Limit) -> Array:
+    """By how much values miss a limit, 0 or less where they keep it; endless where there is none."""
+    beyond = np.full(values.shape, -np.inf)
+    if limit.at_least is not None:
+        beyond = np.maximum(beyond, limit.at_least - values)
+    if limit.at_most is not None:
+        beyond = np.maximum(beyond, values - limit.at_most)
+    return np.where(np.isnan(values), np.inf, beyond)
