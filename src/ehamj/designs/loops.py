@@ -71,6 +71,7 @@ class HeldLoop:
         self.own, self.active = own_readings(law), np.flatnonzero(self.plant.layout.active)
         self.instruments = Instruments(self.plant, self.loop)
         self._patterns: dict[bytes, Array] = {}
+        self._last: tuple[Array, ComplexArray] | None = None
         wide = any(line.low < line.high for line in law.lines)
         self.laws = (law, *((law.turned(end) for end in ENDS) if wide else ()))
 
@@ -105,10 +106,16 @@ class HeldLoop:
         read = self.loop.sensors.response(law.inputs, hertz)
         return np.ascontiguousarray(law.response(hertz) * read[:, None, :])
 
+    def _law_at(self, hertz: Array) -> ComplexArray:
+        """The first law's `_response`, kept: blocks of designs ask for the same frequencies."""
+        if self._last is None or not np.array_equal(self._last[0], hertz):
+            self._last = (hertz, self._response(self.loop.law, hertz))
+        return self._last[1]
+
     # --- margins --------------------------------------------------------------------------------------------------
 
     @cached_property
-    def _nominal(self) -> tuple[Array, ...]:
+    def _nominal(self) -> tuple[ComplexArray, ...]:
         """Determinants of the nominal loop over `hertz` by law."""
         stack = Stack.of(Designs.of(self.scenario, {}).values)
         everywhere = np.arange(self.hertz.size)[None]
@@ -120,32 +127,42 @@ class HeldLoop:
         return tuple(found)
 
     def _measured(
-        self, stack: Stack, law: ComplexArray, picks: NDArray[np.int64], counts: NDArray[np.int64], nominal: ComplexArray
-    ) -> tuple[Array, Array]:
-        places, whole = np.empty((len(stack.mass), len(self.places), 4)), np.empty((len(stack.mass), 3))
+        self,
+        stack: Stack,
+        law: ComplexArray,
+        picks: NDArray[np.int64],
+        counts: NDArray[np.int64],
+        nominal: ComplexArray,
+    ) -> tuple[Array, Array, Array]:
+        own, mounts = len(picks), self.active.size
+        places, turns = np.empty((own, len(self.places), 4)), np.empty((own, 2))
+        centred, largest = np.empty((*picks.shape, mounts, mounts), complex), np.empty(own)
         readings = tuple(self.instruments.readings(stack).of(self.own))
-        compiled_margins()(
+        measure, bound = compiled_margins()
+        measure(
             arrays(stack), self.hertz, law, readings, picks, counts, self.active, self._pattern_bases(stack), nominal,
-            places, whole,
+            places, turns, centred,
         )  # fmt: skip
-        return places, whole
+        bound(centred, counts, largest)
+        return places, turns, largest
 
-    def margins(self, stack: Stack, poles: ComplexArray) -> Margins:
+    def margins(self, stack: Stack, poles: ComplexArray, count: int | None = None) -> Margins:
         """Margins of each design.
 
         Args:
             stack: designs.
             poles: of each passive machine without its valves (design, pole) [1/s], about which loops are looked at
                 closely; NaN where there is no rest.
+            count: of the designs so many first ones are looked at; all without.
         """
-        picks, counts = self._picks(stack, poles)
+        picks, counts = (part[:count] for part in self._picks(stack, poles))
         found = []
         for law, nominal in zip(self._answers, self._nominal, strict=True):
-            places, whole = self._measured(stack, law, picks, counts, nominal)
-            turns = -whole[:, 1] / np.pi
+            places, turned, largest = self._measured(stack, law, picks, counts, nominal)
+            turns = -turned[:, 0] / np.pi
             grown = np.rint(turns).astype(np.int64)
-            disk = 1.0 / np.maximum(whole[:, 0], 0.5)
-            doubtful = (whole[:, 2] > PLAIN) | (np.abs(turns - grown) > SURE) | (disk < CLOSE)
+            disk = 1.0 / np.maximum(largest, 0.5)
+            doubtful = (turned[:, 1] > PLAIN) | (np.abs(turns - grown) > SURE) | (disk < CLOSE)
             levels = np.empty((*places.shape[:2], 3))
             levels[..., 0] = 20.0 / np.log(10.0) * places[..., 0]
             levels[..., 1] = np.degrees(places[..., 1])
@@ -155,7 +172,8 @@ class HeldLoop:
             np.min([one.places for one in found], axis=0), np.min([one.disk for one in found], axis=0),
             found[0].grown, found[0].doubtful,
         )  # fmt: skip
-        worst.places[stack.empty], worst.disk[stack.empty] = np.nan, np.nan
+        empty = stack.empty[:count]
+        worst.places[empty], worst.disk[empty] = np.nan, np.nan
         return worst
 
     def _picks(self, stack: Stack, poles: ComplexArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -198,36 +216,41 @@ class HeldLoop:
 
     # --- a floor --------------------------------------------------------------------------------------------------
 
-    def floor(self, stack: Stack, hertz: Array, ground: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    def floor(
+        self, stack: Stack, hertz: Array, ground: ComplexArray, count: int | None = None
+    ) -> tuple[ComplexArray, ComplexArray]:
         """What a floor makes of the centre of gravity and of the commands as they act.
 
         Args:
             stack: designs.
             hertz: frequencies (f,) [Hz].
             ground: displacement of the ground at each mount along x, y, z, (f or 1, mount, 3, column) [m].
+            count: as `margins`.
 
         Returns:
             Displacement along x, y, z (design, f, 3, column) [m], commands (design, f, mount, column) [V]; NaN of
             designs without a rest in their cylinders.
         """
-        designs, mounts, columns = len(stack.mass), len(self.plant.mounts), ground.shape[-1]
+        designs, mounts, columns = len(stack.mass[:count]), len(self.plant.mounts), ground.shape[-1]
         frames = np.einsum("mkx,fmxc->fmkc", stack.frames, ground)
         frames = np.array(np.broadcast_to(frames, (hertz.size, *frames.shape[1:])))
         found = np.empty((designs, hertz.size, len(AXES), columns), complex)
         commands = np.empty((designs, hertz.size, mounts, columns), complex)
         compiled_answers()(
             arrays(stack), np.array(np.broadcast_to(hertz, (designs, hertz.size))),
-            self._response(self.loop.law, hertz), np.arange(hertz.size), tuple(self.instruments.readings(stack)),
+            self._law_at(hertz), np.arange(hertz.size), tuple(self.instruments.readings(stack)),
             frames, self.instruments.seen(hertz, ground), found, commands,
         )  # fmt: skip
-        found[stack.empty], commands[stack.empty] = np.nan, np.nan
+        found[stack.empty[:count]], commands[stack.empty[:count]] = np.nan, np.nan
         return found, commands
 
 
 @cache
 def compiled_margins() -> Any:
-    """`ehamj.designs.compiled.loops.loop_margins`, compiled or taken from where that is kept."""
+    """`ehamj.designs.compiled.loops.loop_margins` and `ehamj.designs.compiled.structured.largest_mus`, compiled or
+    taken from where that is kept."""
     from ehamj.compiled.kept import compiled
     from ehamj.designs.compiled.loops import loop_margins
+    from ehamj.designs.compiled.structured import largest_mus
 
-    return compiled(loop_margins)
+    return compiled(loop_margins), compiled(largest_mus)

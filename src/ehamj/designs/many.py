@@ -239,15 +239,23 @@ def rigid_modes(elements: Elements, oil: Oil | None, bad: NDArray[np.bool_]) -> 
     return modes_in(elements, oil, poles, vectors, bad)
 
 
+def held_poles(elements: Elements, oil: Oil, bad: NDArray[np.bool_]) -> ComplexArray:
+    """The eigenvalues alone, in no order, (…, pole) [1/s]; NaN where there is no rest."""
+    matrix = np.concatenate(_oil_motion(elements, oil), axis=-2)
+    poles = np.linalg.eigvals(np.where(bad[..., None, None], 0.0, matrix)).astype(complex)
+    poles[bad] = np.nan
+    return np.asarray(poles)
+
+
 def modes_in(elements: Elements, oil: Oil | None, poles: Array, vectors: Array, bad: NDArray[np.bool_]) -> RigidModes:
     """The same of eigenvalues (…, pole) and vectors (…, state, pole), whose first states are the coordinates."""
     order = np.argsort(np.round(np.abs(poles), 9), axis=-1, kind="stable")
-    poles = np.take_along_axis(poles.astype(complex), order, axis=-1)
-    vectors = np.take_along_axis(vectors.astype(complex), order[..., None, :], axis=-1)
-    poles[bad] = np.nan
-    chosen = _label(elements, poles, vectors, _plane_frequencies(elements, oil))
-    picked = np.where(chosen >= 0, np.take_along_axis(poles, np.maximum(chosen, 0), axis=-1), np.nan)
-    return RigidModes(poles, vectors, chosen, picked)
+    own: ComplexArray = np.take_along_axis(poles.astype(complex), order, axis=-1)
+    shapes: ComplexArray = np.take_along_axis(vectors.astype(complex), order[..., None, :], axis=-1)
+    own[bad] = np.nan
+    chosen = _label(elements, own, shapes, _plane_frequencies(elements, oil))
+    picked = np.where(chosen >= 0, np.take_along_axis(own, np.maximum(chosen, 0), axis=-1), np.nan)
+    return RigidModes(own, shapes, chosen, picked)
 
 
 def tipping_margin(elements: Elements) -> Array:

@@ -54,12 +54,14 @@ def quantity_of(scenario: Scenario, key: str) -> tuple[str, str]:
         return "m", f"{_PLACES[value]} of the mount {scenario.mount[number].name}"
     own = value.removeprefix(OWN)
     if number is not None and own != value and own in ACTUATOR_VALUES:
-        return Actuator.quantities()[own][0], f"{own.replace('_', ' ')} of the isolator at {scenario.mount[number].name}"
+        return Actuator.quantities()[own][
+            0
+        ], f"{own.replace('_', ' ')} of the isolator at {scenario.mount[number].name}"
     raise InputError(
         f"vary: {key!r} must be gravity, {', '.join(FOOTPRINT)}, machine.({', '.join(MACHINE_VALUES)}), "
         f"supply.({', '.join(_SUPPLY)}), mount.M.position.(0, 1, 2), actuators.({', '.join(scenario.actuators)}).Q or "
-        f"mount.M.actuator.Q, with M a mount's number or name ({', '.join(mount.name for mount in scenario.mount)}) and "
-        f"Q one of {', '.join(ACTUATOR_VALUES)}"
+        f"mount.M.actuator.Q, with M a mount's number or name ({', '.join(mount.name for mount in scenario.mount)}) "
+        f"and Q one of {', '.join(ACTUATOR_VALUES)}"
     )
 
 

@@ -1,6 +1,6 @@
 """What a law's instruments see of many machines, and of the ground below them, as arrays for compiled closed forms."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,18 +21,17 @@ MOTIONS = ("displacement", "velocity", "acceleration")
 
 class Readings(NamedTuple):
     """What instruments see of many machines: ``motion`` (design, reading, n) that is ``order`` (reading,) times
-    differentiated, and shares of spools and pressures, ``states`` (reading, mount, 3)."""
+    differentiated; shares of spools and pressures, ``states`` (reading, mount, 3), of those ``inside`` (reading,)."""
 
     motion: Array
     order: NDArray[np.int64]
     states: Array
+    inside: NDArray[np.bool_]
 
     def of(self, chosen: Sequence[int]) -> "Readings":
         """Some of them."""
         own = list(chosen)
-        return Readings(
-            np.ascontiguousarray(self.motion[:, own]), self.order[own], np.ascontiguousarray(self.states[own])
-        )
+        return Readings(np.ascontiguousarray(self.motion[:, own]), self.order[own], self.states[own], self.inside[own])
 
 
 class Instruments:
@@ -73,7 +72,7 @@ class Instruments:
             every = still[signals.state : signals.state + mounts * len(State._fields)].reshape(mounts, -1)
             states[k] = every[:, fields]
             states[k, :, 0] += still[signals.edges : signals.edges + mounts]
-        return Readings(motion, order, states)
+        return Readings(motion, order, states, np.asarray((states != 0.0).any(axis=(1, 2))))
 
     def _place_of(self, channel: str, stack: Stack) -> Array:
         """Where an instrument stands in each design, (design, 3) [m]."""

@@ -23,21 +23,21 @@ def passive_answers(stack: Stack, hertz: Array) -> ComplexArray:
 
     Args:
         stack: designs.
-        hertz: frequencies of each design, positive, (design, f) [Hz].
+        hertz: positive frequencies of each design, or of the first ones alone, (design, f) [Hz].
 
     Returns:
         (design, f, 3) [m/m]; NaN where a design has no rest in its cylinders.
     """
-    designs, n, mounts = *stack.mass.shape[:2], stack.oil.shape[1]
+    designs, n, mounts = len(hertz), stack.mass.shape[1], stack.oil.shape[1]
     found = np.empty((*hertz.shape, len(AXES), len(AXES)), complex)
     nothing = np.zeros((0, mounts, 0), complex)
-    sensors = np.zeros((designs, 0, n)), np.zeros(0, np.int64), np.zeros((0, mounts, 3))
+    sensors = np.zeros((designs, 0, n)), np.zeros(0, np.int64), np.zeros((0, mounts, 3)), np.zeros(0, bool)
     seen, commands = np.zeros((1, 0, len(AXES)), complex), np.zeros((designs, 0, 0, 0), complex)
     compiled_answers()(
         arrays(stack), hertz, nothing, np.zeros(hertz.shape[1], np.int64), sensors, slab_in_frames(stack.frames),
         seen, found, commands,
     )  # fmt: skip
-    found[stack.empty] = np.nan
+    found[stack.empty[:designs]] = np.nan
     return np.einsum("dfaa->dfa", found)
 
 

@@ -62,7 +62,9 @@ class Stack:
         return cls(
             elements,
             oil,
-            *(_whole(part, shape, (n, n)) for part in (elements.mass, elements.damping, elements.stiffness)),
+            _whole(elements.mass, shape, (n, n)),
+            _whole(elements.damping, shape, (n, n)),
+            _whole(elements.stiffness, shape, (n, n)),
             np.stack([_whole(one, shape, (mounts, n)) for one in directions], axis=1),
             np.moveaxis(np.array(supports), 2, 0).copy(),
             np.stack([np.broadcast_to(part, (*shape, mounts)) for part in parts], axis=-1).copy(),

@@ -11,13 +11,19 @@ from ehamj.compiled import kernel
 
 
 @kernel
+def inverse_of(z):  # type: ignore[no-untyped-def]
+    """1/z, without looking for what overflows."""
+    return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
+
+
+@kernel
 def oil_of(s, one, found):  # type: ignore[no-untyped-def]
     """Dynamic stiffness z [N/m], force per spool f [N/mA], and pressures p₁, p₂ per x and per x_v, into ``found``
     (6,); ``one`` is a row of `ehamj.designs.stack.OIL`."""
     area_1, area_2, compliance_1, compliance_2, stretch, edge, cross, flow_gain = one[:8]
     a = s * compliance_1 + 2.0 * edge + cross
     b = s * compliance_2 + 2.0 * edge + cross
-    inverse = 1.0 / (a * b - cross * cross)
+    inverse = inverse_of(a * b - cross * cross)
     swept = s * stretch * inverse
     found[2] = swept * (cross * area_2 - b * area_1)
     found[3] = swept * (a * area_2 - cross * area_1)
@@ -31,7 +37,8 @@ def oil_of(s, one, found):  # type: ignore[no-untyped-def]
 def spool_of(s, one):  # type: ignore[no-untyped-def]
     """Spool per command [mA/V]; ``one`` is a row of `ehamj.designs.stack.OIL`."""
     gain, frequency, damping = one[8], one[9], one[10]
-    return gain * frequency * frequency / (s * (s + 2.0 * damping * frequency) + frequency * frequency)
+    square = frequency * frequency
+    return gain * square * inverse_of(s * (s + 2.0 * damping * frequency) + square)
 
 
 @kernel
@@ -74,7 +81,7 @@ def solved(matrix, right):  # type: ignore[no-untyped-def]
             for column in range(columns):
                 right[k, column], right[pivot, column] = right[pivot, column], right[k, column]
         determinant *= matrix[k, k]
-        inverse = 1.0 / matrix[k, k]
+        inverse = inverse_of(matrix[k, k])
         for row in range(k + 1, n):
             factor = matrix[row, k] * inverse
             if factor != 0.0:
@@ -83,12 +90,13 @@ def solved(matrix, right):  # type: ignore[no-untyped-def]
                 for column in range(columns):
                     right[row, column] -= factor * right[k, column]
     for k in range(n - 1, -1, -1):
-        inverse = 1.0 / matrix[k, k]
+        inverse = inverse_of(matrix[k, k])
+        for row in range(k + 1, n):
+            factor = matrix[k, row]
+            for column in range(columns):
+                right[k, column] -= factor * right[row, column]
         for column in range(columns):
-            total = right[k, column]
-            for row in range(k + 1, n):
-                total -= matrix[k, row] * right[row, column]
-            right[k, column] = total * inverse
+            right[k, column] *= inverse
     return determinant
 
 
@@ -124,25 +132,48 @@ def ground_in(s, motions, supports, ground, oil, right, first):  # type: ignore[
 
 
 @kernel
-def read(s, motion, order, states, moved, oil, spools, column, mounts, strokes):  # type: ignore[no-untyped-def]
-    """What a sensor sees in a column of coordinates ``moved`` (n, columns), but for the ground's own motion.
+def strokes_of(plate, moved, first, ground, strokes):  # type: ignore[no-untyped-def]
+    """Each plate over its ground per column of ``moved`` (n, columns), into ``strokes`` (mount, columns); ``ground``
+    (mount, 3, column) moves in the columns from ``first`` on."""
+    for mount in range(plate.shape[0]):
+        for column in range(moved.shape[1]):
+            strokes[mount, column] = 0.0
+        for row in range(plate.shape[1]):
+            own = plate[mount, row]
+            if own != 0.0:
+                for column in range(moved.shape[1]):
+                    strokes[mount, column] += own * moved[row, column]
+        for column in range(first, moved.shape[1]):
+            strokes[mount, column] -= ground[mount, 2, column - first]
 
-    ``motion`` (n,) of the machine at it, counted ``order`` times differentiated; ``states`` (mount, 3) its shares of
-    spool and pressures. ``column`` below ``mounts`` is a command: its spool moves; ``strokes`` (mount,) is each plate
-    over its ground.
+
+@kernel
+def readings_of(s, motion, order, states, inside, moved, strokes, oil, spools, answers):  # type: ignore[no-untyped-def]
+    """What sensors see in columns of coordinates ``moved`` (n, columns), but for the ground's own motion.
+
+    ``motion`` (reading, n) of the machine at each, counted ``order`` (reading,) times differentiated; ``states``
+    (reading, mount, 3) its shares of spool and pressures, of the readings that are ``inside`` (reading,). The first
+    columns are the mounts' commands: their spools move.
     """
-    total = 0.0j
-    for row in range(motion.size):
-        if motion[row] != 0.0:
-            total += motion[row] * moved[row, column]
-    for _ in range(order):
-        total *= s
-    for mount in range(mounts):
-        spool = spools[mount] if column == mount else 0.0j
-        if states[mount, 0] != 0.0:
-            total += states[mount, 0] * spool
-        for chamber in range(2):
-            if states[mount, 1 + chamber] != 0.0:
-                pressure = oil[mount, 2 + chamber] * strokes[mount] + oil[mount, 4 + chamber] * spool
-                total += states[mount, 1 + chamber] * pressure
-    return total
+    mounts = oil.shape[0]
+    for reading in range(motion.shape[0]):
+        for column in range(moved.shape[1]):
+            answers[reading, column] = 0.0
+        for row in range(motion.shape[1]):
+            own = motion[reading, row]
+            if own != 0.0:
+                for column in range(moved.shape[1]):
+                    answers[reading, column] += own * moved[row, column]
+        if order[reading] > 0:
+            factor = s if order[reading] == 1 else s * s
+            for column in range(moved.shape[1]):
+                answers[reading, column] *= factor
+        if inside[reading]:
+            for mount in range(mounts):
+                one, two = states[reading, mount, 1], states[reading, mount, 2]
+                pressed = one * oil[mount, 2] + two * oil[mount, 3]
+                if one != 0.0 or two != 0.0:
+                    for column in range(moved.shape[1]):
+                        answers[reading, column] += pressed * strokes[mount, column]
+                fed = states[reading, mount, 0] + one * oil[mount, 4] + two * oil[mount, 5]
+                answers[reading, mount] += fed * spools[mount]

@@ -3,7 +3,7 @@
 import math
 
 from ehamj.compiled import kernel
-from ehamj.designs.compiled.machine import size_of
+from ehamj.designs.compiled.machine import inverse_of, size_of
 
 LEAST = 1e-140
 """Sensitivity that is none."""
@@ -24,7 +24,7 @@ def follow(sensitivity, last, first, best):  # type: ignore[no-untyped-def]
     best[3] = max(best[3], size_of(sensitivity))
     if size_of(sensitivity) < LEAST * LEAST:
         sensitivity = LEAST + 0.0j
-    gain, before = 1.0 / sensitivity - 1.0, last[0]
+    gain, before = inverse_of(sensitivity) - 1.0, last[0]
     last[0] = gain
     if first:
         return

@@ -1,8 +1,8 @@
 """µ of complex matrices for complex, diagonal changes, bounded above by scaling: inf σ(D M D⁻¹) over diagonal D > 0.
 
-As SLICOT AB13MD does, which is the oracle. log σ is convex over log D (Sezginer and Overton, "The largest singular value
-of e^X A e^−X is convex on convex sets of commuting matrices", IEEE Trans. Automatic Control 35(2), 1990); where the
-largest singular values are close to each other, their smooth maximum is minimised, ever sharper.
+As SLICOT AB13MD does, which is the oracle. log σ is convex over log D (Sezginer and Overton, "The largest singular
+value of e^X A e^−X is convex on convex sets of commuting matrices", IEEE Trans. Automatic Control 35(2), 1990); where
+the largest singular values are close to each other, their smooth maximum is minimised, ever sharper.
 """
 
 import math
@@ -14,7 +14,7 @@ from ehamj.designs.compiled.machine import size_of
 
 SHARP = (0.03, 0.003, 0.0003)
 """Widths of the smooth maximum of ln σ², one after the other; µ errs by ln(n)/2 of the last at most, relative."""
-STEPS = 60
+STEPS = 100
 """Of the search at each width, at most."""
 SETTLED = 1e-5
 """Slope [-] at which it ends."""
@@ -111,86 +111,86 @@ def smooth(matrix, scale, width, slope, scaled, square, vectors):  # type: ignor
 
 
 @kernel
+def learn(inverse, slope, other, step, gained, share):  # type: ignore[no-untyped-def]
+    """Broyden, Fletcher, Goldfarb and Shanno: what the slope gained over a ``share`` of the step, into the ``inverse``
+    of the curvature."""
+    n, curved, inner = step.size, 0.0, 0.0
+    for row in range(n):
+        step[row] *= share
+        gained[row] = other[row] - slope[row]
+        curved += step[row] * gained[row]
+    if curved <= 1e-14:
+        return
+    for row in range(n):
+        slope[row] = 0.0
+        for column in range(n):
+            slope[row] += inverse[row, column] * gained[column]
+        inner += gained[row] * slope[row]
+    for row in range(n):
+        for column in range(n):
+            inverse[row, column] += (1.0 + inner / curved) * step[row] * step[column] / curved
+            inverse[row, column] -= (slope[row] * step[column] + step[row] * slope[column]) / curved
+
+
+@kernel
 def mu_of(matrix, scale, work, real):  # type: ignore[no-untyped-def]
     """µ of a matrix (n, n); ``scale`` (n,) is where the search for ln D begins, and ends.
 
     ``work`` (3, n, n) complex and ``real`` (n + 5, n) are for passing results.
     """
     n = matrix.shape[0]
-    scaled, square, vectors = work[0], work[1], work[2]
     slope, trial, other, step, gained = real[n], real[n + 1], real[n + 2], real[n + 3], real[n + 4]
     best = math.inf
     for width in SHARP:
-        value, top = smooth(matrix, scale, width, slope, scaled, square, vectors)
-        best = min(best, top)
         for row in range(n):
+            trial[row] = scale[row]
             for column in range(n):
                 real[row, column] = 0.5 if row == column else 0.0
+        value, downhill, share = math.inf, 0.0, 1.0
         for _ in range(STEPS):
-            most, downhill = 0.0, 0.0
+            after, top = smooth(matrix, trial, width, other, work[0], work[1], work[2])
+            if after > value + 1e-4 * share * downhill:  # too far: half of the way back
+                share *= 0.5
+                if share < 1e-9:
+                    break
+                for row in range(n):
+                    trial[row] = scale[row] + share * step[row]
+                continue
+            best = min(best, top)
+            if value < math.inf:
+                learn(real, slope, other, step, gained, share)
+            improved, value, most = value - after, after, 0.0
             for row in range(n):
+                scale[row], slope[row] = trial[row], other[row]
                 most = max(most, abs(slope[row]))
+            if most < SETTLED or improved < 1e-9:
+                break
+            share, downhill = 1.0, 0.0
+            for row in range(n):
                 step[row] = 0.0
                 for column in range(n):
                     step[row] -= real[row, column] * slope[column]
                 downhill += step[row] * slope[row]
-            if most < SETTLED or downhill >= 0.0:
-                break
-            share, found = 1.0, False
-            for _ in range(30):
-                for row in range(n):
-                    trial[row] = scale[row] + share * step[row]
-                after, top = smooth(matrix, trial, width, other, scaled, square, vectors)
-                if after <= value + 1e-4 * share * downhill:
-                    found = True
-                    break
-                share *= 0.5
-            if not found:
-                break
-            # Broyden, Fletcher, Goldfarb and Shanno: what the slope gained over the step.
-            curved = 0.0
-            for row in range(n):
-                step[row] *= share
-                gained[row] = other[row] - slope[row]
-                curved += step[row] * gained[row]
-            if curved > 1e-14:
-                inner = 0.0
-                for row in range(n):
-                    slope[row] = 0.0
-                    for column in range(n):
-                        slope[row] += real[row, column] * gained[column]
-                    inner += gained[row] * slope[row]
-                for row in range(n):
-                    for column in range(n):
-                        real[row, column] += (1.0 + inner / curved) * step[row] * step[column] / curved
-                        real[row, column] -= (slope[row] * step[column] + step[row] * slope[column]) / curved
-            improved = value - after
-            value, best = after, min(best, top)
-            for row in range(n):
-                scale[row], slope[row] = trial[row], other[row]
-            if improved < 1e-9:
+                trial[row] = scale[row] + step[row]
+            if downhill >= 0.0:
                 break
     return math.exp(0.5 * best)
 
 
 @kernel
-def bound_of(matrix, work):  # type: ignore[no-untyped-def]
-    """Upper bound of σ, at most n^(1/32) too large: the sixteenth power of MᴴM has its trace about its largest."""
-    n = matrix.shape[0]
-    one, two = work[0], work[1]
-    whole = 0.0
+def highest_of(square, work):  # type: ignore[no-untyped-def]
+    """Upper bound of the largest eigenvalue of a Hermitian, positive matrix, at most n^(1/64) too large: of its 64th
+    power, the trace."""
+    n, whole = square.shape[0], 0.0
     for row in range(n):
-        for column in range(n):
-            whole += size_of(matrix[row, column])
+        whole += square[row, row].real
     if whole <= TINY:
         return 0.0
+    one, two = work[0], work[2]
     for row in range(n):
         for column in range(n):
-            total = 0.0j
-            for k in range(n):
-                total += matrix[k, row].conjugate() * matrix[k, column]
-            one[row, column] = total / whole
-    for _ in range(3):
+            one[row, column] = square[row, column] / whole
+    for _ in range(5):
         for row in range(n):
             for column in range(row + 1):
                 total = 0.0j
@@ -203,36 +203,46 @@ def bound_of(matrix, work):  # type: ignore[no-untyped-def]
     for row in range(n):
         for column in range(n):
             trace += size_of(one[row, column])
-    return math.sqrt(whole) * trace ** (1.0 / 32.0)
+    return whole * trace ** (1.0 / 64.0)
 
 
 @kernel
-def largest_mu(matrices, count, bounds, scale, work, real):  # type: ignore[no-untyped-def]
-    """Largest µ among the first ``count`` of ``matrices`` (…, n, n); ``bounds`` (…,) is for passing results."""
-    n, best = matrices.shape[1], 0.0
-    for k in range(count):
-        bounds[k] = bound_of(matrices[k], work)
-        for row in range(n):
-            best = max(best, math.sqrt(size_of(matrices[k, row, row])))
-    scale[:] = 0.0
-    while True:
-        chosen, most = -1, best * (1.0 + NEARLY)
-        for k in range(count):
-            if bounds[k] > most:
-                chosen, most = k, bounds[k]
-        if chosen < 0:
-            return best
-        best = max(best, mu_of(matrices[chosen], scale, work, real))
-        bounds[chosen] = 0.0
-        for k in range(count):  # others are bounded closer by what scales this one best
-            if bounds[k] > best * (1.0 + NEARLY):
-                square_of(matrices[k], scale, work[0], work[1])
-                eigen_of(work[1], work[2])
-                bounds[k] = min(bounds[k], math.sqrt(largest_of(work[1])))
+def bound_of(matrix, work):  # type: ignore[no-untyped-def]
+    """Upper bound of σ by `highest_of`."""
+    n, square = matrix.shape[0], work[1]
+    for row in range(n):
+        for column in range(row + 1):
+            total = 0.0j
+            for k in range(n):
+                total += matrix[k, row].conjugate() * matrix[k, column]
+            square[row, column] = total
+            square[column, row] = total.conjugate()
+    return math.sqrt(highest_of(square, work))
 
 
-def structured(matrices):  # type: ignore[no-untyped-def]
-    """Largest µ of matrices (f, n, n), to try it."""
-    count, n = matrices.shape[0], matrices.shape[1]
+def largest_mus(matrices, counts, found):  # type: ignore[no-untyped-def]
+    """Largest µ among the first ``counts`` of each design's matrices (design, f, n, n), into ``found`` (design,)."""
+    n = matrices.shape[2]
+    bounds, scale = np.empty(matrices.shape[1]), np.empty(n)
     work, real = np.empty((3, n, n), np.complex128), np.empty((n + 5, n))
-    return largest_mu(matrices, count, np.empty(count), np.empty(n), work, real)
+    for design in range(matrices.shape[0]):
+        count, best = counts[design], 0.0
+        scale[:] = 0.0
+        for k in range(count):
+            bounds[k] = bound_of(matrices[design, k], work)
+            for row in range(n):
+                best = max(best, math.sqrt(size_of(matrices[design, k, row, row])))
+        while True:
+            chosen, most = -1, best * (1.0 + NEARLY)
+            for k in range(count):
+                if bounds[k] > most:
+                    chosen, most = k, bounds[k]
+            if chosen < 0:
+                break
+            best = max(best, mu_of(matrices[design, chosen], scale, work, real))
+            bounds[chosen] = 0.0
+            for k in range(count):  # others are bounded closer by what scales this one best
+                if bounds[k] > best * (1.0 + NEARLY):
+                    square_of(matrices[design, k], scale, work[0], work[1])
+                    bounds[k] = min(bounds[k], math.sqrt(highest_of(work[1], work)))
+        found[design] = best
