@@ -62,3 +62,10 @@ def test_it_is_said() -> None:
     (said,) = parse_scenario({"machine": {"mass": 6000.0}}).machine.assumptions
     assert "machine.inertia was not given: [3000, 4500, 6000] kg m²" in said
     assert "the default machine's, scaled to 6000 kg and 2.2 × 1.6 × 1.9 m" in said
+
+
+def test_a_mass_in_tonnes_is_noticed() -> None:
+    """4 t written as 4 [kg]; its outline holds 2.2·1.6·1.9·1.2 = 8 kg of air."""
+    said, _ = parse_scenario({"machine": {"mass": 4.0}}).machine.assumptions
+    assert said.endswith("weighs (8 kg): masses are in kg, 4 t are 4000")
+    assert not any("air" in one for one in parse_scenario({"machine": {"mass": 10.0}}).machine.assumptions)

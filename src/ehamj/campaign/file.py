@@ -16,10 +16,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ehamj.campaign.correlations import Correlation
 from ehamj.campaign.parameters import Space
 from ehamj.campaign.plans.kinds import PLANS, MonteCarlo
 from ehamj.campaign.plans.plan import Goals
-from ehamj.campaign.spreads import Correlation, Spread
+from ehamj.campaign.spreads import Spread
 from ehamj.merits.merit import Machine, source_of
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
@@ -57,7 +58,7 @@ class Tolerances(Settings):
     """Machines within tolerances around the best designs: what they come out with, and how many keep the limits."""
 
     vary: Vary = Field(description="what is not quite as designed, by key", min_length=1)
-    correlations: tuple[Correlation, ...] = Field((), description="values that go together")
+    correlation: tuple[Correlation, ...] = Field((), description="values that go together")
     number: int = Field(200, ge=1, le=1_000_000, description="machines of each design")
     seed: int = Field(0, ge=0, description="of the draws")
     merits: tuple[str, ...] | None = Field(None, description="which merits; those of the limits and objectives without")
@@ -93,7 +94,7 @@ class StudyFile(Settings):
         "held", description="a digital law held as derived for the scenario, or derived for each design"
     )
     vary: Vary = Field(description="parameters by the scenario's keys, and how their values spread", min_length=1)
-    correlations: tuple[Correlation, ...] = Field((), description="parameters that go together")
+    correlation: tuple[Correlation, ...] = Field((), description="parameters that go together")
     plan: one_of(PLANS) = Field(description="which designs")  # type: ignore[valid-type]
     named: dict[str, dict[str, Any]] = Field(
         default_factory=dict, description="designs with a name to compare with: values by the scenario's keys"
@@ -151,7 +152,7 @@ class StudyFile(Settings):
         Raises:
             InputError: if a key is none of the scenario's, or a spread leaves it no values.
         """
-        return Space.of(machine.scenario, self.vary, self.correlations)
+        return Space.of(machine.scenario, self.vary, self.correlation)
 
 
 def shipped_studies() -> dict[str, Path]:

@@ -7,6 +7,7 @@ through ``anti_windup``.
 """
 
 import json
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -283,7 +284,7 @@ def _mounts_of(outputs: Any) -> tuple[str, ...]:
         raise InputError(f"controller.outputs = {outputs}: must be {list(valve_commands(MOUNTS))}, in this order")
     if not mounts or list(valve_commands(mounts)) != names or len(set(mounts)) < len(mounts):
         raise InputError(
-            f"controller.outputs = {outputs}: must be a list of 'valve_command MOUNT', each once, as "
+            f"controller.outputs = {reprlib.repr(outputs)}: must be a list of 'valve_command MOUNT', each once, as "
             f"{', '.join(valve_commands(MOUNTS))}"
         )
     return mounts

@@ -1,5 +1,6 @@
 """The rigid machine."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
@@ -12,6 +13,8 @@ from ehamj.settings import Parameters, Vector3, quantity
 
 MASS, SIZE = 4000.0, (2.2, 1.6, 1.9)
 """Of the default machine [kg], [m]."""
+AIR = 1.2
+"""Density of air [kg/m³]: a machine that is lighter is a slip of the unit."""
 SPREAD = (0.625, 0.375, 0.125)
 """Its squared distances from the CG along x, y, z, on the average over its mass [m²]."""
 
@@ -61,13 +64,19 @@ class Machine(Parameters):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What a reader must know that was assumed since nobody gave it."""
+        size = " × ".join(f"{side:g}" for side in self.size)
+        light = AIR * math.prod(self.size)
+        slip = (
+            f"machine.mass = {self.mass:g} kg is less than the air in its outline of {size} m weighs ({light:.2g} kg): "
+            f"masses are in kg, {self.mass:g} t are {1000 * self.mass:g}"
+        )
+        found = (slip,) if self.mass < light else ()
         usual = (self.mass, self.size) == (MASS, SIZE)
         if usual or self.sources["inertia"] != "assumed" or self.inertia != scaled_inertia(self.mass, self.size):
-            return ()
+            return found
         values = ", ".join(f"{entry:.4g}" for entry in np.diag(self.tensor))
-        size = " × ".join(f"{side:g}" for side in self.size)
         of = f"the default machine's, scaled to {self.mass:g} kg and {size} m"
-        return (f"machine.inertia was not given: [{values}] kg m² is assumed, {of}",)
+        return (*found, f"machine.inertia was not given: [{values}] kg m² is assumed, {of}")
 
     @model_validator(mode="after")
     def _physical(self) -> Self:

@@ -99,7 +99,7 @@ def _in_its_unit(location: tuple[int | str, ...], settings: type[Settings]) -> s
     table, name = only(_walk(location[:-1], settings)[1]), str(location[-1])
     field = table.model_fields.get(name) if isinstance(table, type) and issubclass(table, Settings) else None
     unit = None if field is None else unit_of(field.description)
-    return f", in {unit}" if unit not in (None, "-") else ""
+    return f", in {unit}" if unit not in (None, "-", "unit") else ""
 
 
 def _no_such_key(key: str, allowed: Sequence[str]) -> str:

@@ -4,6 +4,8 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
+from pydantic import Tag
+
 from ehamj.settings import Settings
 
 
@@ -25,10 +27,13 @@ def choices(kind: Any) -> list[Any]:
 
 
 def by_kind(kind: Any) -> dict[str, type[Settings]]:
-    """Tables of which ``kind`` says which of them one is; none where there is no choice."""
+    """Tables of which ``kind`` says which of them one is, or a tag where their keys do; none where there is no
+    choice."""
     tables = _tables(kind)
     if len(tables) < 2:
         return {}
+    if tags := _tags(kind):
+        return tags
     return {name: table for table in tables for name in get_args(keys_of(table).get("kind"))}
 
 
@@ -51,6 +56,16 @@ def inside(kind: Any, part: int | str) -> Any:
 
 def _is_table(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, Settings)
+
+
+def _tags(kind: Any) -> dict[str, type[Settings]]:
+    """Tables of a union whose members have tags, by tag."""
+    if get_origin(kind) is Annotated:
+        inner, *said = get_args(kind)
+        tags = [one.tag for one in said if isinstance(one, Tag)]
+        return {tags[0]: inner} if tags else _tags(inner)
+    parts = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
+    return {tag: table for part in parts for tag, table in _tags(part).items()}
 
 
 def _tables(kind: Any) -> list[type[Settings]]:
