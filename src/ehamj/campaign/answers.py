@@ -9,8 +9,9 @@ from ehamj.campaign.influence import Influence
 from ehamj.campaign.names import worded
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess
 from ehamj.campaign.yields import Yield
-from ehamj.pages.words import number
 
+MERITS: Final = 5
+"""Merits whose influences are told; all are in the table."""
 NAMED_CAUSES: Final = 3
 """Parameters that an answer names."""
 LEAST_SHARE: Final = 0.05
@@ -139,7 +140,9 @@ def _yields(studied: Studied, yields: Sequence[Yield]) -> Iterator[str]:
         worst = min(each, key=lambda y: y.share, default=None)
         about = f" around {one.whose}" if one.whose else ""
         kept = "all limits" if each else studied.limit_said(next(iter(studied.file.limits)))
-        most = f"; most miss {studied.limit_said(worst.limit)} ({worst.said} keep it)" if worst and worst.share < 1 else ""
+        most = (
+            f"; most miss {studied.limit_said(worst.limit)} ({worst.said} keep it)" if worst and worst.share < 1 else ""
+        )
         yield f"Yield{about}: {one.said} of {one.number:,} machines keep {kept}{most}."
 
 
@@ -180,7 +183,7 @@ def _quoted(name: str) -> str:
 
 def _influences(studied: Studied, influences: Sequence[Influence]) -> Iterator[str]:
     """What matters most for each merit, with confidence."""
-    for one in influences:
+    for one in influences[:MERITS]:
         most, size = one.order[:NAMED_CAUSES], one.size
         named = [k for k in most if size[k] > LEAST_SHARE * size[most[0]]] if size[most[0]] > 0.0 else []
         if not named:
@@ -199,8 +202,13 @@ def _influence(studied: Studied, one: Influence, k: int) -> str:
     measure = one.measures[-1]
     sure = ""
     if measure.low is not None and measure.high is not None:
-        sure = f", {number(float(measure.low[k]), 2)} to {number(float(measure.high[k]), 2)} with 95 % confidence"
-    return f"{name} ({measure.label} {number(float(measure.values[k]), 2)}{sure})"
+        sure = f", 95 %: {_hundredths(measure.low[k])} to {_hundredths(measure.high[k])}"
+    return f"{name} ({measure.label} {_hundredths(measure.values[k])}{sure})"
+
+
+def _hundredths(value: float) -> str:
+    """An index or a correlation."""
+    return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "−")
 
 
 def _unfinished(studied: Studied) -> Iterator[str]:

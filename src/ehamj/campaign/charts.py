@@ -20,6 +20,8 @@ COLUMNS: Final = 5
 """Of a scatter matrix: more are too small to be read."""
 MERITS: Final = 6
 """Merits of which there is a figure each."""
+NUMBERS: Final = 14
+"""Designs of the front whose numbers are drawn."""
 PANELS: Final = 4
 """Panels of a figure."""
 CAUSES: Final = 12
@@ -32,15 +34,30 @@ def axis(studied: Studied, name: str, designs: DataFrame) -> tuple[str, "np.ndar
 
 
 def clouds_of(studied: Studied) -> list[Cloud]:
-    """The plan's designs that are done: good ones, others, the best; rows count those of `Studied.search`."""
+    """The plan's designs that are done (good ones, others, the best) and those with a name; rows count those of `drawn_designs`."""
     good, done = studied.good(studied.search), np.asarray(studied.search["status"] == "done")
     special = studied.front or studied.best
     plain = np.ones(len(done), bool)
     plain[special] = False
+    count = len(done)
     found = [Cloud("designs that keep all limits" if studied.file.limits else "designs", np.flatnonzero(good & plain))]
     found.append(Cloud("limits not kept", np.flatnonzero(done & ~good & plain), 1))
     found.append(Cloud("Pareto front" if studied.front else "best designs", np.array(special, int), 2))
+    found.append(Cloud(" and ".join(_shown_names(studied)), np.arange(count, count + len(studied.named)), 3))
     return [cloud for cloud in found if len(cloud.rows)]
+
+
+def _shown_names(studied: Studied) -> list[str]:
+    return [f"“{name}”" for name in list(studied.named)[:2]] + (
+        [f"{len(studied.named) - 2} more"] if len(studied.named) > 2 else []
+    )
+
+
+def drawn_designs(studied: Studied) -> DataFrame:
+    """Designs that are drawn as points: the plan's, then those with a name."""
+    import pandas as pd
+
+    return pd.concat([studied.search, *(row.to_frame().T for row in studied.named.values())], ignore_index=True)
 
 
 def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
@@ -50,15 +67,18 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
     names = list(studied.file.objectives)
     pairs = [(0, 1)] if len(names) == 2 else [(i, j) for j in range(len(names)) for i in range(j)]
     caption = (
-        f"{len(studied.front)} designs that no other one beats in every objective, of {len(studied.done)}; the numbers "
-        "are the designs'."
+        f"{len(studied.front)} designs that no other one beats in every objective, of {len(studied.done)}; numbers "
+        "and names are those of designs."
     )
     if len(pairs) > PANELS:
         caption += f" {PANELS} of the {len(pairs)} pairs of objectives are drawn."
 
     def draw() -> Figure:
-        search = studied.search
-        numbers = {row: str(search["number"][row]) for row in (*studied.best, *studied.front)}
+        designs, count = drawn_designs(studied), len(studied.search)
+        few = np.unique(np.linspace(0, len(studied.front) - 1, NUMBERS).round().astype(int))
+        numbered = [*studied.best, *(studied.front[k] for k in few)]
+        numbers = {count + k: name for k, name in enumerate(studied.named)}
+        numbers |= {row: str(designs["number"][row]) for row in numbered}
         panels = []
         for i, j in pairs[:PANELS]:
             ways = [
@@ -67,7 +87,7 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
             ]
             line = studied.front if len(names) == 2 else ()
             panels.append(
-                Pair(axis(studied, names[i], search), axis(studied, names[j], search), numbers, line,
+                Pair(axis(studied, names[i], designs), axis(studied, names[j], designs), numbers, line,
                      f"better: {' and '.join(ways)}")
             )  # fmt: skip
         return pairs_chart("Pareto front", panels, clouds_of(studied))
@@ -82,12 +102,15 @@ def matrix_drawing(studied: Studied, influences: Sequence[Influence]) -> Iterato
         return
 
     def draw() -> Figure:
-        found = dict(axis(studied, name, studied.search) for name in columns)
+        found = dict(axis(studied, name, drawn_designs(studied)) for name in columns)
         return scatter_matrix("Parameters and figures of merit of the designs", found, clouds_of(studied))
 
     caption = "Above the diagonal: rank correlation (Spearman) of the two, bold from ±0.5 on."
     left = len(studied.numeric) + len(studied.merits) - len(columns)
-    yield "scatter-matrix", Drawing(caption + (f" {left} other columns are in the table." if left > 0 else ""), draw)
+    yield (
+        "scatter-matrix",
+        Drawing(caption + (f" What else varies, {left} more, is in designs.csv." if left > 0 else ""), draw),
+    )
 
 
 def chosen_columns(studied: Studied, influences: Sequence[Influence]) -> list[str]:
@@ -135,7 +158,9 @@ def spread_drawings(studied: Studied, yields: Sequence[Yield]) -> Iterator[tuple
             yield f"spread-{whose or 'all'}".replace(" ", "-"), drawing
 
 
-def _spreads(studied: Studied, whose: str, machines: DataFrame, names: Sequence[str], yields: Sequence[Yield]) -> Figure:
+def _spreads(
+    studied: Studied, whose: str, machines: DataFrame, names: Sequence[str], yields: Sequence[Yield]
+) -> Figure:
     designed = parent_of(studied, whose)
     spreads = []
     for name in names:
@@ -147,16 +172,10 @@ def _spreads(studied: Studied, whose: str, machines: DataFrame, names: Sequence[
         low, high, nominal = (None if np.isnan(mark) else float(mark) for mark in values[-3:])
         limited = list(studied.file.limits) == [name]
         found = next((y for y in yields if y.whose == whose and y.limit == ("" if limited else name)), None)
-        said = "" if found is None else f"yield {found.said}: {_limits(studied, name)}"
+        said = "" if found is None else f"yield {found.said}: {studied.bounds_said(name)}"
         spreads.append(Spread(label, values[:-3], low, high, nominal, said))
     title = f"Within tolerances: {whose}" if whose else "Spread of the machines"
     return spreads_chart(title, spreads, "machines")
-
-
-def _limits(studied: Studied, name: str) -> str:
-    limit, unit = studied.file.limits[name], studied.unit(name)
-    ends = (("at least", limit.at_least), ("at most", limit.at_most))
-    return ", ".join(f"{words} {worded(end, unit)}" for words, end in ends if end is not None)
 
 
 def parent_of(studied: Studied, whose: str) -> "dict[str, float] | None":

@@ -89,7 +89,12 @@ def _designs(title: str, names: Sequence[str], rows: Sequence[Mapping[str, Any]]
 def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
     """Every measure of every parameter and merit, with its interval."""
     rows = [
-        (one.merit, key, measure.label, *(np.nan if v is None else v[k] for v in (measure.values, measure.low, measure.high)))
+        (
+            one.merit,
+            key,
+            measure.label,
+            *(np.nan if v is None else v[k] for v in (measure.values, measure.low, measure.high)),
+        )
         for one in influences
         for k, key in enumerate(one.parameters)
         for measure in one.measures
@@ -134,9 +139,13 @@ def notes_of(studied: Studied, yields: Sequence[Yield]) -> tuple[str, ...]:
             "A machine that failed keeps no limit."
         )
     if file.plan.kind in DRAWN:
-        notes.append("Rank correlations (Spearman) see what rises or falls throughout; what rises and falls again, not.")
+        notes.append(
+            "Rank correlations (Spearman) see what rises or falls throughout; what rises and falls again, not."
+        )
     if studied.front:
-        notes.append("The best compromise is nearest to the best value of each objective, counted in shares of the front.")
+        notes.append(
+            "The best compromise is nearest to the best value of each objective, counted in shares of the front."
+        )
     return tuple(notes)
 
 
@@ -171,7 +180,11 @@ def _plain(studied: Studied, row: Mapping[str, Any]) -> dict[str, Any]:
         return value if isinstance(value, str | bool) or value is None else finite(float(value))
 
     values = {key: said(row[key]) for key in studied.parameters}
-    return {"number": int(row["number"]), "values": values, "merits": {name: said(row[name]) for name in studied.merits}}
+    return {
+        "number": int(row["number"]),
+        "values": values,
+        "merits": {name: said(row[name]) for name in studied.merits},
+    }
 
 
 def is_empty(designs: DataFrame) -> bool:

@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.campaign.best import best_of, front_of
-from ehamj.campaign.file import Limit, StudyFile
 from ehamj.campaign.names import short_names, worded
-from ehamj.merits.merit import Merit
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
+
+    from ehamj.campaign.file import Limit, StudyFile
+    from ehamj.merits.merit import Merit
 else:
-    DataFrame = Series = Any
+    DataFrame = Series = Any  # imported with the first design
 
 SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
 """Stages of a study's designs."""
@@ -33,13 +34,13 @@ class Studied:
     parent, status, reason, seconds, a column for each parameter and each merit; NaN where a design has none.
     """
 
-    file: StudyFile
+    file: "StudyFile"
     designs: DataFrame
     parameters: tuple[str, ...]
     """Keys of what the plan varies."""
     units: Mapping[str, str]
     """Unit of each of them, and of what tolerances vary besides, by key."""
-    merits: Mapping[str, Merit]
+    merits: Mapping[str, "Merit"]
     """Each merit that was asked for, by name."""
     planned: int
     """Designs that the study makes, all stages together, as far as that is known."""
@@ -94,7 +95,7 @@ class Studied:
         """Which designs are done and keep every limit."""
         kept = np.asarray(designs["status"] == "done")
         for name, limit in self.file.limits.items():
-            kept &= meets(designs[name], limit)
+            kept = kept & meets(designs[name], limit)
         return kept
 
     def objectives(self, designs: DataFrame) -> Array:
@@ -125,22 +126,26 @@ class Studied:
         return f"{self.short[name]} {worded(value, self.unit(name))}"
 
     def limit_said(self, name: str) -> str:
-        """What a merit must keep, in words."""
+        """What a merit must keep, in words that begin with its name."""
+        return f"{self.short[name]} {self.bounds_said(name)}"
+
+    def bounds_said(self, name: str) -> str:
+        """The same without its name."""
         limit, unit = self.file.limits[name], self.unit(name)
         parts = [
-            f"{words} {worded(bound, unit)}"
+            f"{words} {worded(bound, unit, 0)}"
             for words, bound in (("at least", limit.at_least), ("at most", limit.at_most))
             if bound is not None
         ]
-        return f"{self.short[name]} {' and '.join(parts)}"
+        return " and ".join(parts)
 
 
-def meets(values: "Series[Any]", limit: Limit) -> NDArray[np.bool_]:
+def meets(values: "Series[Any]", limit: "Limit") -> NDArray[np.bool_]:
     """Which values keep a limit; NaN does not."""
     return excess(np.asarray(values, float), limit) <= 0.0
 
 
-def excess(values: Array, limit: Limit) -> Array:
+def excess(values: Array, limit: "Limit") -> Array:
     """By how much values miss a limit, 0 or less where they keep it; endless where there is none."""
     beyond = np.full(values.shape, -np.inf)
     if limit.at_least is not None:

@@ -1,0 +1,2 @@
+def surface_drawings(studied, influences):
+    return iter(())
