@@ -213,7 +213,7 @@ def _hundredths(value: float) -> str:
 
 def _unfinished(studied: Studied) -> Iterator[str]:
     done = len(studied.designs)
-    if done < studied.planned:
+    if not studied.complete:
         yield f"The study is not finished: {done:,} of at most {studied.planned:,} designs are there; --resume goes on."
 
 

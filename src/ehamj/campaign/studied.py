@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from pandas import DataFrame, Series
 
     from ehamj.campaign.file import Limit, StudyFile
-    from ehamj.merits.merit import Merit
 else:
     DataFrame = Series = Any  # imported with the first design
 
@@ -39,11 +38,18 @@ class Studied:
     parameters: tuple[str, ...]
     """Keys of what the plan varies."""
     units: Mapping[str, str]
-    """Unit of each of them, and of what tolerances vary besides, by key."""
-    merits: Mapping[str, "Merit"]
-    """Each merit that was asked for, by name."""
+    """Unit of each value and merit, by name."""
     planned: int
-    """Designs that the study makes, all stages together, as far as that is known."""
+    """Designs that the study makes at most, all stages together."""
+    complete: bool = True
+    """Whether all that there will be are there."""
+
+    @cached_property
+    def merits(self) -> tuple[str, ...]:
+        """Names of all merits, whichever stage asks for them."""
+        stages = (self.file.tolerances, self.file.confirm)
+        more = [name for stage in stages if stage is not None for name in stage.merits or ()]
+        return tuple(dict.fromkeys((*self.file.wanted, *more)))
 
     def stage(self, name: str) -> DataFrame:
         """Designs of one stage, in order of their numbers."""
@@ -106,7 +112,7 @@ class Studied:
     @cached_property
     def short(self) -> dict[str, str]:
         """What each parameter and merit is called on a page."""
-        return short_names([*self.units, *self.merits])
+        return short_names([*self.parameters, *self.merits])
 
     @property
     def numeric(self) -> list[str]:
@@ -119,7 +125,7 @@ class Studied:
 
     def unit(self, name: str) -> str:
         """Unit of a parameter or merit."""
-        return self.merits[name].unit if name in self.merits else self.units[name]
+        return self.units.get(name, "1")
 
     def said(self, name: str, value: Any) -> str:
         """A parameter or merit with its value, in words."""
@@ -138,6 +144,27 @@ class Studied:
             if bound is not None
         ]
         return " and ".join(parts)
+
+
+def studied_of(
+    file: "StudyFile", designs: DataFrame, nominal: Mapping[str, Any], planned: int, complete: bool = True
+) -> Studied:
+    """A study from the frame of its store (`ehamj.campaign.tables.frame`).
+
+    Args:
+        file: the study's file.
+        designs: the frame.
+        nominal: the scenario's own value of each parameter, which designs have that state no other; None where it has
+            none.
+        planned: designs that the study makes at most.
+        complete: whether all that there will be are there.
+    """
+    units = designs.attrs["units"]
+    found = designs.reset_index()
+    for key, value in nominal.items():
+        if value is not None:
+            found[key] = found[key].where(found[key].notna(), value)
+    return Studied(file, found, tuple(nominal), units, planned, complete)
 
 
 def meets(values: "Series[Any]", limit: "Limit") -> NDArray[np.bool_]:
