@@ -7,7 +7,7 @@ import numpy as np
 
 from ehamj.campaign.influence import Influence
 from ehamj.campaign.names import worded
-from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess
+from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess, rows_of
 from ehamj.campaign.yields import Yield
 
 MERITS: Final = 5
@@ -42,7 +42,7 @@ def _best(studied: Studied) -> Iterator[str]:
     """The best design with what it has and what it comes out with."""
     if not studied.best:
         return
-    row = studied.search.loc[studied.best[0]]
+    row = studied.design(studied.best[0])
     merits = ", ".join(studied.said(name, row[name]) for name in studied.file.objectives)
     values = ", ".join(studied.said(key, row[key]) for key in studied.parameters)
     if studied.front:
@@ -64,7 +64,7 @@ def _against_named(studied: Studied) -> Iterator[str]:
     for name, named in studied.named.items():
         if not rows or not studied.file.objectives or (name == AS_IT_IS and studied.file.named):
             continue
-        gains = {row: gains_of(studied, studied.search.loc[row], named) for row in rows}
+        gains = {row: gains_of(studied, studied.design(row), named) for row in rows}
         unbeaten = {row: found for row, found in gains.items() if found and min(found.values()) >= 0.0}
         if not unbeaten:
             yield f"No design beats {_quoted(name)} without losing in another objective."
@@ -72,7 +72,7 @@ def _against_named(studied: Studied) -> Iterator[str]:
         most = max(sum(gain > 0.0 for gain in found.values()) for found in unbeaten.values())
         full = [row for row, found in unbeaten.items() if sum(gain > 0.0 for gain in found.values()) == most]
         best = next((row for row in studied.best if row in full), full[0])
-        row, of = studied.search.loc[best], len(studied.file.objectives)
+        row, of = studied.design(best), len(studied.file.objectives)
         said = ", ".join(
             f"{studied.said(one, row[one])} instead of {worded(named[one], studied.unit(one))}"
             for one, gain in gains[best].items()
@@ -152,7 +152,7 @@ def _confirmed(studied: Studied) -> Iterator[str]:
     if not len(again) or studied.file.confirm is None:
         return
     names = [name for name in again.columns if name in studied.merits and again[name].notna().any()]
-    for _, row in again.iterrows():
+    for row in rows_of(again):
         before = studied.designs[studied.designs["number"] == row["parent"]]
         whose = label_of(studied, row["parent"])
         if row["status"] != "done":
@@ -233,5 +233,5 @@ def reasons_of(studied: Studied) -> dict[str, int]:
 
     kinds = studied.failed["reason"].map(lambda reason: re.sub(r"[-−]?\d+(\.\d+)?(e[-+]?\d+)?", "…", str(reason)))
     counts = kinds.value_counts()
-    first = {kind: str(studied.failed["reason"][kinds == kind].iloc[0]) for kind in counts.index}
-    return {first[kind] if count == 1 else kind: int(count) for kind, count in counts.items()}
+    first = {str(kind): str(studied.failed["reason"][kinds == kind].iloc[0]) for kind in counts.index}
+    return {first[str(kind)] if count == 1 else str(kind): int(count) for kind, count in counts.items()}

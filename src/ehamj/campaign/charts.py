@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from ehamj.campaign.influence import Influence
-from ehamj.campaign.names import axis_of, worded
-from ehamj.campaign.studied import DataFrame, Studied
+from ehamj.campaign.names import axis_of
+from ehamj.campaign.studied import DataFrame, Row, Studied
 from ehamj.campaign.yields import Yield, groups
 from ehamj.plots import Figure
 from ehamj.plots.clouds import Cloud, Pair, pairs_chart, scatter_matrix
@@ -34,7 +34,8 @@ def axis(studied: Studied, name: str, designs: DataFrame) -> tuple[str, "np.ndar
 
 
 def clouds_of(studied: Studied) -> list[Cloud]:
-    """The plan's designs that are done (good ones, others, the best) and those with a name; rows count those of `drawn_designs`."""
+    """The plan's designs that are done (good ones, others, the best) and those with a name; rows count those of
+    `drawn_designs`."""
     good, done = studied.good(studied.search), np.asarray(studied.search["status"] == "done")
     special = studied.front or studied.best
     plain = np.ones(len(done), bool)
@@ -57,7 +58,7 @@ def drawn_designs(studied: Studied) -> DataFrame:
     """Designs that are drawn as points: the plan's, then those with a name."""
     import pandas as pd
 
-    return pd.concat([studied.search, *(row.to_frame().T for row in studied.named.values())], ignore_index=True)
+    return pd.concat([studied.search, pd.DataFrame(list(studied.named.values()))], ignore_index=True)
 
 
 def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
@@ -127,7 +128,7 @@ def chosen_columns(studied: Studied, influences: Sequence[Influence]) -> list[st
 def influence_drawings(studied: Studied, influences: Sequence[Influence]) -> Iterator[tuple[str, Drawing]]:
     """Bars of each merit's influences, the strongest first."""
     for one in influences[:MERITS]:
-        yield f"influence-{one.merit}", Drawing(_influence_caption(one), partial(_influence_chart, studied, one))
+        yield f"influence-{one.merit.replace('.', '-')}", Drawing(_influence_caption(one), partial(_influence_chart, studied, one))
 
 
 def _influence_caption(one: Influence) -> str:
@@ -178,11 +179,10 @@ def _spreads(
     return spreads_chart(title, spreads, "machines")
 
 
-def parent_of(studied: Studied, whose: str) -> "dict[str, float] | None":
-    """The design that machines are around, as designed."""
+def parent_of(studied: Studied, whose: str) -> Row | None:
+    """The design that machines are around, as designed; of those around none, the scenario's own."""
+    if not whose:
+        return next(iter(studied.named.values()), None)
     if whose in studied.named:
-        return dict(studied.named[whose])
-    rows = studied.search[studied.search["number"].map(lambda number: f"design {number}" == whose)]
-    if len(rows):
-        return dict(rows.iloc[0])
-    return dict(next(iter(studied.named.values()))) if not whose and studied.named else None
+        return studied.named[whose]
+    return next((one for one in map(studied.design, studied.best) if f"design {one['number']}" == whose), None)

@@ -1,6 +1,6 @@
 """A study's designs as an outcome: answers, tables, drawings, notes, numbers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from ehamj.campaign.charts import front_drawing, influence_drawings, matrix_draw
 from ehamj.campaign.influence import Influence
 from ehamj.campaign.influences import influences_of
 from ehamj.campaign.names import unit_text
-from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied
+from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Row, Studied, rows_of
 from ehamj.campaign.surfaces import surface_drawings
 from ehamj.campaign.yields import DRAWN, Yield, yields_of
 from ehamj.findings import finite
@@ -48,23 +48,22 @@ def outcome_of(studied: Studied) -> Outcome:
 
 def tables_of(studied: Studied, influences: Sequence[Influence], yields: Sequence[Yield]) -> dict[str, xr.Dataset]:
     """Best and named designs, the front, influences, yields, confirmations, reasons; what is empty is left out."""
-    search = studied.search
     found = {}
-    chosen = [(f"best {k}", search.loc[row]) for k, row in enumerate(studied.best, 1)]
+    chosen = [(f"best {k}", studied.design(row)) for k, row in enumerate(studied.best, 1)]
     chosen += list(studied.named.items())
     if chosen:
         found["best"] = _designs("the best designs, and those with a name", [name for name, _ in chosen],
                                  [row for _, row in chosen], studied)  # fmt: skip
     if studied.front:
-        rows = [search.loc[row] for row in studied.front[:MOST_OF_FRONT]]
+        rows = [studied.design(row) for row in studied.front[:MOST_OF_FRONT]]
         found["front"] = _designs("designs of the Pareto front", [f"{row['number']}" for row in rows], rows, studied)
     if influences:
         found["influence"] = _influence_table(influences)
     if yields:
         found["yield"] = _yield_table(studied, yields)
     if len(again := studied.stage(CONFIRM)):
-        names = [label_of(studied, row["parent"]) for _, row in again.iterrows()]
-        found["confirm"] = _designs("once more", names, [row for _, row in again.iterrows()], studied)
+        names = [label_of(studied, row["parent"]) for row in rows_of(again)]
+        found["confirm"] = _designs("once more", names, rows_of(again), studied)
     if len(studied.failed):
         counts = reasons_of(studied)
         reasons = {"reason": (list(counts), "", "reason; … stands for numbers that differ")}
@@ -72,9 +71,9 @@ def tables_of(studied: Studied, influences: Sequence[Influence], yields: Sequenc
     return found
 
 
-def _designs(title: str, names: Sequence[str], rows: Sequence[Mapping[str, Any]], studied: Studied) -> xr.Dataset:
+def _designs(title: str, names: Sequence[str], rows: Sequence[Row], studied: Studied) -> xr.Dataset:
     """Some designs with all their values and merits, by their own keys."""
-    columns = {}
+    columns: dict[str, tuple[Any, str, str]] = {}
     for key in [*studied.parameters, *studied.merits]:
         values = [row[key] for row in rows]
         numeric = all(isinstance(value, int | float | np.number) for value in values)
@@ -135,8 +134,8 @@ def notes_of(studied: Studied, yields: Sequence[Yield]) -> tuple[str, ...]:
         notes.append("The law was derived anew for each design, whose values it so knows exactly.")
     if yields:
         notes.append(
-            "Intervals of yields are exact binomial ones (Clopper and Pearson, 95 %): of machines drawn as the file says. "
-            "A machine that failed keeps no limit."
+            "Intervals of yields are exact binomial ones (Clopper and Pearson, 95 %), of machines drawn as the file "
+            "says. A machine that failed keeps no limit."
         )
     if file.plan.kind in DRAWN:
         notes.append(
@@ -157,7 +156,7 @@ def numbers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
         "planned": studied.planned,
         "failed": len(studied.failed),
         "good": int(studied.good(search).sum()),
-        "best": [_plain(studied, search.loc[row]) for row in studied.best],
+        "best": [_plain(studied, studied.design(row)) for row in studied.best],
         "named": {name: _plain(studied, row) for name, row in studied.named.items()},
         "front": [int(search["number"][row]) for row in studied.front],
         "yield": {
@@ -175,7 +174,7 @@ def numbers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
     }
 
 
-def _plain(studied: Studied, row: Mapping[str, Any]) -> dict[str, Any]:
+def _plain(studied: Studied, row: Row) -> dict[str, Any]:
     def said(value: Any) -> Any:
         return value if isinstance(value, str | bool) or value is None else finite(float(value))
 

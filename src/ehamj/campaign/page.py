@@ -43,10 +43,12 @@ def best_scenarios(studied: Studied, machine: Machine) -> dict[str, Scenario]:
     """The best designs as scenarios, by the name of their file."""
     found = {}
     for place, row in enumerate(studied.best, 1):
-        design = studied.search.loc[row]
+        design = studied.design(row)
         values: dict[str, Any] = {key: _plain(design[key]) for key in studied.parameters if _known(design[key])}
-        told = {"name": f"best-{place}", "description": f"design {design['number']} of the study {studied.file.title!r}"}
-        found[BEST.format(place)] = scenario_of(machine, values).model_copy(update=told)
+        said = f"design {design['number']} of the study {studied.file.title!r}"
+        found[BEST.format(place)] = scenario_of(machine, values).model_copy(
+            update={"name": f"best-{place}", "description": said}
+        )
     return found
 
 

@@ -1,23 +1,26 @@
-"""A study file from its first design to its page: where it is written, what is resumed, what stands there in the end."""
+"""A study file from its first design to its page: where it is written, what is resumed, what stands there after."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from ehamj.campaign.conduct import Conducted, conduct
+import tomli_w
+
+from ehamj.campaign.conduct import conduct
 from ehamj.campaign.file import StudyFile, load_study
 from ehamj.campaign.page import write_study
 from ehamj.campaign.staged import stages_of
-from ehamj.campaign.standing import Progress, silent
+from ehamj.campaign.standing import Progress, Standing, silent
 from ehamj.campaign.store import STORE_FILE
-from ehamj.campaign.studied import Studied, studied_of
+from ehamj.campaign.studied import studied_of
 from ehamj.campaign.tables import frame
 from ehamj.errors import InputError
-from ehamj.folders import check_out, made_folder
+from ehamj.folders import check_out, numbered_folder
 from ehamj.result import written_whole
 from ehamj.studies.outcome import Outcome
+from ehamj.unfinished import beside, remove
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -74,25 +77,66 @@ def run_study(
         OSError: if a file cannot be written; finished designs are kept, and can be resumed.
     """
     file = load_study(source, overrides)
-    folder = Path(out) if out is not None else _own_folder(source, resume)
-    if resume and folder is None:
-        raise InputError("--resume: needs --out, the folder of the study that is to go on")
+    folder = Path(out) if out is not None else _own_folder(source) if resume else None
     if not resume:
         check_out(folder, overwrite, MARKS)
     step("reading the study")
-    stages = stages_of(file)
-    with _folder(folder, resume, overwrite) as place:
-        _write_file(place, file)
-        ended = conduct(
-            place,
-            stages,
-            file.model_dump(mode="json", exclude_unset=True),
-            scheduler=scheduler,
-            resume=resume,
-            functions=functions,
-            progress=progress,
-            hours=file.budget.hours,
-        )
+    machine, stages = file.machine, stages_of(file)
+    space, planned = file.space(machine), sum(stage.count() for stage in stages)
+    about = file.model_dump(mode="json", exclude_unset=True, exclude={"title", "question", "budget"})
+    given: dict[str, Any] = {"scheduler": scheduler, "functions": functions, "hours": file.budget.hours}
+    with _place(folder, resume, overwrite) as place:
+
+        def told(standing: Standing) -> None:
+            if not (place / STUDY_FILE).is_file():  # the store has begun, so that the study can be resumed
+                _write_file(place, file)
+            progress(standing)
+
+        ended = conduct(place, stages, about, resume=resume, progress=told, **given)
     step("page, tables and best designs")
-    studied = studied_of(file, frame(place), stages, ended)
-    return Study(place, file, write_study(place, _name_of(source, file), studied), ended.complete)
+    nominal = {key: space.nominal.get(key) for key in space.keys}
+    studied = studied_of(file, frame(place), nominal, planned, ended.complete)
+    return Study(place, file, write_study(place, _name_of(source), studied, machine), ended.complete)
+
+
+def _own_folder(source: Any) -> Path | None:
+    """The folder of a study that is named by it, or by its file there."""
+    if not isinstance(source, str | Path):
+        return None
+    path = Path(source)
+    folder = path if path.is_dir() else path.parent
+    is_its_own = path.name in (STUDY_FILE, folder.name) and all((folder / mark).is_file() for mark in MARKS)
+    return folder if is_its_own else None
+
+
+def _write_file(folder: Path, file: StudyFile) -> None:
+    with written_whole(folder / STUDY_FILE) as path:
+        text = tomli_w.dumps(file.model_dump(mode="json", exclude_unset=True, exclude_none=True))
+        path.write_text(text, encoding="utf-8")
+
+
+def _name_of(source: Any) -> str:
+    return Path(source).stem if isinstance(source, str | Path) else "study"
+
+
+@contextmanager
+def _place(wanted: Path | None, resume: bool, overwrite: bool) -> Iterator[Path]:
+    """The folder where a study is done. One that is replaced moves aside, and comes back if no study begins."""
+    if resume:
+        if wanted is None:
+            raise InputError("--resume: needs --out, the folder of the study that is to go on")
+        yield wanted
+        return
+    folder = wanted if wanted is not None else numbered_folder()
+    aside = beside(folder.resolve(), "replaced")
+    if overwrite and folder.is_dir():
+        folder.replace(aside)
+    try:
+        yield folder
+    finally:
+        if not (folder / STORE_FILE).is_file():
+            with suppress(OSError):
+                folder.rmdir()
+            if aside.is_dir() and not folder.exists():
+                aside.replace(folder)
+        remove(aside)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ehamj.campaign.best import best_of
 from ehamj.campaign.file import StudyFile
+from ehamj.campaign.keys import unit_at
 from ehamj.campaign.parameters import Space
 from ehamj.campaign.rows import Column
 from ehamj.campaign.stages import Again, Around, Parent, Search, Stage, Values, columns_of
@@ -77,7 +78,7 @@ def _columns(machine: Machine, space: Space, named: Sequence[Values]) -> list[Co
     columns = columns_of(space)
     known = {column.name for column in columns}
     others = dict.fromkeys(key for values in named for key in values if key not in known)
-    return [*columns, *(Column(key, Space.unit_of(machine.scenario, key), "value") for key in others)]
+    return [*columns, *(Column(key, unit_at(machine.scenario, key), "value") for key in others)]
 
 
 def _tried(machine: Machine, name: str, values: Values) -> None:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 else:
     DataFrame = Series = Any  # imported with the first design
 
+Row = dict[str, Any]
+"""A design by the names of its columns."""
 SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
 """Stages of a study's designs."""
 AS_IT_IS: Final = "as it is"
@@ -66,9 +68,9 @@ class Studied:
         return self.search[self.search["status"] == "done"].reset_index(drop=True)
 
     @cached_property
-    def named(self) -> dict[str, Series]:
+    def named(self) -> dict[str, Row]:
         """Designs with a name of their own, to compare with, as far as they are done."""
-        rows = (row for _, row in self.stage(NAMED).iterrows())
+        rows = rows_of(self.stage(NAMED))
         names = (AS_IT_IS, *self.file.named)
         return {name: row for name, row in zip(names, rows, strict=False) if row["status"] == "done"}
 
@@ -91,6 +93,10 @@ class Studied:
     def failed(self) -> DataFrame:
         """Designs of any stage that have no merits."""
         return self.designs[self.designs["status"] == "failed"]
+
+    def design(self, row: int) -> Row:
+        """A row of `search`."""
+        return rows_of(self.search.iloc[[row]])[0]
 
     def children(self, number: int, stage: str) -> DataFrame:
         """Variations of a design in a stage."""
@@ -165,6 +171,11 @@ def studied_of(
         if value is not None:
             found[key] = found[key].where(found[key].notna(), value)
     return Studied(file, found, tuple(nominal), units, planned, complete)
+
+
+def rows_of(designs: DataFrame) -> list[Row]:
+    """Designs one by one."""
+    return [{str(name): value for name, value in row.items()} for row in designs.to_dict("records")]
 
 
 def meets(values: "Series[Any]", limit: "Limit") -> NDArray[np.bool_]:
