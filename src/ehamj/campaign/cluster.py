@@ -92,9 +92,9 @@ def _finished(client: Any, futures: list[Any], say: Say) -> list[Any]:
     Raises:
         SimulationFailed: if the scheduler is gone.
     """
-    from concurrent.futures import CancelledError
+    from concurrent.futures import FIRST_COMPLETED, CancelledError
 
-    from distributed import FIRST_COMPLETED, wait
+    from distributed import wait
 
     waiting = False
     while True:

@@ -14,7 +14,8 @@ from ehamj.arrays import Array
 from ehamj.campaign.identity import check_same, versions
 from ehamj.campaign.plans.plan import Goals, Told
 from ehamj.campaign.rows import Column
-from ehamj.campaign.schedulers import Computed, scheduler_of
+from ehamj.campaign.named_schedulers import scheduler_of
+from ehamj.campaign.schedulers import Computed
 from ehamj.campaign.stages import Batch, Search, Stage
 from ehamj.campaign.standing import Progress, Watch, silent
 from ehamj.campaign.store import STORE_FILE, Store, writing
@@ -58,7 +59,7 @@ def conduct(
         folder: of the study; made where it is not there.
         stages: in order; numbers of designs go on from one to the next.
         about: the study's file, plain data; another one is another study.
-        scheduler: see `ehamj.campaign.schedulers.scheduler_of`.
+        scheduler: see `ehamj.campaign.named_schedulers.scheduler_of`.
         resume: whether it goes on with what is stored there.
         functions: the user's own merits, see `ehamj.merits.own.owned`.
         progress: called when a block is stored, on this thread.

@@ -1,17 +1,15 @@
 """Where blocks of designs are computed. What comes out depends on none of it."""
 
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import Any, Final
+from typing import Final
 
 from ehamj.campaign.rows import Row
 from ehamj.campaign.work import Block, Work, evaluate
-from ehamj.errors import InputError
 from ehamj.interruption import pool_of
 from ehamj.run.workers import processors
 
@@ -90,38 +88,3 @@ class Losses:
         whole, known = self._cut[block.first]
         known[block.first] = rows[0]
         return [known[one.number] for one in whole.designs] if len(known) == len(whole.designs) else []
-
-
-def scheduler_of(given: Any) -> Scheduler:
-    """What a user names: nothing (threads), "threads", "threads:4", "processes", "processes:4", the address of a Dask
-    scheduler, such as "tcp://10.0.0.1:8786", a Dask client or cluster, or a `Scheduler`.
-
-    Raises:
-        InputError: if it is none of these.
-    """
-    if isinstance(given, Scheduler):
-        return given
-    if given is None:
-        return Threads()
-    if isinstance(given, str):
-        own = re.fullmatch(r"(threads|processes)(?::(\d{1,4}))?", given.strip())
-        if own and (own[2] is None or int(own[2]) > 0):
-            from ehamj.campaign.processes import Processes
-
-            count = processors() if own[2] is None else int(own[2])
-            return Threads(count) if own[1] == "threads" else Processes(count)
-        if not re.fullmatch(r"[\w+-]+://\S+", given.strip()):
-            raise InputError(
-                f"scheduler {given!r}: must be threads, threads:N, processes, processes:N, or the address of a Dask "
-                "scheduler, such as tcp://10.0.0.1:8786"
-            )
-        from ehamj.campaign.cluster import Dask
-
-        return Dask(given.strip())
-    from ehamj.campaign.cluster import Dask, is_dask
-
-    if not is_dask(given):
-        raise InputError(
-            f"scheduler: must be a name, an address, or a Dask client or cluster, not {type(given).__name__}"
-        )
-    return Dask(given)
