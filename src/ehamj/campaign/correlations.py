@@ -1,7 +1,7 @@
 """Parameters that go together: a Gaussian copula, whatever the parameters' own distributions are."""
 
 from collections.abc import Sequence
-from typing import Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,6 +10,9 @@ from ehamj.arrays import Array
 from ehamj.campaign.parameter import Parameter
 from ehamj.errors import InputError, did_you_mean
 from ehamj.settings import Settings
+
+if TYPE_CHECKING:
+    from ehamj.campaign.parameters import Space
 
 LEAST_EIGENVALUE: Final = 1e-9
 """Of a correlation matrix: below it, one parameter would follow from the others."""
@@ -31,6 +34,20 @@ class Correlation(Settings):
         return self
 
 
+def check_independent(space: "Space", plan: str) -> None:
+    """Refuse correlated parameters for a plan that cannot have any.
+
+    Raises:
+        InputError: saying which plans can.
+    """
+    if space.correlated:
+        raise InputError(
+            f"plan.kind = {plan!r}: parameters must be independent here, and [[correlations]] says that some are not; "
+            "leave it out, or take plan.kind = 'monte-carlo' ('latin-hypercube', 'sobol-sequence'), whose rank "
+            "correlations and regression need no independence"
+        )
+
+
 def together(points: Array, factor: Array) -> Array:
     """Points whose normal scores are correlated: Φ(L Φ⁻¹(u))."""
     from scipy.special import ndtr, ndtri
@@ -44,7 +61,7 @@ def factor_of(parameters: Sequence[Parameter], correlations: Sequence[Correlatio
         return None
     matrix, known = np.eye(len(parameters)), [one.stated for one in parameters]
     for number, one in enumerate(correlations):
-        said = f"correlation.{number}.between = {list(one.between)}"
+        said = f"correlations.{number}.between = {list(one.between)}"
         for key in one.between:
             if key not in known:
                 stated = tuple(dict.fromkeys(known))
@@ -64,7 +81,7 @@ def factor_of(parameters: Sequence[Parameter], correlations: Sequence[Correlatio
     if least < LEAST_EIGENVALUE:
         most = int(1000.0 * (1.0 - LEAST_EIGENVALUE) / (1.0 - least)) / 1000.0
         raise InputError(
-            f"correlation: the coefficients contradict each other (their matrix has the eigenvalue {least:.3g}, must "
+            f"correlations: the coefficients contradict each other (their matrix has the eigenvalue {least:.3g}, must "
             f"be above 0); {most - 0.001:.3f} times all of them would do"
         )
     return np.asarray(np.linalg.cholesky(matrix))

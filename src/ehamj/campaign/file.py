@@ -20,7 +20,7 @@ from ehamj.campaign.correlations import Correlation
 from ehamj.campaign.parameters import Space
 from ehamj.campaign.plans.kinds import PLANS, MonteCarlo
 from ehamj.campaign.plans.plan import Goals
-from ehamj.campaign.spreads import Spread
+from ehamj.campaign.spreads import Vary
 from ehamj.merits.merit import Machine, source_of
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
@@ -29,7 +29,6 @@ from ehamj.scenario.variation import LawChoice
 from ehamj.scenario_files import path_of, shipped_files, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Settings, one_of
 
-Vary = dict[str, Spread]
 Overrides = Annotated[dict[str, Any], OVERRIDES]
 
 

@@ -81,17 +81,3 @@ class Space:
         columns = [one.values(points[:, k]) for k, one in enumerate(self.parameters)]
         rows = (zip(self.keys, row, strict=True) for row in zip(*columns, strict=True))
         return [{key: value for key, value in row if value is not None} for row in rows]
-
-
-def check_independent(space: Space, plan: str) -> None:
-    """Refuse correlated parameters for a plan that cannot have any.
-
-    Raises:
-        InputError: saying which plans can.
-    """
-    if space.correlated:
-        raise InputError(
-            f"plan.kind = {plan!r}: parameters must be independent here, and [[correlation]] says that some are not; "
-            "leave it out, or take plan.kind = 'monte-carlo' ('latin-hypercube', 'sobol-sequence'), whose rank "
-            "correlations and regression need no independence"
-        )

@@ -34,11 +34,14 @@ class Told:
 
 
 Batches = Generator[Array, Told, None]
-"""Yields points (design, parameter) of the unit cube, [0, 1), and is sent what they came out with."""
+"""Yields points (design, parameter) of the unit cube, [0, 1], NaN where a value is the scenario's own, and is sent what
+they came out with."""
 
 
 class Plan(Settings, ABC):
     """Base of all plans; each has a ``kind`` of its own and is registered in `ehamj.campaign.plans.kinds`."""
+
+    kind: str
 
     @abstractmethod
     def count(self, space: "Space") -> int:

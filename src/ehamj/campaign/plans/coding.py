@@ -1,0 +1,69 @@
+"""What a search changes: numbers between 0 and 1, and entries of lists and integers by number."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ehamj.arrays import Array
+
+if TYPE_CHECKING:
+    from ehamj.campaign.parameter import Parameter
+
+
+class Coding:
+    """Parameters as pymoo has them: a vector of the unit cube, or a table of mixed variables where some have so few
+    values that they are counted: integers with an order, and lists of what has none."""
+
+    def __init__(self, parameters: "Sequence[Parameter]") -> None:
+        self.parameters = tuple(parameters)
+        self.mixed = any(one.cells is not None for one in self.parameters)
+
+    def problem(self, objectives: int, constraints: int) -> Any:
+        """What is searched, without anything that could evaluate it."""
+        from pymoo.core.problem import Problem
+        from pymoo.core.variable import Choice, Integer, Real
+
+        sizes = {"n_obj": objectives, "n_ieq_constr": constraints}
+        if not self.mixed:
+            return Problem(n_var=len(self.parameters), xl=0.0, xu=1.0, **sizes)
+        variables: dict[str, Any] = {}
+        for one in self.parameters:
+            if one.cells is None:
+                variables[one.key] = Real(bounds=(0.0, 1.0))
+            elif one.unordered:
+                variables[one.key] = Choice(options=list(range(one.cells)))
+            else:
+                variables[one.key] = Integer(bounds=(0, one.cells - 1))
+        return Problem(vars=variables, **sizes)
+
+    def operators(self, objectives: int) -> dict[str, Any]:
+        """How designs are drawn, mated and told apart where variables are mixed; else as the algorithm has it."""
+        if not self.mixed:
+            return {}
+        from pymoo.algorithms.moo.nsga2 import binary_tournament
+        from pymoo.algorithms.moo.nsga3 import comp_by_cv_then_random
+        from pymoo.algorithms.soo.nonconvex.ga import comp_by_cv_and_fitness
+        from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating, MixedVariableSampling
+        from pymoo.operators.selection.tournament import TournamentSelection
+
+        compare = {1: comp_by_cv_and_fitness, 2: binary_tournament, 3: binary_tournament}
+        chosen = TournamentSelection(func_comp=compare.get(objectives, comp_by_cv_then_random))
+        apart = MixedVariableDuplicateElimination()
+        return {
+            "sampling": MixedVariableSampling(),
+            "mating": MixedVariableMating(selection=chosen, eliminate_duplicates=apart),
+            "eliminate_duplicates": apart,
+        }
+
+    def points(self, asked: Iterable[Any]) -> Array:
+        """Points (design, parameter) of the unit cube of what pymoo asks for; of an entry the middle of its cell."""
+        if not self.mixed:
+            return np.array([np.asarray(one, float) for one in asked])
+        return np.array(
+            [[_point(one[parameter.key], parameter.cells) for parameter in self.parameters] for one in asked]
+        )
+
+
+def _point(value: Any, cells: int | None) -> float:
+    return float(value) if cells is None else (round(value) + 0.5) / cells
