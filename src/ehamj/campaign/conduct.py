@@ -12,9 +12,9 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.campaign.identity import check_same, versions
+from ehamj.campaign.named_schedulers import scheduler_of
 from ehamj.campaign.plans.plan import Goals, Told
 from ehamj.campaign.rows import Column
-from ehamj.campaign.named_schedulers import scheduler_of
 from ehamj.campaign.schedulers import Computed
 from ehamj.campaign.stages import Batch, Search, Stage
 from ehamj.campaign.standing import Progress, Watch, silent
