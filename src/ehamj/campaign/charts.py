@@ -128,10 +128,8 @@ def chosen_columns(studied: Studied, influences: Sequence[Influence]) -> list[st
 def influence_drawings(studied: Studied, influences: Sequence[Influence]) -> Iterator[tuple[str, Drawing]]:
     """Bars of each merit's influences, the strongest first."""
     for one in influences[:MERITS]:
-        yield (
-            f"influence-{one.merit.replace('.', '-')}",
-            Drawing(_influence_caption(one), partial(_influence_chart, studied, one)),
-        )
+        drawing = Drawing(_influence_caption(one), partial(_influence_chart, studied, one))
+        yield f"influence-{one.merit.replace('.', '-')}", drawing
 
 
 def _influence_caption(one: Influence) -> str:

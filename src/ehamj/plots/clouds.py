@@ -94,7 +94,7 @@ def pairs_chart(title: str, pairs: Sequence[Pair], clouds: Sequence[Cloud]) -> F
 
 def _numbered(axes: Axes, pair: Pair) -> None:
     """Write numbers beside points, but for those that would lie on one that is there."""
-    unit, taken = axes.figure.dpi / style.INCH, []
+    unit, taken = axes.figure.dpi / style.INCH, list[Any]()
     x, y = np.asarray(pair.x[1], float), np.asarray(pair.y[1], float)
     for row, text in pair.numbers.items():
         at = axes.transData.transform((x[row], y[row]))
@@ -104,7 +104,15 @@ def _numbered(axes: Axes, pair: Pair) -> None:
         ):
             continue  # fmt: skip
         taken.append(at)
-        axes.annotate(text, (x[row], y[row]), (4, 3), textcoords="offset points", fontsize=7.8, zorder=6)
+        axes.annotate(
+            text,
+            (x[row], y[row]),
+            (4, 3),
+            textcoords="offset points",
+            fontsize=7.8,
+            zorder=6,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3},
+        )
 
 
 @style.styled()
