@@ -22,7 +22,7 @@ class Coding:
     def __init__(self, parameters: "Sequence[Parameter]") -> None:
         self.parameters = tuple(parameters)
         self.mixed = any(one.cells is not None for one in self.parameters)
-        self._asked: set[tuple[Any, ...]] = set()
+        self._asked: set[frozenset[Any]] = set()
 
     def problem(self, objectives: int, constraints: int) -> Any:
         """What is searched, without anything that could evaluate it."""
@@ -70,16 +70,16 @@ class Coding:
         )
 
 
-def _never_twice(asked: set[tuple[Any, ...]]) -> Any:
+def _never_twice(asked: set[frozenset[Any]]) -> Any:
     """Refuses designs that were asked for before: where there are few values, a search would come back to them, and
     have them computed again."""
     from pymoo.core.duplicate import DuplicateElimination
 
     class NeverTwice(DuplicateElimination):
         def do(self, pop: Any, *others: Any, **how: Any) -> Any:
-            seen, new = {tuple(one.X.values()) for other in others for one in other}, []
+            seen, new = {frozenset(one.X.items()) for other in others for one in other}, []
             for k, one in enumerate(pop):
-                design = tuple(one.X.values())
+                design = frozenset(one.X.items())
                 if design not in asked and design not in seen:
                     seen.add(design)
                     new.append(k)
