@@ -102,3 +102,23 @@ def test_paths_and_tables_serve(tmp_path: Path) -> None:
 def test_no_thread_is_refused() -> None:
     with pytest.raises(InputError, match="threads = 0: must be at least 1"):
         simulate_many([SHORT], threads=0)
+
+
+def test_failures_stop_nothing_where_something_stands_for_them() -> None:
+    """One that is no scenario, one that cannot be prepared, one that stops, one whose reduction fails."""
+    torn = {"ground": {"kind": "sine", "dof": "ry", "amplitude": 20.0, "frequency": 30.0}}
+    small = SHORT.varied({"engine": "small-motion"})
+    for base in (SHORT, small):
+        given = [base, "nowhere", base.varied({"timestep": 0.01}), base.varied(torn), base.varied({"name": "x"})]
+
+        def name(result: Result) -> str:
+            if result.scenario.name == "x":
+                raise ZeroDivisionError("no name")
+            return result.scenario.name
+
+        found = simulate_many(given, threads=2, reduce=name, on_failure=lambda number, error: f"{number}: {error}")
+        assert found[0] == "short"
+        assert found[1].startswith("1: scenario 'nowhere': no such file")
+        assert found[2].startswith("2: timestep = 0.01")
+        assert found[3].startswith("3: simulation failed at ")
+        assert found[4] == "4: no name"

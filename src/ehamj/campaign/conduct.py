@@ -158,8 +158,9 @@ def _missing(doing: _Doing, stage: Stage, work: Work, batch: Batch, first: int) 
         doing.late = doing.deadline is not None and time.monotonic() > doing.deadline
         if doing.late:
             return
-        parents, values = zip(*batch.designs(start - first, stop - first), strict=True)
-        yield Block(stage.name, tuple(map(Design, range(start, stop), values)), parents)
+        numbered = list(enumerate(batch.designs(start - first, stop - first), start))
+        designs = tuple(Design(number, one.values, one.known) for number, one in numbered)
+        yield Block(stage.name, designs, tuple(one.parent for _, one in numbered))
 
 
 def _counted(doing: _Doing, stage: Stage, first: int, stop: int, new: bool) -> None:

@@ -22,10 +22,15 @@ class Merit:
 
 @dataclass(frozen=True)
 class Design:
-    """One design: its ``number`` in its study, and what it has that is not the scenario's, by dotted key."""
+    """One design: its ``number`` in its study, and what it has that is not the scenario's, by dotted key.
+
+    ``known`` are the values that a law derived for each design knows of it; None: all. A machine within tolerances of a
+    design has the law of that design.
+    """
 
     number: int
     values: Mapping[str, Any]
+    known: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Motion of points of the rigid machine from its six degrees of freedom; exact, and without loss at 1e-9 rad."""
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,9 +57,7 @@ def rotations(angles: ArrayLike) -> tuple[Array, Array, Array]:
 
 def points_displaced(displacement: Array, points: Sequence[ArrayLike]) -> list[Array]:
     """Displacement of points fixed to the machine, shape (n, 3) each; arguments as of `points_motion`."""
-    excess, _ = _turned(displacement[:, 3:])
-    turned = (excess.reshape(-1, 3) @ np.asarray(points, float).reshape(-1, 3).T).reshape(len(displacement), 3, -1)
-    return [displacement[:, :3] + turned[:, :, k] for k in range(turned.shape[2])]
+    return list(points_moved((displacement,), points)[0])
 
 
 def points_motion(
@@ -74,20 +72,65 @@ def points_motion(
         acceleration: its second derivative, (n, 6).
         points: positions on the machine at rest, from the mount plane's centre (3,) [m].
     """
-    excess, derivative = _turned(displacement[:, 3:])
-    rates, accelerations = velocity[:, 3:], acceleration[:, 3:]
-    first = [derivative(axis) for axis in range(3)]
-    spin = sum(rates[:, axis, None, None] * first[axis] for axis in range(3))
-    gain = sum(accelerations[:, axis, None, None] * first[axis] for axis in range(3))
-    for axis in range(3):
-        gain = gain + (rates[:, axis] ** 2)[:, None, None] * derivative(axis, axis)
-        for other in range(axis):
-            gain = gain + 2.0 * (rates[:, axis] * rates[:, other])[:, None, None] * derivative(axis, other)
-    bases = (displacement, velocity, acceleration)
-    turned = (excess, spin, gain)
-    found = []
-    for point in points:
-        r = np.asarray(point, float)
-        x, y, z = (base[:, :3] + turn @ r for base, turn in zip(bases, turned, strict=True))
-        found.append((x, y, z))
-    return found
+    return list(zip(*points_moved((displacement, velocity, acceleration), points), strict=True))
+
+
+def points_moved(motions: Sequence[Array], points: Sequence[ArrayLike]) -> list[Array]:
+    """As many derivatives of the points' displacement as there are of the machine's motion, (point, n, 3) each.
+
+    Args:
+        motions: displacement (n, 6), as of `points_motion`, and its derivatives, two at most.
+        points: as of `points_motion`.
+    """
+    rest = np.array(points, float).reshape(-1, 3).T  # (axis, point)
+    found = np.empty((len(motions), rest.shape[1], len(motions[0]), 3))
+    angles = np.stack([np.ascontiguousarray(motion[:, 3:].T) for motion in motions])  # (derivative, axis, n)
+    turns = {axis: (*_sines(angles[0, axis]), angles[1:, axis]) for axis in ORDER}
+    for number, point in enumerate(rest.T):
+        # Each turn is applied to all derivatives of what the ones before it made of the point.
+        moved: list[list[Any]] = [[0.0, 0.0, 0.0] for _ in motions]
+        for axis in reversed(ORDER):
+            _turn_all(axis, turns[axis], point, moved)
+        for derivative, (motion, own) in enumerate(zip(motions, moved, strict=True)):
+            for axis in range(3):
+                found[derivative, number, :, axis] = motion[:, axis] + own[axis]
+    return list(found)
+
+
+def _sines(angle: Array) -> tuple[Array, Array, Array]:
+    """Sine and cosine of an angle, and cosine − 1 as −2 sin²(φ/2): the difference of two numbers near one would lose
+    what small angles do."""
+    return np.sin(angle), np.cos(angle), -2.0 * np.sin(0.5 * angle) ** 2
+
+
+def _turn_all(axis: int, turn: tuple[Array, Array, Array, Array], point: Array, moved: list[list[Any]]) -> None:
+    """Turn p = point + moved[0] and its derivatives moved[1:] about one axis by an angle φ:
+
+    p → R p, ṗ → φ̇ R′p + R ṗ, p̈ → φ̈ R′p + φ̇² R″p + 2 φ̇ R′ṗ + R p̈.
+    """
+    (sine, cosine, excess, rates), (i, j) = turn, ((axis + 1) % 3, (axis + 2) % 3)
+
+    def turned(x: Any, y: Any) -> tuple[Any, Any]:
+        """(R − 1) of the two components that the turn changes."""
+        return excess * x - sine * y, sine * x + excess * y
+
+    def swept(x: Any, y: Any) -> tuple[Any, Any]:
+        """R′; R″ is it twice."""
+        return -sine * x - cosine * y, cosine * x - sine * y
+
+    at = (i, j)
+    x, y = point[i] + moved[0][i], point[j] + moved[0][j]
+    by_angle = swept(x, y)
+    if len(moved) > 2:
+        by_rate = swept(moved[1][i], moved[1][j])
+        more, bent = turned(moved[2][i], moved[2][j]), (-cosine * x + sine * y, -sine * x - cosine * y)  # R″p
+        for number, k in enumerate(at):
+            spin = rates[1] * by_angle[number] + rates[0] ** 2 * bent[number] + 2.0 * (rates[0] * by_rate[number])
+            moved[2][k] = moved[2][k] + more[number] + spin
+    if len(moved) > 1:
+        more = turned(moved[1][i], moved[1][j])
+        for number, k in enumerate(at):
+            moved[1][k] = moved[1][k] + more[number] + rates[0] * by_angle[number]
+    more = turned(x, y)
+    for number, k in enumerate(at):
+        moved[0][k] = moved[0][k] + more[number]

@@ -1,26 +1,17 @@
 """Run many scenarios on threads, those of equal structure on the small-motion engine side by side."""
 
 import threading
-import time as clock
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Sized
-from contextlib import AbstractContextManager, contextmanager
-from typing import Any, NamedTuple, TypeVar, overload
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from typing import Any, TypeVar, overload
 
-from ehamj.control import as_controller
 from ehamj.errors import InputError
-from ehamj.ground.shared import Floors
-from ehamj.mujoco import hydraulics
 from ehamj.result import Result
-from ehamj.run.drive import Driven
-from ehamj.run.failures import Incomplete
-from ehamj.run.prepare import Prepared, prepare
-from ehamj.run.side_by_side import LANES, drive_block, shape, small
-from ehamj.run.simulate import Observed, driven_alone, judged, seen
-from ehamj.run.workers import processors, worked_through
+from ehamj.run.simulate import Observed, judged, seen
+from ehamj.run.together import Item, Ran, Refused, called, together
+from ehamj.run.workers import processors
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import ENGINES, Engine, Scenario
 from ehamj.scenario.variation import derived_anew, unlike, warn_derived
-from ehamj.smallmotion.block import Simulation
 
 T = TypeVar("T")
 
@@ -42,8 +33,20 @@ def simulate_many(
     controllers: Sequence[Any] | None = None,
     *,
     reduce: Callable[[Result], T],
+    on_failure: Callable[[int, Exception], T] | None = None,
     engine: Engine | None = None,
 ) -> list[T]: ...
+
+
+@overload
+def simulate_many(
+    scenarios: Iterable[Given],
+    threads: int | None = None,
+    controllers: Sequence[Any] | None = None,
+    *,
+    on_failure: Callable[[int, Exception], T],
+    engine: Engine | None = None,
+) -> list[Result | T]: ...
 
 
 def simulate_many(
@@ -52,6 +55,7 @@ def simulate_many(
     controllers: Sequence[Any] | None = None,
     *,
     reduce: Callable[[Result], Any] | None = None,
+    on_failure: Callable[[int, Exception], Any] | None = None,
     engine: Engine | None = None,
 ) -> list[Any]:
     """Run scenarios on threads inside this process; results come in order.
@@ -66,6 +70,9 @@ def simulate_many(
         controllers: one for each scenario, see `simulate`; None leaves a scenario its own control.
         reduce: makes of each result, on its thread, what is wanted of it. The result is then forgotten, so that memory
             is that of ``threads`` runs (on the small-motion engine of 8 times as many), however many there are.
+        on_failure: makes of a scenario that fails, of its number and the error, what stands in its place: one that is
+            none, that cannot be prepared, whose run stops (`Incomplete` has what there is of it), or of which
+            ``reduce`` fails. It stops nothing then, and what comes of the others is the same to the bit.
         engine: runs them instead of the engine that each states.
 
     Warns:
@@ -76,6 +83,7 @@ def simulate_many(
         InputError: if there are not as many controllers as scenarios, ``threads`` is less than one, or there is no such
             engine.
         As `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further one begins.
+            None of these with ``on_failure``.
     """
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads}: must be at least 1")
@@ -88,13 +96,12 @@ def simulate_many(
         _check_count(laws, len(scenarios))
     watch = _Watch()
 
-    def result_of(item: _Item, run: Observed, began: float) -> Any:
-        result = judged(run, began, item.law)
+    def result_of(ran: Ran) -> Any:
+        result = judged(seen(ran.prepared, ran.driven), ran.began, ran.item.law)
         return result if reduce is None else reduce(result)
 
-    found = _together(
-        _items(scenarios, laws, engine, watch), result_of, threads or processors(), _count_of(scenarios), watch.say
-    )
+    items = _items(scenarios, laws, engine, watch, on_failure is not None)
+    found = together(items, result_of, threads or processors(), _count_of(scenarios), watch.say, on_failure)
     if laws is not None:
         _check_count(laws, len(found))
     return found
@@ -102,41 +109,37 @@ def simulate_many(
 
 def observe_many(scenarios: Iterable[Scenario], reduce: Callable[[Observed], T], threads: int | None = None) -> list[T]:
     """What is made of the channels of each scenario's run, which nobody judges; else as `simulate_many`."""
-    items = (_Item(number, scenario, None) for number, scenario in enumerate(scenarios))
 
-    def checked(item: _Item, run: Observed, began: float) -> T:
+    def checked(ran: Ran) -> T:
+        run = seen(ran.prepared, ran.driven)
         if run.failed is not None:
-            judged(run, began, None)  # raises
+            judged(run, ran.began, None)  # raises
         return reduce(run)
 
-    return _together(items, checked, threads or processors(), _count_of(scenarios))
-
-
-class _Item(NamedTuple):
-    """One scenario among many, and the law that runs instead of its own."""
-
-    number: int
-    scenario: Scenario
-    law: Any
-
-    def named(self) -> AbstractContextManager[None]:
-        """What fails within says which scenario it was."""
-        return _naming(f"scenario {self.number} ({self.scenario.name})")
+    items = (Item(number, scenario) for number, scenario in enumerate(scenarios))
+    return together(items, checked, threads or processors(), _count_of(scenarios))
 
 
 def _items(
-    scenarios: Iterable[Given], laws: Sequence[Any] | None, engine: Engine | None, watch: "_Watch"
-) -> Iterator[_Item]:
-    """The scenarios one by one, on the engine that is asked for, each with its law."""
+    scenarios: Iterable[Given], laws: Sequence[Any] | None, engine: Engine | None, watch: "_Watch", alone: bool
+) -> Iterator[Item | Refused]:
+    """The scenarios one by one, on the engine that is asked for, each with its law; where failures are borne ``alone``,
+    what is none is told."""
     for number, one in enumerate(scenarios):
-        with _naming(f"scenario {number}"):
+        where = f"scenario {number}"
+        try:
             scenario = as_scenario(one)
-        scenario = scenario if engine is None else scenario.model_copy(update={"engine": engine})
-        item = _Item(number, scenario, None)
-        with item.named():
+            scenario = scenario if engine is None else scenario.model_copy(update={"engine": engine})
+            item = Item(number, scenario)
+            where = item.where
             if laws is not None:
                 _check_count(laws, max(number + 1, len(laws)))
                 item = item._replace(law=laws[number])
+        except Exception as error:
+            if not alone:
+                raise called(error, where) from error
+            yield Refused(number, error)
+            continue
         if item.law is None:
             watch.see(scenario)
         yield item
@@ -146,109 +149,9 @@ def _count_of(scenarios: Iterable[Any]) -> int | None:
     return len(scenarios) if isinstance(scenarios, Sized) else None
 
 
-def _together(
-    items: Iterator[_Item],
-    work: Callable[[_Item, Observed, float], T],
-    threads: int,
-    count: int | None,
-    meanwhile: Callable[[], None] = lambda: None,
-) -> list[T]:
-    """What ``work`` makes of each run, in order; of ``count`` runs, if that is known, each thread gets its share."""
-    room = LANES if count is None else max(1, min(LANES, -(-count // threads)))
-
-    def batches() -> Iterator[list[_Item]]:
-        batch: list[_Item] = []
-        for item in items:
-            batch.append(item)
-            if len(batch) == room or item.scenario.engine == "mujoco":
-                yield batch
-                batch = []
-        if batch:
-            yield batch
-
-    def one(_: int, batch: list[_Item]) -> list[T]:
-        found: dict[int, T] = {}
-        failures: dict[int, Exception] = {}
-        for item, prepared, driven, spent in _driven(batch, failures):
-            began = clock.perf_counter() - spent
-            try:
-                with item.named():
-                    found[item.number] = work(item, seen(prepared, driven), began)
-            except Exception as error:
-                failures[item.number] = error
-        if failures:
-            raise failures[min(failures)]
-        return [found[item.number] for item in batch]
-
-    with hydraulics():
-        return [each for batch in worked_through(batches(), one, threads, meanwhile) for each in batch]
-
-
-def _driven(batch: Sequence[_Item], failures: dict[int, Exception]) -> Iterator[tuple[_Item, Prepared, Driven, float]]:
-    """Runs as their engines leave them, those of one structure on the small-motion engine side by side; and how long
-    each took, of what it took together its share [s].
-
-    The first that cannot be prepared goes to ``failures`` by its number: those before it may fail too, and run.
-    """
-    blocks: dict[Hashable, list[tuple[_Item, Prepared, Simulation, float]]] = {}
-    floors = Floors(1)  # those of one floor build it once, and a block samples it once
-    for item in batch:
-        began = clock.perf_counter()
-        try:
-            with item.named():
-                law = None if item.law is None else as_controller(item.law)
-                prepared = prepare(item.scenario, law, None if item.scenario.engine == "mujoco" else floors)
-                # A Python function may remember: it is reset before each run, and then runs.
-                alone = item.scenario.engine == "mujoco" or bool(prepared.loop.functions)
-                own = None if alone else small(prepared)
-                driven = driven_alone(prepared) if alone else None
-        except Exception as error:
-            failures[item.number] = error
-            break
-        spent = clock.perf_counter() - began
-        if own is None:
-            assert driven is not None
-            yield item, prepared, driven, spent
-        else:
-            blocks.setdefault(shape(prepared, own), []).append((item, prepared, own, spent))
-    for block in blocks.values():
-        taken, runs, simulations, before = zip(*block, strict=True)
-        began, ended = clock.perf_counter(), drive_block(runs, simulations)
-        numbers = ", ".join(str(item.number) for item in taken)
-        with _naming(f"scenario {numbers}" if len(taken) == 1 else f"scenarios {numbers}, which step together"):
-            first = next(ended)
-        share = (clock.perf_counter() - began) / len(block)
-        for number, (item, prepared, spent) in enumerate(zip(taken, runs, before, strict=True)):
-            with item.named():  # its last rows go to a file of its own
-                driven = next(ended) if number else first
-            yield item, prepared, driven, spent + share
-
-
 def _check_count(laws: Sequence[Any], scenarios: int) -> None:
     if len(laws) != scenarios:
         raise InputError(f"controllers: are {len(laws)}, they must be one for each of the {scenarios} scenarios")
-
-
-@contextmanager
-def _naming(where: str) -> Iterator[None]:
-    """What fails within says where among many."""
-    try:
-        yield
-    except Exception as error:
-        named = _named(error, where)
-        if named is error:
-            raise
-        raise named from error
-
-
-def _named(error: Exception, where: str) -> Exception:
-    """The error of one scenario among many, which says which."""
-    if isinstance(error, Incomplete):
-        return Incomplete(f"{where}: {error}", error.result)
-    if isinstance(error, InputError):
-        return InputError(f"{where}: {error}")
-    error.add_note(f"in {where}")
-    return error
 
 
 class _Watch:
