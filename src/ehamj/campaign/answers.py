@@ -6,9 +6,10 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.campaign.influence import Influence
-from ehamj.campaign.names import worded
+from ehamj.campaign.names import unit_text, worded
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess, rows_of
 from ehamj.campaign.yields import Yield
+from ehamj.pages.words import number
 
 MERITS: Final = 5
 """Merits whose influences are told; all are in the table."""
@@ -200,10 +201,13 @@ def _influence(studied: Studied, one: Influence, k: int) -> str:
         ends = sorted(float(measure.values[k]) for measure in one.measures if np.isfinite(measure.values[k]))
         return f"{name} ({worded(ends[0], unit)} to {worded(ends[-1], unit)})"
     measure = one.measures[-1]
-    sure = ""
+    sure, unit, said = "", "", _hundredths
+    if one.unit is not None:
+        unit = f" {unit_text(one.unit)}".removesuffix(" -")
+        said = number
     if measure.low is not None and measure.high is not None:
-        sure = f", 95 %: {_hundredths(measure.low[k])} to {_hundredths(measure.high[k])}"
-    return f"{name} ({measure.label} {_hundredths(measure.values[k])}{sure})"
+        sure = f", 95 %: {said(float(measure.low[k]))} to {said(float(measure.high[k]))}{unit}"
+    return f"{name} ({measure.label} {said(float(measure.values[k]))}{unit}{sure})"
 
 
 def _hundredths(value: float) -> str:

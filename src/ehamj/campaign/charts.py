@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.campaign.influence import Influence
 from ehamj.campaign.names import axis_of
+from ehamj.campaign.plans.grids import OneAtATime
 from ehamj.campaign.studied import DataFrame, Row, Studied
 from ehamj.campaign.yields import Yield, groups
 from ehamj.plots import Figure
@@ -97,9 +98,9 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
 
 
 def matrix_drawing(studied: Studied, influences: Sequence[Influence]) -> Iterator[tuple[str, Drawing]]:
-    """Parameters and merits against each other, the few that say most."""
+    """Parameters and merits against each other, the few that say most; none of one parameter at a time."""
     columns = chosen_columns(studied, influences)
-    if len(columns) < 2 or len(studied.done) < 3:
+    if len(columns) < 2 or len(studied.done) < 3 or isinstance(studied.file.plan, OneAtATime):
         return
 
     def draw() -> Figure:

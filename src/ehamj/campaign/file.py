@@ -26,7 +26,7 @@ from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
 from ehamj.scenario.load import anchored, as_scenario, changed
 from ehamj.scenario.variation import LawChoice
-from ehamj.scenario_files import path_of, shipped_files, table_of
+from ehamj.scenario_files import path_of, shipped_studies, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -152,11 +152,6 @@ class StudyFile(Settings):
             InputError: if a key is none of the scenario's, or a spread leaves it no values.
         """
         return Space.of(machine.scenario, self.vary, self.correlation)
-
-
-def shipped_studies() -> dict[str, Path]:
-    """Study files that come with ehamj, by name."""
-    return shipped_files("study_files")
 
 
 def load_study(source: str | Path | Mapping[str, Any] | StudyFile, overrides: Iterable[str] = ()) -> StudyFile:

@@ -98,7 +98,7 @@ class LinearSource(Source):
         for k, design in enumerate(designs):
             values = {key: value for key, value in design.values.items() if self.whole or _moves(key)}
             if not closed or not _has_closed_forms(machine.scenario, values):
-                found[k] = self._by_itself(machine, values, names)
+                found[k] = self._by_itself(machine, values, design.known, names)
             elif (why := _impossible(machine.scenario, values)) is not None:
                 found[k] = Failed(why)
             else:
@@ -120,8 +120,10 @@ class LinearSource(Source):
             return [self._stack(machine, [one], names)[0] for one in values]
         return list(rows[: len(values)])
 
-    def _by_itself(self, machine: Machine, values: Mapping[str, Any], names: Sequence[str]) -> Row:
-        return tried(lambda: self.alone(machine, scenario_of(machine, values), names))
+    def _by_itself(
+        self, machine: Machine, values: Mapping[str, Any], known: Mapping[str, Any] | None, names: Sequence[str]
+    ) -> Row:
+        return tried(lambda: self.alone(machine, scenario_of(machine, values, known if self.whole else None), names))
 
 
 def tried(compute: Callable[[], Row]) -> Row:
