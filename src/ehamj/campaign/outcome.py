@@ -96,14 +96,14 @@ def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
         for first, second, value, reach in one.pairs:
             key = f"{first} and {second}"
             rows.append((one.merit, key, "second order", "-", value, value - reach, value + reach))
-    merit, key, label, unit, value, low, high = map(list, zip(*rows, strict=True))
+    merits, keys, labels, units, value, low, high = map(list, zip(*rows, strict=True))
     return table(
         "what each parameter does to each figure",
         {"row": (list(range(1, len(rows) + 1)), "1", "row")},
-        merit=(merit, "", "figure of merit"),
-        parameter=(key, "", "parameter"),
-        measure=(label, "", "measure"),
-        unit=(unit, "", "unit"),
+        merit=(merits, "", "figure of merit"),
+        parameter=(keys, "", "parameter"),
+        measure=(labels, "", "measure"),
+        unit=(units, "", "unit"),
         value=(value, "1", "value, in that unit"),
         low=(low, "1", "lower end of the 95 % interval"),
         high=(high, "1", "upper end"),
