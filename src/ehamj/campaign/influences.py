@@ -46,7 +46,7 @@ def _sobol(studied: Studied, merit: str) -> Influence:
         Measure("first order", found.first, found.first - found.first_reach, found.first + found.first_reach),
         Measure("total index", found.total, found.total - found.total_reach, found.total + found.total_reach),
     )
-    pairs = ()
+    pairs: tuple[tuple[str, str, float, float], ...] = ()
     if found.second is not None and found.second_reach is not None:
         pairs = tuple(
             (found.keys[i], found.keys[j], float(found.second[i, j]), float(found.second_reach[i, j]))

@@ -13,7 +13,7 @@ from ehamj.campaign.influences import influences_of
 from ehamj.campaign.names import unit_text
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Row, Studied, rows_of
 from ehamj.campaign.surfaces import surface_drawings
-from ehamj.campaign.yields import DRAWN, Yield, yields_of
+from ehamj.campaign.yields import Yield, yields_of
 from ehamj.findings import finite
 from ehamj.labels import table
 from ehamj.studies.outcome import Drawing, Outcome
@@ -96,14 +96,14 @@ def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
         for first, second, value, reach in one.pairs:
             key = f"{first} and {second}"
             rows.append((one.merit, key, "second order", "-", value, value - reach, value + reach))
-    merit, key, label, unit, value, low, high = map(list, zip(*rows, strict=True))
+    merits, keys, labels, units, value, low, high = map(list, zip(*rows, strict=True))
     return table(
         "what each parameter does to each figure",
         {"row": (list(range(1, len(rows) + 1)), "1", "row")},
-        merit=(merit, "", "figure of merit"),
-        parameter=(key, "", "parameter"),
-        measure=(label, "", "measure"),
-        unit=(unit, "", "unit"),
+        merit=(merits, "", "figure of merit"),
+        parameter=(keys, "", "parameter"),
+        measure=(labels, "", "measure"),
+        unit=(units, "", "unit"),
         value=(value, "1", "value, in that unit"),
         low=(low, "1", "lower end of the 95 % interval"),
         high=(high, "1", "upper end"),
@@ -138,7 +138,7 @@ def notes_of(studied: Studied, influences: Sequence[Influence], yields: Sequence
         )
     if influences and influences[0].said:
         notes.append(f"{influences[0].title[0].upper()}{influences[0].title[1:]}: from {influences[0].said} (SALib).")
-    if influences and file.plan.kind in DRAWN:
+    if influences and file.plan.drawn:
         notes.append(
             "Rank correlations (Spearman) see what rises or falls throughout; what rises and falls again, not."
         )
