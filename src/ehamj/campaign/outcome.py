@@ -13,7 +13,7 @@ from ehamj.campaign.influences import influences_of
 from ehamj.campaign.names import unit_text
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Row, Studied, rows_of
 from ehamj.campaign.surfaces import surface_drawings
-from ehamj.campaign.yields import DRAWN, Yield, yields_of
+from ehamj.campaign.yields import Yield, yields_of
 from ehamj.findings import finite
 from ehamj.labels import table
 from ehamj.studies.outcome import Drawing, Outcome
@@ -138,7 +138,7 @@ def notes_of(studied: Studied, influences: Sequence[Influence], yields: Sequence
         )
     if influences and influences[0].said:
         notes.append(f"{influences[0].title[0].upper()}{influences[0].title[1:]}: from {influences[0].said} (SALib).")
-    if influences and file.plan.kind in DRAWN:
+    if influences and file.plan.drawn:
         notes.append(
             "Rank correlations (Spearman) see what rises or falls throughout; what rises and falls again, not."
         )
