@@ -64,10 +64,8 @@ def test_the_front_is_told_and_what_beats_a_design_in_everything() -> None:
     found = outcome_of(studied(rows, objectives=BOTH))
     assert found.numbers["front"] == [3, 2, 1]
     beating = next(answer for answer in found.answers if "the scenario's own design" in answer)
-    assert (
-        beating.startswith("1 of these designs beat")
-        and "design 2: static stiffness 3.00 N/m instead of 2.00" in beating
-    )
+    assert beating.startswith("1 of these designs beat")
+    assert "design 2: static stiffness 3.00 N/m instead of 2.00" in beating
     assert {"pareto-front"} <= set(found.drawings)
 
 
@@ -129,7 +127,8 @@ def test_a_rank_correlation_has_fishers_interval() -> None:
     assert found.measures[0].values[k] == pytest.approx(np.corrcoef(ranks)[0, 1])
     draws = [np.corrcoef(ranks[:, rng.integers(0, 300, 300)])[0, 1] for _ in range(2000)]
     low, high = np.percentile(draws, [2.5, 97.5])
-    assert found.measures[0].low is not None and found.measures[0].high is not None
+    assert found.measures[0].low is not None
+    assert found.measures[0].high is not None
     assert found.measures[0].low[k] == pytest.approx(low, abs=0.03)
     assert found.measures[0].high[k] == pytest.approx(high, abs=0.03)
     assert rank_correlations(one, GAIN) is None  # it never changes
@@ -162,5 +161,6 @@ def test_every_figure_can_be_drawn_and_names_units(tmp_path: Path) -> None:
         text = svg(figure, name)
         assert "N/m" in text or "m/s/V" in text or name.startswith("influence"), name
         named = [label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
-        assert named and all("[" in label for label in named), name
+        assert named, name
+        assert all("[" in label for label in named), name
         assert drawing.caption.endswith(".")
