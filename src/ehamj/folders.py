@@ -89,7 +89,7 @@ def check_file(path: Path, said: str) -> None:
         raise InputError(f"{said} {str(path)!r}: cannot be written")
 
 
-def _numbered() -> Path:
+def numbered_folder() -> Path:
     """Make the next number under runs/; of two runs that end together each gets its own."""
     RUNS.mkdir(exist_ok=True)
     numbers = [int(found.group()) for path in RUNS.glob("*") if (found := re.match(r"\d+", path.name))]
@@ -124,7 +124,7 @@ def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[Place]:
         within = wanted.resolve().parent if wanted else RUNS
         within.mkdir(parents=True, exist_ok=True)
         clear_leftovers(within)
-        folder = wanted or _numbered()
+        folder = wanted or numbered_folder()
         temporary = beside(folder.resolve())
         HELD.add(temporary)
         temporary.mkdir(parents=True)
@@ -149,7 +149,7 @@ def new_folder(wanted: Path | None, overwrite: bool) -> Iterator[Place]:
 def _others(folder: Path, numbered: bool) -> Iterator[Path]:
     """Where to put a result whose folder is taken, one after the other."""
     for number in itertools.count(2):
-        yield _numbered() if numbered else folder.with_name(f"{folder.name}-{number}")
+        yield numbered_folder() if numbered else folder.with_name(f"{folder.name}-{number}")
 
 
 def _put(temporary: Path, final: Path, overwrite: bool) -> bool:

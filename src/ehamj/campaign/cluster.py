@@ -15,6 +15,9 @@ PATIENCE: Final = 10.0
 """How long a scheduler may take to answer [s]."""
 LOOK: Final = 2.0
 """Time between two looks whether the cluster has workers, where nothing comes [s]."""
+LOST: Final = (
+    "one after the other, the workers that computed it were lost, as where it crashes them or takes too much memory"
+)
 WAITING: Final = "waits for workers of the cluster"
 
 
@@ -55,29 +58,30 @@ class Dask(Scheduler):
 
 
 def _computed(client: Any, work: Work, blocks: Iterator[Block], say: Say) -> Rows:
-    from distributed import KilledWorker
+    from distributed import KilledWorker, as_completed
 
-    losses, again = Losses(), list[Block]()
+    losses, again = Losses(tries=1), list[Block]()  # Dask itself has tried it some times
     running: dict[Any, Block] = {}
+    done = as_completed(loop=client.loop)
     try:
         while True:
             room = max(AHEAD * sum(client.nthreads().values()), AHEAD) - len(running)
-            now, again = again[: max(room, 0)], again[max(room, 0) :]
-            for block in (*now, *islice(blocks, max(room - len(now), 0))):
-                # A key of its own each time: what was lost is no answer to what is asked again.
-                running[client.submit(evaluate, work, block, pure=False)] = block
+            # What was lost with its workers is computed with nothing beside it: whose fault it was is then known.
+            now = islice(blocks, max(room, 0)) if not again else [again.pop(0)] if not running else []
+            for block in now:
+                # Not pure: what is asked again after a loss is not answered by what was lost.
+                future = client.submit(evaluate, work, block, pure=False)
+                running[future] = block
+                done.add(future)
             if not running:
                 return
-            for one in _finished(client, list(running), say):
-                block = running.pop(one)
-                error = one.exception()
-                if isinstance(error, KilledWorker):  # Dask itself has tried it some times
-                    more, rows = losses.lost(block, f"the workers that computed it were lost ({_told(error)})")
+            for future in _finished(client, done, say):
+                block = running.pop(future)
+                try:
+                    rows = losses.found(block, future.result())
+                except KilledWorker:
+                    more, rows = losses.lost(block, LOST)
                     again += more
-                elif error is not None:
-                    raise error
-                else:
-                    rows = losses.found(block, one.result())
                 if rows:
                     yield rows
     finally:
@@ -86,33 +90,21 @@ def _computed(client: Any, work: Work, blocks: Iterator[Block], say: Say) -> Row
                 client.cancel(list(running), force=True)
 
 
-def _finished(client: Any, futures: list[Any], say: Say) -> list[Any]:
-    """Which are done, once some are.
+def _finished(client: Any, done: Any, say: Say) -> list[Any]:
+    """Futures that are done, once some are.
 
     Raises:
         SimulationFailed: if the scheduler is gone.
     """
-    from concurrent.futures import FIRST_COMPLETED, CancelledError
-
-    from distributed import wait
-
     waiting = False
-    while True:
-        try:
-            done = list(wait(futures, timeout=LOOK, return_when=FIRST_COMPLETED).done)
-            break
-        except TimeoutError:
-            lost = client.status != "running"
-            if not lost and waiting != (waiting := not client.nthreads()):
-                say(WAITING if waiting else "")
-        except CancelledError:
-            lost = True
-        if lost:
-            raise SimulationFailed("the Dask scheduler is gone, or it gave the study up; what is done is stored")
+    while not done.has_ready():
+        with done.thread_condition:
+            done.thread_condition.wait_for(done.has_ready, LOOK)
+        if client.status == "running" and waiting != (waiting := not client.nthreads() and not done.has_ready()):
+            say(WAITING if waiting else "")
     if waiting:
         say("")
-    return done
-
-
-def _told(error: Any) -> str:
-    return str(error).splitlines()[0].split(". ")[0]
+    found = list(done.next_batch(block=False))
+    if any(future.status in ("cancelled", "lost") for future in found):
+        raise SimulationFailed("the Dask scheduler is gone, or it gave the study up; what is done is stored")
+    return found

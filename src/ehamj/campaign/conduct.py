@@ -12,9 +12,9 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.campaign.identity import check_same, versions
+from ehamj.campaign.named_schedulers import scheduler_of
 from ehamj.campaign.plans.plan import Goals, Told
 from ehamj.campaign.rows import Column
-from ehamj.campaign.named_schedulers import scheduler_of
 from ehamj.campaign.schedulers import Computed
 from ehamj.campaign.stages import Batch, Search, Stage
 from ehamj.campaign.standing import Progress, Watch, silent
@@ -158,8 +158,9 @@ def _missing(doing: _Doing, stage: Stage, work: Work, batch: Batch, first: int) 
         doing.late = doing.deadline is not None and time.monotonic() > doing.deadline
         if doing.late:
             return
-        parents, values = zip(*batch.designs(start - first, stop - first), strict=True)
-        yield Block(stage.name, tuple(map(Design, range(start, stop), values)), parents)
+        numbered = list(enumerate(batch.designs(start - first, stop - first), start))
+        designs = tuple(Design(number, one.values, one.known) for number, one in numbered)
+        yield Block(stage.name, designs, tuple(one.parent for _, one in numbered))
 
 
 def _counted(doing: _Doing, stage: Stage, first: int, stop: int, new: bool) -> None:

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
-from ehamj.pages.words import SUPERSCRIPTS, number
+from ehamj.pages.words import SUPERSCRIPTS, exact, number
 from ehamj.plant.axes import AXES
 
 PLACES: Final = ("cg", "inertia", "position", "size", "direction")
 """Vectors whose entries are called x, y and z."""
 PLAIN: Final = (1e-2, 1e5)
 """Magnitudes that an axis shows as they are."""
-DIGITS: Final = 4
+DIGITS: Final = 3
 
 
 def short_names(keys: Iterable[str]) -> dict[str, str]:
@@ -72,11 +72,11 @@ def axis_of(name: str, unit: str, values: ArrayLike) -> tuple[str, Array]:
     return f"{name} [{own}]", found / 10.0**power
 
 
-def worded(value: Any, unit: str) -> str:
-    """A value with its unit, as a sentence has it."""
+def worded(value: Any, unit: str, digits: int = DIGITS) -> str:
+    """A value with its unit, as a sentence has it: so many significant digits, or as it was written (0)."""
     if isinstance(value, str | bool) or value is None:
         return str(value)
     if isinstance(value, list | tuple):
-        return f"[{', '.join(worded(part, unit) for part in value)}]"
-    text = number(float(value), DIGITS)
+        return f"[{', '.join(worded(part, unit, digits) for part in value)}]"
+    text = number(float(value), DIGITS) if digits else exact(float(value))
     return text if unit_text(unit) == "-" else f"{text} {unit_text(unit)}"

@@ -64,22 +64,23 @@ class Threads(Scheduler):
 class Losses:
     """What becomes of blocks whose workers were lost: tried again, then design by design, then given up."""
 
-    def __init__(self) -> None:
+    def __init__(self, tries: int = TRIES) -> None:
+        self._tries = tries
         self._lost: dict[tuple[int, int], int] = {}
         self._cut: dict[int, tuple[Block, dict[int, Row]]] = {}
         """The block that a design was of, and which of its rows are there."""
 
     def lost(self, block: Block, how: str) -> tuple[list[Block], list[Row]]:
-        """What to do again now that a worker of this block is lost, and rows of a whole block if nothing is."""
+        """What to do again now that a worker of this block is lost (``how``), and rows of a whole block, if any are."""
         key = block.first, len(block.designs)
         self._lost[key] = self._lost.get(key, 0) + 1
-        if self._lost[key] < TRIES:
+        if self._lost[key] < self._tries:
             return [block], []
         if len(block.designs) > 1:
             whole: tuple[Block, dict[int, Row]] = block, {}
             self._cut |= dict.fromkeys((design.number for design in block.designs), whole)
             return block.single(), []
-        return [], self.found(block, block.failed(f"{how}, {TRIES} times"))
+        return [], self.found(block, block.failed(how))
 
     def found(self, block: Block, rows: list[Row]) -> list[Row]:
         """Rows of a whole block; none while designs are missing of one that was cut."""

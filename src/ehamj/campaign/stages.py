@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,14 +23,23 @@ Parent = tuple[int | None, Values]
 """A design to go on from: its number, None where it is none of the study's, and its values."""
 
 
+class Wanted(NamedTuple):
+    """A design that is asked for: the number of its parent, if it has one, its values, and those of them that a law
+    derived for it knows; None: all."""
+
+    parent: int | None
+    values: Values
+    known: Values | None = None
+
+
 @dataclass(frozen=True)
 class Batch:
     """Designs that a stage asks for before it is told what any of them came out with."""
 
     count: int
-    designs: Callable[[int, int], Sequence[Parent]]
-    """Of those from the first number up to the second, counted within the batch, the parent's number, if there is one,
-    and the values; asked for block by block, so that memory does not grow with their number."""
+    designs: Callable[[int, int], Sequence[Wanted]]
+    """Those from the first number up to the second, counted within the batch; asked for block by block, so that memory
+    does not grow with their number."""
 
 
 Asked = Generator[Batch, Told, None]
@@ -84,8 +93,8 @@ class Search(Stage):
         points = next(asked, None)
         while points is not None:
 
-            def designs(first: int, stop: int, own: Array = points) -> Sequence[Parent]:
-                return [(None, values) for values in self.space.values(own[first:stop])]
+            def designs(first: int, stop: int, own: Array = points) -> Sequence[Wanted]:
+                return [Wanted(None, values) for values in self.space.values(own[first:stop])]
 
             told = yield Batch(len(points), designs)
             try:
@@ -119,7 +128,7 @@ class Again(Stage):
         """All together."""
         chosen = list(self.chosen(store))
         if chosen:
-            yield Batch(len(chosen), lambda first, stop: chosen[first:stop])
+            yield Batch(len(chosen), lambda first, stop: [Wanted(*one) for one in chosen[first:stop]])
 
     def about(self) -> dict[str, Any]:
         """How many."""
@@ -150,13 +159,13 @@ class Around(Again):
             return
         points = np.concatenate(list(self.plan.batches(chosen[0][2], Goals())))
 
-        def designs(first: int, stop: int) -> Sequence[Parent]:
-            found: list[Parent] = []
+        def designs(first: int, stop: int) -> Sequence[Wanted]:
+            found: list[Wanted] = []
             while first < stop:
                 of, at = divmod(first, len(points))
                 number, values, space = chosen[of]
                 own = points[at : at + stop - first]
-                found += [(number, {**values, **one}) for one in space.values(own)]
+                found += [Wanted(number, {**values, **one}, values) for one in space.values(own)]
                 first += len(own)
             return found
 

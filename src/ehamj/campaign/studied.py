@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.campaign.best import best_of, front_of
-from ehamj.campaign.file import Limit, StudyFile
 from ehamj.campaign.names import short_names, worded
-from ehamj.merits.merit import Merit
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
-else:
-    DataFrame = Series = Any
 
+    from ehamj.campaign.file import Limit, StudyFile
+else:
+    DataFrame = Series = Any  # imported with the first design
+
+Row = dict[str, Any]
+"""A design by the names of its columns."""
 SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
 """Stages of a study's designs."""
 AS_IT_IS: Final = "as it is"
@@ -33,20 +35,32 @@ class Studied:
     parent, status, reason, seconds, a column for each parameter and each merit; NaN where a design has none.
     """
 
-    file: StudyFile
+    file: "StudyFile"
     designs: DataFrame
     parameters: tuple[str, ...]
     """Keys of what the plan varies."""
     units: Mapping[str, str]
-    """Unit of each of them, and of what tolerances vary besides, by key."""
-    merits: Mapping[str, Merit]
-    """Each merit that was asked for, by name."""
+    """Unit of each value and merit, by name."""
     planned: int
-    """Designs that the study makes, all stages together, as far as that is known."""
+    """Designs that the study makes at most, all stages together."""
+    complete: bool = True
+    """Whether all that there will be are there."""
+
+    @cached_property
+    def merits(self) -> tuple[str, ...]:
+        """Names of all merits, whichever stage asks for them."""
+        stages = (self.file.tolerances, self.file.confirm)
+        more = [name for stage in stages if stage is not None for name in stage.merits or ()]
+        return tuple(dict.fromkeys((*self.file.wanted, *more)))
 
     def stage(self, name: str) -> DataFrame:
         """Designs of one stage, in order of their numbers."""
         return self.designs[self.designs["stage"] == name].sort_values("number").reset_index(drop=True)
+
+    @property
+    def first(self) -> int:
+        """Number of the plan's first design."""
+        return 1 + len(self.file.named)
 
     @cached_property
     def search(self) -> DataFrame:
@@ -59,9 +73,9 @@ class Studied:
         return self.search[self.search["status"] == "done"].reset_index(drop=True)
 
     @cached_property
-    def named(self) -> dict[str, Series]:
+    def named(self) -> dict[str, Row]:
         """Designs with a name of their own, to compare with, as far as they are done."""
-        rows = (row for _, row in self.stage(NAMED).iterrows())
+        rows = rows_of(self.stage(NAMED))
         names = (AS_IT_IS, *self.file.named)
         return {name: row for name, row in zip(names, rows, strict=False) if row["status"] == "done"}
 
@@ -85,6 +99,10 @@ class Studied:
         """Designs of any stage that have no merits."""
         return self.designs[self.designs["status"] == "failed"]
 
+    def design(self, row: int) -> Row:
+        """A row of `search`."""
+        return rows_of(self.search.iloc[[row]])[0]
+
     def children(self, number: int, stage: str) -> DataFrame:
         """Variations of a design in a stage."""
         found = self.stage(stage)
@@ -94,7 +112,7 @@ class Studied:
         """Which designs are done and keep every limit."""
         kept = np.asarray(designs["status"] == "done")
         for name, limit in self.file.limits.items():
-            kept &= meets(designs[name], limit)
+            kept = kept & meets(designs[name], limit)
         return kept
 
     def objectives(self, designs: DataFrame) -> Array:
@@ -105,7 +123,7 @@ class Studied:
     @cached_property
     def short(self) -> dict[str, str]:
         """What each parameter and merit is called on a page."""
-        return short_names([*self.units, *self.merits])
+        return short_names([*self.parameters, *self.merits])
 
     @property
     def numeric(self) -> list[str]:
@@ -118,29 +136,59 @@ class Studied:
 
     def unit(self, name: str) -> str:
         """Unit of a parameter or merit."""
-        return self.merits[name].unit if name in self.merits else self.units[name]
+        return self.units.get(name, "1")
 
     def said(self, name: str, value: Any) -> str:
         """A parameter or merit with its value, in words."""
         return f"{self.short[name]} {worded(value, self.unit(name))}"
 
     def limit_said(self, name: str) -> str:
-        """What a merit must keep, in words."""
+        """What a merit must keep, in words that begin with its name."""
+        return f"{self.short[name]} {self.bounds_said(name)}"
+
+    def bounds_said(self, name: str) -> str:
+        """The same without its name."""
         limit, unit = self.file.limits[name], self.unit(name)
         parts = [
-            f"{words} {worded(bound, unit)}"
+            f"{words} {worded(bound, unit, 0)}"
             for words, bound in (("at least", limit.at_least), ("at most", limit.at_most))
             if bound is not None
         ]
-        return f"{self.short[name]} {' and '.join(parts)}"
+        return " and ".join(parts)
 
 
-def meets(values: "Series[Any]", limit: Limit) -> NDArray[np.bool_]:
+def studied_of(
+    file: "StudyFile", designs: DataFrame, nominal: Mapping[str, Any], planned: int, complete: bool = True
+) -> Studied:
+    """A study from the frame of its store (`ehamj.campaign.tables.frame`).
+
+    Args:
+        file: the study's file.
+        designs: the frame.
+        nominal: the scenario's own value of each parameter, which designs have that state no other; None where it has
+            none.
+        planned: designs that the study makes at most.
+        complete: whether all that there will be are there.
+    """
+    units = designs.attrs["units"]
+    found = designs.reset_index()
+    for key, value in nominal.items():
+        if value is not None:
+            found[key] = found[key].where(found[key].notna(), value)
+    return Studied(file, found, tuple(nominal), units, planned, complete)
+
+
+def rows_of(designs: DataFrame) -> list[Row]:
+    """Designs one by one."""
+    return [{str(name): value for name, value in row.items()} for row in designs.to_dict("records")]
+
+
+def meets(values: "Series[Any]", limit: "Limit") -> NDArray[np.bool_]:
     """Which values keep a limit; NaN does not."""
     return excess(np.asarray(values, float), limit) <= 0.0
 
 
-def excess(values: Array, limit: Limit) -> Array:
+def excess(values: Array, limit: "Limit") -> Array:
     """By how much values miss a limit, 0 or less where they keep it; endless where there is none."""
     beyond = np.full(values.shape, -np.inf)
     if limit.at_least is not None:

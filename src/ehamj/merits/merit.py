@@ -22,10 +22,15 @@ class Merit:
 
 @dataclass(frozen=True)
 class Design:
-    """One design: its ``number`` in its study, and what it has that is not the scenario's, by dotted key."""
+    """One design: its ``number`` in its study, and what it has that is not the scenario's, by dotted key.
+
+    ``known`` are the values that a law derived for each design knows of it; None: all. A machine within tolerances of a
+    design has the law of that design.
+    """
 
     number: int
     values: Mapping[str, Any]
+    known: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,10 @@ class Source(ABC):
             designs: at most `block` of them.
             names: of the merits that are wanted; all of this source.
         """
+
+    def notes(self, machine: Machine) -> list[str]:
+        """What a reader of its merits must know of this machine: how they were computed, and what they leave out."""
+        return []
 
 
 SOURCES: Final[Registry[Source]] = Registry("source of merits")

@@ -25,8 +25,9 @@ LOOKS: Final[tuple[dict[str, Any], ...]] = (
     {"marker": ".", "color": style.BLUE, "markersize": 4.0, "alpha": 0.55, "markeredgewidth": 0.0},
     {"marker": "x", "color": style.GREY, "markersize": 3.2, "alpha": 0.7, "markeredgewidth": 0.7},
     {"marker": "s", "color": style.VERMILLION, "markersize": 4.2, "markerfacecolor": "white", "markeredgewidth": 1.2},
+    {"marker": "D", "color": style.INK, "markersize": 5.5, "markerfacecolor": style.ORANGE, "markeredgewidth": 1.2},
 )
-"""Of the groups, told apart in grey too: dots, crosses, squares."""
+"""Of the groups, told apart in grey too: dots, crosses, squares, diamonds."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def _points(axes: Axes, clouds: Sequence[Cloud], x: Array, y: Array, most: int =
     entries = {}
     for place, cloud in enumerate(clouds):
         look, rows = LOOKS[cloud.look], cloud.drawn(most)
-        axes.plot(x[rows], y[rows], linestyle="none", zorder=2.0 + 0.1 * place + (cloud.look == 2), **look)
+        axes.plot(x[rows], y[rows], linestyle="none", zorder=2.0 + 0.1 * place + (cloud.look >= 2), **look)
         entries[style.shown(cloud.label, 48)] = style.line_key(linestyle="none", **(look | {"alpha": 1.0}))
     return entries
 
@@ -93,7 +94,7 @@ def pairs_chart(title: str, pairs: Sequence[Pair], clouds: Sequence[Cloud]) -> F
 
 def _numbered(axes: Axes, pair: Pair) -> None:
     """Write numbers beside points, but for those that would lie on one that is there."""
-    unit, taken = axes.figure.dpi / style.INCH, []
+    unit, taken = axes.figure.dpi / style.INCH, list[Any]()
     x, y = np.asarray(pair.x[1], float), np.asarray(pair.y[1], float)
     for row, text in pair.numbers.items():
         at = axes.transData.transform((x[row], y[row]))
@@ -103,7 +104,15 @@ def _numbered(axes: Axes, pair: Pair) -> None:
         ):
             continue  # fmt: skip
         taken.append(at)
-        axes.annotate(text, (x[row], y[row]), (4, 3), textcoords="offset points", fontsize=7.8, zorder=6)
+        axes.annotate(
+            text,
+            (x[row], y[row]),
+            (4, 3),
+            textcoords="offset points",
+            fontsize=7.8,
+            zorder=6,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.3},
+        )
 
 
 @style.styled()
@@ -155,13 +164,16 @@ def _correlation(axes: Axes, x: Array, y: Array) -> None:
 
 
 def _name_cells(grid: Any, names: Sequence[str]) -> None:
-    """Numbers and names at the outer cells alone."""
+    """Numbers and names at the outer cells alone; no number where two cells meet."""
+    from matplotlib.ticker import MaxNLocator
+
     count = len(names)
     for up in range(count):
         for across in range(up + 1):
             axes = grid[up, across]
-            linear_axis(axes.xaxis, 2 if count > 3 else 3)
-            linear_axis(axes.yaxis, 2 if count > 3 else 3)
+            for one in (axes.xaxis, axes.yaxis):
+                linear_axis(one)
+                one.set_major_locator(MaxNLocator(3 if count > 3 else 4, prune="both"))
             axes.tick_params(labelsize=7.2, pad=1.5, length=2.0)
             axes.tick_params(labelbottom=up == count - 1, labelleft=across == 0 and up > 0)
             if up == count - 1:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ BAR: Final = 8.0
 """Height of a bar [pt]."""
 NAME: Final = 13.0
 """Height of the line above a cause's bars, which holds its name [pt]."""
-LOOKS: Final = (
+LOOKS: Final[tuple[dict[str, Any], ...]] = (
     {"facecolor": style.BLUE, "edgecolor": style.BLUE},
     {"facecolor": "#F6D9C4", "edgecolor": style.VERMILLION, "hatch": "////"},
     {"facecolor": "white", "edgecolor": style.GREY},
@@ -55,8 +55,8 @@ def effects_chart(
     entries = {}
     low, high = [base], [base]
     for k, (one, look) in enumerate(zip(sets, LOOKS, strict=False)):
-        values = np.asarray(one.values, float)
-        places = room * np.arange(len(causes)) + NAME + BAR * (k + 0.5)
+        values: Array = np.asarray(one.values, float)
+        places: Array = room * np.arange(len(causes), dtype=float) + NAME + BAR * (k + 0.5)
         known = np.isfinite(values)
         axes.barh(places[known], values[known] - base, left=base, height=0.86 * BAR, linewidth=0.8, alpha=0.75, **look)
         entries[style.shown(one.label, LONGEST)] = style.patch_key(**look)

@@ -30,6 +30,8 @@ POINTS: Final = 400
 """Of a disk's edge."""
 
 COLORS: Final = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE)
+STROKES: Final = ("-", (0, (5, 2)), (0, (6, 1.5, 1, 1.5)), (0, (2.5, 1.2)))
+"""How the curves of each colour are drawn, so that they are told apart in grey too."""
 BODE: Final = "Bode plot of each motion's loop gain, the others closed; lines at 0 dB and −180°."
 NYQUIST: Final = (
     "Nyquist plot of the same, with the unit circle: while a motion's curve stays out of the disk, its gain and phase "
@@ -78,8 +80,15 @@ def _data(curves: Sequence[Response]) -> list[Any]:
     ]
 
 
+def _stroke(number: int) -> Any:
+    return STROKES[number % len(STROKES)]
+
+
 def _entries(curves: Sequence[Response], disk: float | None = None) -> dict[str, Artist]:
-    found = {style.shown(one.label): style.line_key(color=one.color, linewidth=1.6) for one in curves}
+    found = {
+        style.shown(one.label): style.line_key(color=one.color, linewidth=1.6, linestyle=_stroke(k))
+        for k, one in enumerate(curves)
+    }
     if disk is not None:
         found[f"disk margin {disk:.2g}"] = style.patch_key(facecolor=style.FAINT, edgecolor=style.LIMIT_COLOR)
     return found
@@ -91,10 +100,10 @@ def bode(title: str, curves: Sequence[Response]) -> Figure:
     import control
 
     figure, (above, below) = style.new_figure(title, 2)
-    for one, data in zip(curves, _data(curves), strict=True):
+    for k, (one, data) in enumerate(zip(curves, _data(curves), strict=True)):
         control.bode_plot(
             data, ax=np.array([[above], [below]]), dB=True, Hz=True, deg=True, grid=False, show_legend=False, title="",
-            color=one.color, linewidth=1.6,
+            color=one.color, linewidth=1.6, linestyle=_stroke(k),
         )  # fmt: skip
     figure.suptitle(title)
     frequencies = np.concatenate([one.frequency for one in curves])
@@ -141,12 +150,16 @@ def nyquist(title: str, curves: Sequence[Response], disk: float | None = None) -
     import control
 
     figure, (axes,) = style.new_figure(title)
-    for one, data in zip(curves, _data(curves), strict=True):
+    for k, (one, data) in enumerate(zip(curves, _data(curves), strict=True)):
+        before = len(axes.lines)
         control.nyquist_plot(
             data, ax=axes, color=one.color, linewidth=1.6, mirror_style=False, arrows=2, arrow_size=5,
             primary_style=["-", ":"], max_curve_magnitude=REACH, blend_fraction=BENT, start_marker=False,
             unit_circle=one is curves[0], warn_encirclements=False, show_legend=False, title="",
         )  # fmt: skip
+        for line in axes.lines[before:]:
+            if line.get_linestyle() == "-" and line.get_color() == one.color:  # python-control takes names only
+                line.set_linestyle(_stroke(k))
     figure.suptitle(title)
     if disk is not None:
         edge = _disk(disk)
@@ -174,8 +187,9 @@ def nichols(title: str, curves: Sequence[Response], disk: float | None = None) -
     import control
 
     figure, (axes,) = style.new_figure(title)
-    for one, data in zip(curves, _data(curves), strict=True):
-        control.nichols_plot(data, ax=axes, grid=False, show_legend=False, title="", color=one.color, linewidth=1.6)
+    for k, (one, data) in enumerate(zip(curves, _data(curves), strict=True)):
+        look = {"color": one.color, "linewidth": 1.6, "linestyle": _stroke(k)}
+        control.nichols_plot(data, ax=axes, grid=False, show_legend=False, title="", **look)
     figure.suptitle(title)
     turns = np.concatenate([np.asarray(line.get_xdata(), float) for line in axes.lines])
     levels = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])

@@ -109,37 +109,49 @@ def _shown(value: Any, least: float = 0.0) -> str:
     return exact(value) if isinstance(value, int) else str(value).replace("_", " ")
 
 
-def files_of(outcome: Outcome, stem: str = "study") -> str:
-    """The files beside a page whose stem this is, in words."""
-    found = []
+def files_of(outcome: Outcome, stem: str = "study", more: Sequence[str] = ()) -> str:
+    """The files beside a page whose stem this is, in words; ``more`` are said first."""
+    found = [*more]
     for name, dataset in outcome.tables.items():
-        rows = int(np.prod(list(dataset.sizes.values())))
-        found.append(f"{name}.nc and {name}.csv ({dataset.attrs.get('title', name)}, {rows} rows)")
+        found.append(f"{name}.nc and {name}.csv ({dataset.attrs.get('title', name)}, {rows_of(dataset)} rows)")
     found += [*(f"{safe_name(drawing)}.svg" for drawing in outcome.drawings), f"{stem}.json"]
     return f"Files beside this page: {', '.join(found)}, and scenario.toml"
 
 
 def page(name: str, outcome: Outcome, scenario: Scenario) -> Page:
     """The outcome as a page."""
-    pictures = [Picture(drawing, one.draw(), one.caption) for drawing, one in outcome.drawings.items()]
-    tables = []
-    for table, dataset in outcome.tables.items():
-        head, rows = flat_table(dataset)
-        if len(rows) <= LONGEST_TABLE:
-            title = dataset.attrs.get("title", table)
-            cells, numeric = _columns(rows)
-            tables.append(Table(title, head, cells, kind="words", numeric=numeric))
     does = Markup(", with which <code>ehamj study {} scenario.toml</code> comes out the same.").format(name)
     sections = [
         *said_besides(outcome),
-        Section("figures", figures=pictures),
+        Section("figures", figures=pictures_of(outcome)),
         Section("notes", "What holds, and what does not" if outcome.notes else "", items=outcome.notes),
         ANNEX,
-        *([Section("tables", "Numbers", tables=tables)] if tables else []),
+        *([Section("tables", "Numbers", tables=tables)] if (tables := tables_of(outcome)) else []),
         Section("files", "Files", notes=[Markup("{}").format(files_of(outcome)) + does]),
     ]
     lead = f"{outcome.question} Machine: {scenario.name}."
     return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, headline_of(outcome))
+
+
+def pictures_of(outcome: Outcome) -> list[Picture]:
+    """Its drawings, drawn."""
+    return [Picture(drawing, one.draw(), one.caption) for drawing, one in outcome.drawings.items()]
+
+
+def tables_of(outcome: Outcome) -> list[Table]:
+    """Those of its tables that are short enough to be shown."""
+    tables = []
+    for table, dataset in outcome.tables.items():
+        if rows_of(dataset) <= LONGEST_TABLE:
+            head, rows = flat_table(dataset)
+            cells, numeric = _columns(rows)
+            tables.append(Table(dataset.attrs.get("title", table), head, cells, kind="words", numeric=numeric))
+    return tables
+
+
+def rows_of(dataset: xr.Dataset) -> int:
+    """Rows of a dataset as one table."""
+    return int(np.prod(list(dataset.sizes.values())))
 
 
 def headline_of(outcome: Outcome) -> list[tuple[str, str]]:

@@ -154,7 +154,6 @@ def _whole(merit: Array, number: int, size: int, what: str) -> tuple[Array, NDAr
         raise InputError(
             f"merit: has shape {merit.shape}; must be ({number * size},), {size} designs in each {what} of {number}"
         )
-    groups = np.full(number * size, np.nan)
-    groups[: merit.size] = merit
-    groups = groups.reshape(number, size)
+    groups = np.full((number, size), np.nan)
+    groups.flat[: merit.size] = merit
     return groups, np.asarray(np.isfinite(groups).all(axis=1))

@@ -1,7 +1,7 @@
 """What a search changes: numbers between 0 and 1, and entries of lists and integers by number."""
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from ehamj.campaign.parameter import Parameter
 
 
+ATTEMPTS: Final = 20
+"""Times that a generation is mated until enough of it are new; with none, the search has come to its end."""
+
+
 class Coding:
     """Parameters as pymoo has them: a vector of the unit cube, or a table of mixed variables where some have so few
     values that they are counted: integers with an order, and lists of what has none."""
@@ -18,6 +22,7 @@ class Coding:
     def __init__(self, parameters: "Sequence[Parameter]") -> None:
         self.parameters = tuple(parameters)
         self.mixed = any(one.cells is not None for one in self.parameters)
+        self._asked: set[frozenset[Any]] = set()
 
     def problem(self, objectives: int, constraints: int) -> Any:
         """What is searched, without anything that could evaluate it."""
@@ -44,25 +49,43 @@ class Coding:
         from pymoo.algorithms.moo.nsga2 import binary_tournament
         from pymoo.algorithms.moo.nsga3 import comp_by_cv_then_random
         from pymoo.algorithms.soo.nonconvex.ga import comp_by_cv_and_fitness
-        from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating, MixedVariableSampling
+        from pymoo.core.mixed import MixedVariableMating, MixedVariableSampling
         from pymoo.operators.selection.tournament import TournamentSelection
 
         compare = {1: comp_by_cv_and_fitness, 2: binary_tournament, 3: binary_tournament}
         chosen = TournamentSelection(func_comp=compare.get(objectives, comp_by_cv_then_random))
-        apart = MixedVariableDuplicateElimination()
+        apart = _never_twice(self._asked)
         return {
             "sampling": MixedVariableSampling(),
-            "mating": MixedVariableMating(selection=chosen, eliminate_duplicates=apart),
+            "mating": MixedVariableMating(selection=chosen, eliminate_duplicates=apart, n_max_iterations=ATTEMPTS),
             "eliminate_duplicates": apart,
         }
 
-    def points(self, asked: Iterable[Any]) -> Array:
+    def points(self, asked: Sequence[Any]) -> Array:
         """Points (design, parameter) of the unit cube of what pymoo asks for; of an entry the middle of its cell."""
         if not self.mixed:
             return np.array([np.asarray(one, float) for one in asked])
-        return np.array(
-            [[_point(one[parameter.key], parameter.cells) for parameter in self.parameters] for one in asked]
-        )
+        self._asked.update(frozenset(one.items()) for one in asked)
+        cells = {one.key: one.cells for one in self.parameters}
+        return np.array([[_point(one[key], number) for key, number in cells.items()] for one in asked])
+
+
+def _never_twice(asked: set[frozenset[Any]]) -> Any:
+    """Refuses designs that were asked for before: where there are few values, a search would come back to them, and
+    have them computed again."""
+    from pymoo.core.duplicate import DuplicateElimination
+
+    class NeverTwice(DuplicateElimination):
+        def do(self, pop: Any, *others: Any, **how: Any) -> Any:
+            seen, new = {frozenset(one.X.items()) for other in others for one in other}, []
+            for k, one in enumerate(pop):
+                design = frozenset(one.X.items())
+                if design not in asked and design not in seen:
+                    seen.add(design)
+                    new.append(k)
+            return pop[new]
+
+    return NeverTwice()
 
 
 def _point(value: Any, cells: int | None) -> float:

@@ -51,7 +51,7 @@ class Optimise(Plan):
             if asked is None or not len(asked):
                 return
             told = yield coding.points(asked.get("X"))
-            objectives, violations = _as_numbers(told, goals)
+            objectives, violations = as_numbers(told, goals)
             asked.set("F", objectives, "G", violations)
             search.tell(infills=asked)
 
@@ -98,7 +98,7 @@ def directions(objectives: int, most: int) -> Array:
     return np.asarray(get_reference_directions("das-dennis", objectives, n_partitions=steps))
 
 
-def _as_numbers(told: Told, goals: Goals) -> tuple[Array, Array]:
+def as_numbers(told: Told, goals: Goals) -> tuple[Array, Array]:
     """Objectives, and violations with one more column: of designs that failed, whose objectives are 0.
 
     Each violation counts in shares of its bound, as they are added up.

@@ -1,0 +1,79 @@
+"""The folder of a study of many designs: its page, tables and figures, and the best designs as scenarios."""
+
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from ehamj.campaign.outcome import outcome_of
+from ehamj.campaign.studied import Studied
+from ehamj.campaign.tables import CSV_FILE, PARQUET_FILE, export
+from ehamj.merits.applied import scenario_of
+from ehamj.merits.merit import Machine
+from ehamj.pages import ANNEX, Page, Section
+from ehamj.result import written_whole
+from ehamj.scenario.model import Scenario
+from ehamj.studies.outcome import Outcome
+from ehamj.studies.page import files_of, headline_of, pictures_of, said_besides, tables_of, write_outcome
+
+BEST = "best-{}.toml"
+"""Scenario of one of the best designs, ready to be run."""
+
+
+def write_study(folder: Path, name: str, studied: Studied, machine: Machine) -> Outcome:
+    """Write all that people see of a study into its folder, which holds its store; what it came out with.
+
+    Raises:
+        OSError: if a file cannot be written.
+    """
+    outcome, scenarios = outcome_of(studied), best_scenarios(studied, machine)
+    export(folder)
+    for old in folder.glob(BEST.format("*")):
+        if old.name not in scenarios:
+            old.unlink()
+    for file, scenario in scenarios.items():
+        with written_whole(folder / file) as path:
+            path.write_text(scenario.to_toml(), encoding="utf-8")
+    shown = page_of(outcome, studied, machine.scenario, list(scenarios))
+    write_outcome(folder, name, outcome, machine.scenario, shown)
+    return outcome
+
+
+def best_scenarios(studied: Studied, machine: Machine) -> dict[str, Scenario]:
+    """The best designs as scenarios, by the name of their file."""
+    found = {}
+    for place, row in enumerate(studied.best, 1):
+        design = studied.design(row)
+        values: dict[str, Any] = {key: _plain(design[key]) for key in studied.parameters if _known(design[key])}
+        said = f"design {design['number']} of the study {studied.file.title!r}"
+        found[BEST.format(place)] = scenario_of(machine, values).model_copy(
+            update={"name": f"best-{place}", "description": said}
+        )
+    return found
+
+
+def _known(value: Any) -> bool:
+    return value is not None and value == value
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
+
+
+def page_of(outcome: Outcome, studied: Studied, scenario: Scenario, scenarios: list[str]) -> Page:
+    """Its page."""
+    designs = f"{PARQUET_FILE} and {CSV_FILE} (all {len(studied.designs):,} designs)"
+    files = Markup("{}").format(files_of(outcome, more=[designs, *scenarios]))
+    again = Markup(". <code>ehamj study study.toml</code> does the study again, and comes out the same.")
+    runs = Markup(" <code>ehamj run {}</code> simulates the best design.").format(scenarios[0]) if scenarios else ""
+    tables = tables_of(outcome)
+    sections = [
+        *said_besides(outcome),
+        Section("figures", figures=pictures_of(outcome)),
+        Section("notes", "What holds, and what does not", items=outcome.notes),
+        ANNEX,
+        *([Section("tables", "Numbers", tables=tables)] if tables else []),
+        Section("files", "Files", notes=[files + again + runs]),
+    ]
+    lead = f"{outcome.question} Machine: {scenario.name}."
+    return Page(f"{outcome.title}: {scenario.name}", outcome.title, lead, sections, headline_of(outcome))
