@@ -73,7 +73,7 @@ class Runs(Source):
         def items() -> Iterator[Item | Refused]:
             for number, design in enumerate(designs):
                 try:
-                    scenario = scenario_of(machine, design.values)
+                    scenario = scenario_of(machine, design.values, design.known)
                 except Exception as error:
                     yield Refused(number, error)
                 else:
