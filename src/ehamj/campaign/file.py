@@ -21,7 +21,7 @@ from ehamj.campaign.parameters import Space
 from ehamj.campaign.plans.kinds import PLANS, MonteCarlo
 from ehamj.campaign.plans.plan import Goals
 from ehamj.campaign.spreads import Vary
-from ehamj.merits.catalogue import SOURCES  # noqa: F401  # all sources are registered
+from ehamj.merits import catalogue  # noqa: F401  # fills the sources of merits
 from ehamj.merits.merit import Machine, source_of
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override

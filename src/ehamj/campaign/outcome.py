@@ -96,7 +96,7 @@ def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
         for first, second, value, reach in one.pairs:
             key = f"{first} and {second}"
             rows.append((one.merit, key, "second order", "-", value, value - reach, value + reach))
-    merits, keys, labels, units, value, low, high = map(list, zip(*rows, strict=True))
+    merits, keys, labels, units, values, lows, highs = map(list, zip(*rows, strict=True))
     return table(
         "what each parameter does to each figure",
         {"row": (list(range(1, len(rows) + 1)), "1", "row")},
@@ -104,9 +104,9 @@ def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
         parameter=(keys, "", "parameter"),
         measure=(labels, "", "measure"),
         unit=(units, "", "unit"),
-        value=(value, "1", "value, in that unit"),
-        low=(low, "1", "lower end of the 95 % interval"),
-        high=(high, "1", "upper end"),
+        value=(values, "1", "value, in that unit"),
+        low=(lows, "1", "lower end of the 95 % interval"),
+        high=(highs, "1", "upper end"),
     )
 
 
