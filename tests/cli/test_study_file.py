@@ -30,7 +30,7 @@ number = 12
 "actuator.isolator.hydraulic_frequency" = "highest"
 
 [limits]
-"actuator.isolator.velocity_gain" = { at_least = 1e-4 }
+"actuator.isolator.velocity_gain" = { at_least = 5e-5 }
 
 [tolerances]
 number = 8
@@ -74,9 +74,7 @@ def test_a_study_is_done_and_its_best_design_runs(cli: Cli, file: str, tmp_path:
     resumed = cli("study", "again", "--resume", "--json").json
     assert (resumed["folder"], resumed["numbers"]) == ("again", told["numbers"])
 
-    assert "already" in cli("study", file, "--out", "found").message.replace("exists already", "already")
-    replaced = cli("study", file, "--out", "found", "--overwrite", "--set", "tolerances.number=2", "--json").json
-    assert replaced["numbers"]["designs"] == 2 + 12 + 4
+    assert "exists already" in cli("study", file, "--out", "found").message
 
 
 @pytest.mark.parametrize(
