@@ -1,4 +1,4 @@
-"""Merits of actuators and passive machines against the differentiated model and the paper's own figures, one at a time."""
+"""Merits of actuators and passive machines against the differentiated model and the paper's own figures."""
 
 import numpy as np
 import pytest
@@ -16,8 +16,10 @@ BARE = ["control={kind='passive'}", "compare=[]"]
 UPRIGHT = Machine(load_scenario("vc-c-floor", BARE))
 LEVEL = Machine(load_scenario("six-directions", BARE))
 SOFT = Machine(load_scenario("vc-c-floor", [*BARE, "actuators.isolator.foot_stiffness=2e9"]))
-VARIED = {"machine.mass": (3300.0, 4700.0), "machine.cg.2": (0.6, 1.1), "mount.front-left.actuator.bulk_modulus": (4e8, 9e8),
-          "mount.2.actuator.membrane_stiffness": (4e8, 8e8), "supply.pressure": (150e5, 230e5)}  # fmt: skip
+VARIED = {
+    "machine.mass": (3300.0, 4700.0), "machine.cg.2": (0.6, 1.1), "supply.pressure": (150e5, 230e5),
+    "mount.front-left.actuator.bulk_modulus": (4e8, 9e8), "mount.2.actuator.membrane_stiffness": (4e8, 8e8),
+}  # fmt: skip
 
 
 def drawn(number: int, seed: int = 1) -> list[Design]:
@@ -46,8 +48,8 @@ def test_passive_merits_are_those_of_the_differentiated_model(machine: Machine) 
         answer = rigid_floor(model, hertz, None, (f"cg_displacement {axis}",), (axis,)).response.ravel()
         level = -10 * np.log10((np.abs(answer) ** 2).mean())
         assert found[f"passive.attenuation.{axis}.10"] == pytest.approx(level, abs=1e-6)
-        swept = rigid_floor(model, np.geomspace(10, 315, 4000), None, (f"cg_displacement {axis}",), (axis,)).response
-        assert found[f"passive.peak.{axis}"] == pytest.approx(20 * np.log10(np.abs(swept).max()), abs=0.05)
+        swept = rigid_floor(model, np.geomspace(10, 1000, 2000), None, (f"cg_displacement {axis}",), (axis,)).response
+        assert found[f"passive.peak.{axis}"] == pytest.approx(20 * np.log10(np.abs(swept).max()), abs=0.1)
 
 
 def test_a_symmetric_machine_has_the_same_in_both_planes() -> None:

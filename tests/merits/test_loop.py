@@ -53,7 +53,7 @@ def found() -> list[dict[str, float]]:
 
 
 def test_margins_are_those_of_the_report(found: list[dict[str, float]]) -> None:
-    """Grids differ by 0.1 % about poles: least margins by less than 0.02 dB, 0.02° and 0.001."""
+    """Grids differ by 0.2 % about poles: margins by less than 0.02 dB, 0.02° and 0.001."""
     assert {row["loop.stable"] for row in found} == {0.0, 1.0}
     for k in (0, 9, int(np.argmin([row["loop.disk_margin"] for row in found]))):
         one = source().alone(HELD, scenario_of(HELD, drawn(24)[k].values), list(found[k]))
@@ -63,9 +63,7 @@ def test_margins_are_those_of_the_report(found: list[dict[str, float]]) -> None:
         for name, value in found[k].items():
             kind = name.split(".")[1]
             if kind in allowed:
-                assert value == pytest.approx(one[name], abs=allowed[kind] * (10.0 if name.count(".") > 1 else 1.0)), (
-                    name
-                )
+                assert value == pytest.approx(one[name], abs=allowed[kind]), name
             elif kind in ("attenuation", "peak"):
                 assert value == pytest.approx(one[name], abs=1e-4), name
             else:
@@ -95,8 +93,7 @@ def test_a_law_that_is_derived_anew_is_computed_one_at_a_time() -> None:
     ]
     values = {"actuators.isolator.flow_gain": 2.4e-6}
     names = ["loop.gain_margin", "loop.stable"]
-    with pytest.warns(Warning):
-        held, anew = (source().evaluate(one, [Design(0, values)], names)[0] for one in (HELD, derived))
+    held, anew = (source().evaluate(one, [Design(0, values)], names)[0] for one in (HELD, derived))
     assert not isinstance(held, Failed)
     assert not isinstance(anew, Failed)
     assert anew["loop.gain_margin"] > held["loop.gain_margin"] + 1.0

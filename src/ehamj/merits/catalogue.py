@@ -4,6 +4,7 @@ from ehamj.merits import (  # noqa: F401  # isort: skip
     actuator,
     passive,
     loop,
+    run,
 )
 from ehamj.merits.merit import SOURCES
 

@@ -100,7 +100,7 @@ class LinearSource(Source):
             if closed and all(known.varied(key) and _is_number(value) for key, value in values.items()):
                 stacks.setdefault(tuple(values), []).append((k, values))
             else:
-                found[k] = self._by_itself(machine, values, names)
+                found[k] = self._by_itself(machine, values, design.known, names)
         for own in stacks.values():
             why = known.impossible([values for _, values in own])
             good = [one for one, reason in zip(own, why, strict=True) if reason is None]
@@ -123,8 +123,10 @@ class LinearSource(Source):
             return [self._stack(machine, [one], names)[0] for one in values]
         return list(rows[: len(values)])
 
-    def _by_itself(self, machine: Machine, values: Mapping[str, Any], names: Sequence[str]) -> Row:
-        return tried(lambda: self.alone(machine, scenario_of(machine, values), names))
+    def _by_itself(
+        self, machine: Machine, values: Mapping[str, Any], known: Mapping[str, Any] | None, names: Sequence[str]
+    ) -> Row:
+        return tried(lambda: self.alone(machine, scenario_of(machine, values, known if self.whole else None), names))
 
 
 def tried(compute: Callable[[], Row]) -> Row:
@@ -177,7 +179,7 @@ class _Keys:
                 for k, value in enumerate(values):
                     found[k] = found[k] or self._refused(key, np.array([value]))
         low, high = (self._of_supply(designs, name) for name in ("tank_pressure", "pressure"))
-        for k in np.flatnonzero(~(high > low)):
+        for k in np.flatnonzero(~(high > low)).tolist():
             said = f"supply.pressure = {high[k]:g} Pa must be above tank_pressure = {low[k]:g} Pa"
             found[k] = found[k] or said
         return found
