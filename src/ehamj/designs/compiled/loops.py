@@ -104,7 +104,8 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
         hertz: frequencies (f,) [Hz].
         law: of readings that move with the machine alone, as there, but real and imaginary parts apart
             (2, f, mount, reading), and with silent readings at the end (`ehamj.designs.compiled.seen`).
-        sensors: as there, of these, but the motion (design, n, reading).
+        sensors: as there, of these, but the motion (design, n, reading), and the order (3, reading), 1 for the one
+            that a reading has.
         picks: numbers of each design's frequencies, rising (design, most).
         counts: how many of them there are, (design,).
         active: numbers of the mounts that obey.
@@ -143,7 +144,7 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
             solved(matrix, right)
             strokes_of(one[3][2], right, mounts, nowhere, strokes)
             see(s, seen, order, states, inside, right, strokes, oil, spools, real, imag)
-            closed(law[0, k], law[1, k], real, imag, unit)
+            closed(law[0, k], law[1, k], real, imag, passed, unit)
             for row in range(mounts):
                 for column in range(mounts):
                     sensitivity[row, column] = 1.0 if row == column else 0.0

@@ -8,8 +8,8 @@ SIDE = 4
 
 @kernel
 def see(s, motion, order, states, inside, moved, strokes, oil, spools, real, imag):  # type: ignore[no-untyped-def]
-    """As `ehamj.designs.compiled.machine.readings_of` of the commands alone; ``motion`` (n, reading), what is seen into
-    ``real`` and ``imag`` (mount, reading)."""
+    """As `ehamj.designs.compiled.machine.readings_of` of the commands alone; ``motion`` (n, reading), ``order`` (3,
+    reading) is 1 for the order that a reading has, what is seen goes into ``real`` and ``imag`` (mount, reading)."""
     omega, readings = s.imag, motion.shape[1]
     for column in range(real.shape[0]):
         one, two = real[column], imag[column]
@@ -22,11 +22,12 @@ def see(s, motion, order, states, inside, moved, strokes, oil, spools, real, ima
                 one[reading] += own[reading] * across
             for reading in range(readings):
                 two[reading] += own[reading] * along
-        for reading in range(readings):
-            if order[reading] == 1:
-                one[reading], two[reading] = -omega * two[reading], omega * one[reading]
-            elif order[reading] == 2:
-                one[reading], two[reading] = -omega * omega * one[reading], -omega * omega * two[reading]
+        for reading in range(readings):  # (jω)^order
+            kept = order[0, reading] - omega * omega * order[2, reading]
+            turned = omega * order[1, reading]
+            before = one[reading]
+            one[reading] = kept * before - turned * two[reading]
+            two[reading] = kept * two[reading] + turned * before
     for reading in range(readings):
         if inside[reading]:
             for mount in range(oil.shape[0]):
@@ -43,22 +44,22 @@ def see(s, motion, order, states, inside, moved, strokes, oil, spools, real, ima
 
 
 @kernel
-def closed(told_real, told_imag, real, imag, unit):  # type: ignore[no-untyped-def]
-    """1 − law·plant into ``unit`` (mount, mount), of a law ``told`` (mount, reading) and what is seen."""
+def closed(told_real, told_imag, real, imag, inner, unit):  # type: ignore[no-untyped-def]
+    """1 − law·plant into ``unit`` (mount, mount), of a law ``told`` (mount, reading) and what is seen; ``inner`` (2,
+    reading) is for passing results."""
+    u, v = inner[0], inner[1]
     for row in range(unit.shape[0]):
         a, b = told_real[row], told_imag[row]
         for column in range(unit.shape[1]):
             c, d = real[column], imag[column]
+            for k in range(c.size):
+                u[k] = a[k] * c[k] - b[k] * d[k]
+            for k in range(c.size):
+                v[k] = a[k] * d[k] + b[k] * c[k]
             x0 = x1 = x2 = x3 = y0 = y1 = y2 = y3 = 0.0
             for k in range(0, c.size, SIDE):
-                x0 += a[k] * c[k] - b[k] * d[k]
-                x1 += a[k + 1] * c[k + 1] - b[k + 1] * d[k + 1]
-                x2 += a[k + 2] * c[k + 2] - b[k + 2] * d[k + 2]
-                x3 += a[k + 3] * c[k + 3] - b[k + 3] * d[k + 3]
-                y0 += a[k] * d[k] + b[k] * c[k]
-                y1 += a[k + 1] * d[k + 1] + b[k + 1] * c[k + 1]
-                y2 += a[k + 2] * d[k + 2] + b[k + 2] * c[k + 2]
-                y3 += a[k + 3] * d[k + 3] + b[k + 3] * c[k + 3]
+                x0, x1, x2, x3 = x0 + u[k], x1 + u[k + 1], x2 + u[k + 2], x3 + u[k + 3]
+                y0, y1, y2, y3 = y0 + v[k], y1 + v[k + 1], y2 + v[k + 2], y3 + v[k + 3]
             unit[row, column] = (1.0 if row == column else 0.0) - complex((x0 + x1) + (x2 + x3), (y0 + y1) + (y2 + y3))
 
 
