@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from ehamj.folders import SAVING
 
 if TYPE_CHECKING:
+    from ehamj.campaign.run import run_study as run_study
     from ehamj.control import (
         Controller as Controller,
     )
@@ -53,6 +54,7 @@ _HOME: Final = {
     "load_result": "result",
     "load_scenario": "scenario.load",
     "parse_scenario": "scenario.load",
+    "run_study": "campaign.run",
     "sampled_plant": "views.seen",
     "simulate": "run.simulate",
     "simulate_many": "run.many",

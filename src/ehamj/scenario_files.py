@@ -17,6 +17,16 @@ def shipped_scenarios() -> dict[str, Path]:
     return shipped_files("scenarios")
 
 
+def shipped_studies() -> dict[str, Path]:
+    """Studies of many designs that come with ehamj, by name."""
+    return shipped_files("study_files")
+
+
+def is_study_file(word: str) -> bool:
+    """Whether a word means a study file: a shipped one's name, one that ends as such, or the folder of a study."""
+    return word in shipped_studies() or word.endswith(".toml") or (Path(word) / "study.toml").is_file()
+
+
 def shipped_files(folder: str) -> dict[str, Path]:
     """TOML files of one of the package's folders, by name."""
     return {path.stem: path for path in sorted((Path(str(resources.files("ehamj"))) / folder).glob("*.toml"))}

@@ -142,6 +142,13 @@ def test_values_without_order_have_changes_and_no_slope() -> None:
     assert np.isnan(letter.slope)
 
 
+def test_a_value_that_the_scenario_leaves_out_is_one_of_its_own() -> None:
+    left_out = float("nan")
+    rows = [[left_out, 1.0], [2.0, 1.0], [float("nan"), 3.0]]
+    found = one_at_a_time(["k", "p"], rows, np.array([1.0, 5.0, 9.0]))
+    np.testing.assert_array_equal([effect.change for effect in found], [[0.0, 4.0], [0.0, 8.0]])
+
+
 DRAWN = np.random.default_rng(3).normal([5.0, -2.0, 100.0], [1.0, 0.1, 20.0], (400, 3))
 
 

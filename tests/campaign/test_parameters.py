@@ -114,6 +114,19 @@ def test_two_values_of_each_isolator_go_together_isolator_by_isolator(scenario: 
     np.testing.assert_allclose(found[:4, 4:], 0.7 * np.eye(4), atol=0.03)
 
 
+def test_a_design_has_the_same_values_to_the_bit_in_any_company(scenario: Scenario) -> None:
+    vary = {
+        FLOW: {"tolerance": 0.1, "shape": "normal", "each": True},
+        AREA: {"low": 0.005, "high": 0.02, "scale": "log"},
+        "machine.mass": {"low": 3000.0, "mode": 4000.0, "high": 4500.0},
+        "machine.cg.0": {"mean": 0.0, "deviation": 0.01},
+    }
+    own = space(scenario, vary, (FLOW, FLOW, 0.7), (AREA, "machine.mass", 0.4))
+    points = POINTS[:100, :7]
+    alone = [own.values(points[k : k + 1])[0] for k in range(100)]
+    assert own.values(points) == alone == [*own.values(points[:37]), *own.values(points[37:])]
+
+
 MASS = {"machine.mass": {"tolerance": 0.1}}
 THREE = {key: {"tolerance": 0.1} for key in ("machine.mass", FLOW, AREA)}
 

@@ -6,12 +6,15 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.campaign.influence import Influence
-from ehamj.campaign.names import worded
+from ehamj.campaign.names import unit_text, worded
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess, rows_of
 from ehamj.campaign.yields import Yield
+from ehamj.pages.words import number
 
 MERITS: Final = 5
 """Merits whose influences are told; all are in the table."""
+MANY: Final = 4
+"""Merits from which on it is told how many of them each parameter decides."""
 NAMED_CAUSES: Final = 3
 """Parameters that an answer names."""
 LEAST_SHARE: Final = 0.05
@@ -30,6 +33,7 @@ def answers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
         _against_named(studied),
         _yields(studied, yields),
         _confirmed(studied),
+        _deciding(studied, influences),
         _influences(studied, influences),
         _unfinished(studied),
         _failed(studied),
@@ -181,6 +185,16 @@ def _quoted(name: str) -> str:
     return "the scenario's own design" if name == AS_IT_IS else f"“{name}”"
 
 
+def _deciding(studied: Studied, influences: Sequence[Influence]) -> Iterator[str]:
+    """Which parameters do most for how many of many merits."""
+    first = [one.parameters[one.order[0]] for one in influences if one.size.max() > 0.0]
+    if len(first) < MANY:
+        return
+    counts = sorted(((first.count(key), key) for key in dict.fromkeys(first)), key=lambda one: -one[0])
+    said = ", ".join(f"{studied.short[key]} for {count}" for count, key in counts)
+    yield f"Of the parameters, one does most for each of the {len(first)} figures: {said}."
+
+
 def _influences(studied: Studied, influences: Sequence[Influence]) -> Iterator[str]:
     """What matters most for each merit, with confidence."""
     for one in influences[:MERITS]:
@@ -200,10 +214,13 @@ def _influence(studied: Studied, one: Influence, k: int) -> str:
         ends = sorted(float(measure.values[k]) for measure in one.measures if np.isfinite(measure.values[k]))
         return f"{name} ({worded(ends[0], unit)} to {worded(ends[-1], unit)})"
     measure = one.measures[-1]
-    sure = ""
+    sure, unit, said = "", "", _hundredths
+    if one.unit is not None:
+        unit = f" {unit_text(one.unit)}".removesuffix(" -")
+        said = number
     if measure.low is not None and measure.high is not None:
-        sure = f", 95 %: {_hundredths(measure.low[k])} to {_hundredths(measure.high[k])}"
-    return f"{name} ({measure.label} {_hundredths(measure.values[k])}{sure})"
+        sure = f", 95 %: {said(float(measure.low[k]))} to {said(float(measure.high[k]))}{unit}"
+    return f"{name} ({measure.label} {said(float(measure.values[k]))}{unit}{sure})"
 
 
 def _hundredths(value: float) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ehamj.campaign.influence import Influence
 from ehamj.campaign.names import axis_of
+from ehamj.campaign.plans.grids import OneAtATime
 from ehamj.campaign.studied import DataFrame, Row, Studied
 from ehamj.campaign.yields import Yield, groups
 from ehamj.plots import Figure
@@ -24,6 +25,8 @@ NUMBERS: Final = 14
 """Designs of the front whose numbers are drawn."""
 PANELS: Final = 4
 """Panels of a figure."""
+LITTLE: Final = 0.01
+"""Share of the strongest influence below which another one is not drawn."""
 CAUSES: Final = 12
 """Parameters that a figure of influences shows."""
 
@@ -97,9 +100,9 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
 
 
 def matrix_drawing(studied: Studied, influences: Sequence[Influence]) -> Iterator[tuple[str, Drawing]]:
-    """Parameters and merits against each other, the few that say most."""
+    """Parameters and merits against each other, the few that say most; none of one parameter at a time."""
     columns = chosen_columns(studied, influences)
-    if len(columns) < 2 or len(studied.done) < 3:
+    if len(columns) < 2 or len(studied.done) < 3 or isinstance(studied.file.plan, OneAtATime):
         return
 
     def draw() -> Figure:
@@ -132,14 +135,20 @@ def influence_drawings(studied: Studied, influences: Sequence[Influence]) -> Ite
         yield f"influence-{one.merit.replace('.', '-')}", drawing
 
 
+def shown_causes(one: Influence) -> list[int]:
+    """The strongest parameters, but for those that do next to nothing beside the first."""
+    least = LITTLE * one.size.max()
+    return [k for k in one.order[:CAUSES] if one.size[k] > least] or one.order[:1]
+
+
 def _influence_caption(one: Influence) -> str:
-    left = len(one.parameters) - CAUSES
-    more = f" {left} weaker parameters are in the table." if left > 0 else ""
+    left = len(one.parameters) - len(shown_causes(one))
+    more = f" {left} that do little or nothing are in the table." if left else ""
     return f"What each parameter does to {one.merit}, the strongest first.{more}"
 
 
 def _influence_chart(studied: Studied, one: Influence) -> Figure:
-    order = one.order[:CAUSES]
+    order = shown_causes(one)
     sets = [
         Effects(m.label, m.values[order], *(None if end is None else end[order] for end in (m.low, m.high)))
         for m in one.measures

@@ -49,11 +49,18 @@ def check_independent(space: "Space", plan: str) -> None:
 
 
 def together(points: Array, factor: Array) -> Array:
-    """Points whose normal scores are correlated: Φ(L Φ⁻¹(u))."""
+    """Points whose normal scores are correlated: Φ(L Φ⁻¹(u)).
+
+    Summed parameter by parameter: a product of matrices may round a design's row by how many stand beside it.
+    """
     from scipy.special import ndtr, ndtri
 
     tiny = np.finfo(float).eps / 4
-    return np.asarray(ndtr(ndtri(np.clip(points, tiny, 1.0 - 2 * tiny)) @ factor.T))
+    scores = ndtri(np.clip(points, tiny, 1.0 - 2 * tiny))
+    found = np.zeros_like(scores)
+    for k, column in enumerate(factor.T):
+        found += scores[:, k, None] * column
+    return np.asarray(ndtr(found))
 
 
 def factor_of(parameters: Sequence[Parameter], correlations: Sequence[Correlation]) -> Array | None:

@@ -21,12 +21,13 @@ from ehamj.campaign.parameters import Space
 from ehamj.campaign.plans.kinds import PLANS, MonteCarlo
 from ehamj.campaign.plans.plan import Goals
 from ehamj.campaign.spreads import Vary
+from ehamj.merits import catalogue  # noqa: F401  # fills the sources of merits
 from ehamj.merits.merit import Machine, source_of
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
 from ehamj.scenario.load import anchored, as_scenario, changed
 from ehamj.scenario.variation import LawChoice
-from ehamj.scenario_files import path_of, shipped_files, table_of
+from ehamj.scenario_files import path_of, shipped_studies, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -152,11 +153,6 @@ class StudyFile(Settings):
             InputError: if a key is none of the scenario's, or a spread leaves it no values.
         """
         return Space.of(machine.scenario, self.vary, self.correlation)
-
-
-def shipped_studies() -> dict[str, Path]:
-    """Study files that come with ehamj, by name."""
-    return shipped_files("study_files")
 
 
 def load_study(source: str | Path | Mapping[str, Any] | StudyFile, overrides: Iterable[str] = ()) -> StudyFile:

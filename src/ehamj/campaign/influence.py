@@ -26,7 +26,8 @@ class Measure:
 
 @dataclass(frozen=True)
 class Influence:
-    """How much each of some parameters does to a merit: one or two measures; the last one decides which does most."""
+    """How much each of some parameters does to a merit: one or two measures; the last one decides which does most,
+    and is told."""
 
     merit: str
     parameters: tuple[str, ...]
@@ -35,15 +36,29 @@ class Influence:
     axis: str
     """The same with unit."""
     measures: tuple[Measure, ...]
+    said: str = ""
+    """What it was found from, in words."""
     base: float = 0.0
     """Value of no influence."""
     base_name: str = ""
+    """What that is called; then all measures are values of the merit."""
+    unit: str | None = None
+    """Of the measures; None where they are shares or correlations."""
+    more: tuple[Measure, ...] = ()
+    """Measures without unit that the table has besides."""
+    pairs: tuple[tuple[str, str, float, float], ...] = ()
+    """Two parameters, what they do together beyond both alone, and half the width of its 95 % interval."""
+
+    @property
+    def known(self) -> bool:
+        """Whether anything is."""
+        return any(np.isfinite(measure.values).any() for measure in self.measures)
 
     @property
     def size(self) -> Array:
         """How much each parameter does, to be compared; 0 where nothing is known."""
         by = self.measures[-1:] if not self.base_name else self.measures
-        return np.nan_to_num(np.max([np.abs(measure.values - self.base) for measure in by], axis=0))
+        return np.max([np.nan_to_num(np.abs(measure.values - self.base)) for measure in by], axis=0)
 
     @property
     def order(self) -> list[int]:

@@ -13,7 +13,7 @@ from ehamj.campaign.influences import influences_of
 from ehamj.campaign.names import unit_text
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Row, Studied, rows_of
 from ehamj.campaign.surfaces import surface_drawings
-from ehamj.campaign.yields import DRAWN, Yield, yields_of
+from ehamj.campaign.yields import Yield, yields_of
 from ehamj.findings import finite
 from ehamj.labels import table
 from ehamj.studies.outcome import Drawing, Outcome
@@ -40,7 +40,7 @@ def outcome_of(studied: Studied) -> Outcome:
         answers=answers_of(studied, influences, yields),
         tables=tables_of(studied, influences, yields),
         drawings=drawings,
-        notes=notes_of(studied, yields),
+        notes=notes_of(studied, influences, yields),
         numbers=numbers_of(studied, influences, yields),
         settings=studied.file.model_dump(mode="json", exclude_unset=True),
     )
@@ -87,27 +87,26 @@ def _designs(title: str, names: Sequence[str], rows: Sequence[Row], studied: Stu
 
 def _influence_table(influences: Sequence[Influence]) -> xr.Dataset:
     """Every measure of every parameter and merit, with its interval."""
-    rows = [
-        (
-            one.merit,
-            key,
-            measure.label,
-            *(np.nan if v is None else v[k] for v in (measure.values, measure.low, measure.high)),
-        )
-        for one in influences
-        for k, key in enumerate(one.parameters)
-        for measure in one.measures
-    ]
-    merit, key, label, value, low, high = zip(*rows, strict=True)
+    rows = []
+    for one in influences:
+        for measure, unit in [(m, one.unit or "1") for m in one.measures] + [(m, "1") for m in one.more]:
+            ends = [np.full(len(one.parameters), np.nan) if end is None else end for end in (measure.low, measure.high)]
+            columns = zip(one.parameters, measure.values, *ends, strict=True)
+            rows += [(one.merit, key, measure.label, unit_text(unit), *map(float, cells)) for key, *cells in columns]
+        for first, second, value, reach in one.pairs:
+            key = f"{first} and {second}"
+            rows.append((one.merit, key, "second order", "-", value, value - reach, value + reach))
+    merits, keys, labels, units, values, lows, highs = map(list, zip(*rows, strict=True))
     return table(
         "what each parameter does to each figure",
         {"row": (list(range(1, len(rows) + 1)), "1", "row")},
-        merit=(list(merit), "", "figure of merit"),
-        parameter=(list(key), "", "parameter"),
-        measure=(list(label), "", "measure"),
-        value=(list(value), "1", "value"),
-        low=(list(low), "1", "lower end of the 95 % interval"),
-        high=(list(high), "1", "upper end"),
+        merit=(merits, "", "figure of merit"),
+        parameter=(keys, "", "parameter"),
+        measure=(labels, "", "measure"),
+        unit=(units, "", "unit"),
+        value=(values, "1", "value, in that unit"),
+        low=(lows, "1", "lower end of the 95 % interval"),
+        high=(highs, "1", "upper end"),
     )
 
 
@@ -126,7 +125,7 @@ def _yield_table(studied: Studied, yields: Sequence[Yield]) -> xr.Dataset:
     )
 
 
-def notes_of(studied: Studied, yields: Sequence[Yield]) -> tuple[str, ...]:
+def notes_of(studied: Studied, influences: Sequence[Influence], yields: Sequence[Yield]) -> tuple[str, ...]:
     """What holds, and what does not."""
     file = studied.file
     notes = [f"{len(studied.designs):,} designs, {len(studied.search):,} of them of the plan ({file.plan.kind})."]
@@ -137,7 +136,9 @@ def notes_of(studied: Studied, yields: Sequence[Yield]) -> tuple[str, ...]:
             "Intervals of yields are exact binomial ones (Clopper and Pearson, 95 %), of machines drawn as the file "
             "says. A machine that failed keeps no limit."
         )
-    if file.plan.kind in DRAWN:
+    if influences and influences[0].said:
+        notes.append(f"{influences[0].title[0].upper()}{influences[0].title[1:]}: from {influences[0].said} (SALib).")
+    if influences and file.plan.drawn:
         notes.append(
             "Rank correlations (Spearman) see what rises or falls throughout; what rises and falls again, not."
         )
@@ -167,7 +168,7 @@ def numbers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
         "influence": {
             one.merit: {
                 measure.label: {key: finite(float(measure.values[k])) for k, key in enumerate(one.parameters)}
-                for measure in one.measures
+                for measure in (*one.measures, *one.more)
             }
             for one in influences
         },

@@ -36,6 +36,7 @@ class Study:
     """A study that was done, or is done in part, in its ``folder``."""
 
     folder: Path
+    name: str
     file: StudyFile
     outcome: Outcome
     complete: bool
@@ -96,7 +97,8 @@ def run_study(
     step("page, tables and best designs")
     nominal = {key: space.nominal.get(key) for key in space.keys}
     studied = studied_of(file, frame(place), nominal, planned, ended.complete)
-    return Study(place, file, write_study(place, _name_of(source), studied, machine), ended.complete)
+    name = _name_of(source)
+    return Study(place, name, file, write_study(place, name, studied, machine), ended.complete)
 
 
 def _own_folder(source: Any) -> Path | None:

@@ -57,6 +57,11 @@ class Studied:
         """Designs of one stage, in order of their numbers."""
         return self.designs[self.designs["stage"] == name].sort_values("number").reset_index(drop=True)
 
+    @property
+    def first(self) -> int:
+        """Number of the plan's first design."""
+        return 1 + len(self.file.named)
+
     @cached_property
     def search(self) -> DataFrame:
         """The plan's own designs."""

@@ -8,8 +8,6 @@ import numpy as np
 from ehamj.campaign.studied import TOLERANCE, DataFrame, Studied, meets
 
 CONFIDENCE: Final = 0.95
-DRAWN: Final = ("monte-carlo", "latin-hypercube", "sobol-sequence")
-"""Plans whose designs stand for the machines that will be built: shares of them mean something."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ def groups(studied: Studied) -> dict[str, DataFrame]:
     parents |= {name: int(row["number"]) for name, row in studied.named.items()}
     found = {whose: studied.children(number, TOLERANCE) for whose, number in parents.items()}
     found = {whose: machines for whose, machines in found.items() if len(machines)}
-    if not found and studied.file.plan.kind in DRAWN and not studied.file.objectives and len(studied.search):
+    if not found and studied.file.plan.drawn and not studied.file.objectives and len(studied.search):
         found = {"": studied.search}
     return found
 

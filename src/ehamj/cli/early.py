@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Final
 
 from ehamj.errors import InputError
-from ehamj.scenario_files import scenario_path
+from ehamj.scenario_files import is_study_file, scenario_path
 
 TAKING: Final = ("run", "design", "modes", "statics", "transmissibility", "study")
 """Commands that take a scenario, by default *recorded*, and ``--set``."""
@@ -30,6 +30,8 @@ def check_early(command: str, words: Sequence[str]) -> None:
     pairs = list(pairwise(("", *words)))
     words_after = [(before, word) for before, word in pairs if not word.startswith("-") and before not in NO_SCENARIO]
     certain = [word for before, word in words_after if not before.startswith("-") or before in FLAGS]
+    if command == "study" and any(map(is_study_file, certain[:1])):
+        return  # what it sets is the study's
     free = certain[command == "study" :]
     if len(free) > 1 or (free and not _is_scenario(free[0])):
         return

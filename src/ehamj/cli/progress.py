@@ -4,11 +4,14 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rich.markup import escape
 
 from ehamj.cli.frame import log
+
+if TYPE_CHECKING:
+    from ehamj.campaign.standing import Standing
 
 EVERY: Final = 5.0
 """Least time between two lines where standard error is no terminal [s]."""
@@ -35,3 +38,36 @@ def doing(title: str) -> Iterator[Callable[[str], None]]:
 
     line("")
     yield line
+
+
+@contextmanager
+def counting(title: str) -> Iterator[tuple[Callable[[str], None], Callable[["Standing"], None]]]:
+    """Say on standard error how far a study of many designs is while the block lasts.
+
+    It gives what is called with the name of a step, and with a `Standing` of its designs. On a terminal a bar stands
+    with designs done, rate, time left, and the best so far below it; elsewhere there is a line now and then.
+    """
+    if not log.is_terminal:
+        with doing(title) as line:
+            yield line, lambda standing: line(standing.words)
+        return
+    from rich.console import Group
+    from rich.live import Live
+    from rich.progress import BarColumn, Progress, TextColumn
+    from rich.text import Text
+
+    bar = Progress(
+        TextColumn("{task.description}"), BarColumn(30), TextColumn("{task.percentage:>3.0f} %"), console=log
+    )
+    task = bar.add_task(escape(title), total=None)
+    with Live(bar, console=log, transient=True, refresh_per_second=8) as live:
+
+        def step(words: str) -> None:
+            live.update(Group(bar, Text(words, "dim")))
+
+        def progress(standing: "Standing") -> None:
+            bar.update(task, description=escape(f"{title}, {standing.stage}"), total=standing.total,
+                       completed=standing.done)  # fmt: skip
+            live.update(Group(bar, Text(standing.words, "dim")))
+
+        yield step, progress

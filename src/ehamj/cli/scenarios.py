@@ -1,6 +1,10 @@
 """Commands that list what can be simulated, and how a scenario is written."""
 
 import sys
+from enum import StrEnum
+from typing import Annotated
+
+import typer
 
 from ehamj.cli.frame import Json, app
 from ehamj.cli.printing import print_names
@@ -15,9 +19,23 @@ def scenarios(as_json: Json = False) -> None:
     print_names("scenarios", found, "description", as_json)
 
 
-@app.command()
-def schema() -> None:
-    """Print the JSON schema of a scenario file (for editors that complete and check TOML)."""
-    from ehamj.scenario.load import scenario_schema
+class Kind(StrEnum):
+    """Kinds of files that have a schema."""
 
-    sys.stdout.write(scenario_schema() + "\n")
+    SCENARIO = "scenario"
+    STUDY = "study"
+
+
+@app.command()
+def schema(kind: Annotated[Kind, typer.Argument(help="Of which file.")] = Kind.SCENARIO) -> None:
+    """Print the JSON schema of a scenario file, or of a study file (for editors that complete and check TOML)."""
+    if kind is Kind.STUDY:
+        from ehamj.campaign.file import StudyFile
+        from ehamj.settings import schema_of
+
+        said = schema_of(StudyFile)
+    else:
+        from ehamj.scenario.load import scenario_schema
+
+        said = scenario_schema()
+    sys.stdout.write(said + "\n")

@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
-from ehamj.designs.parameters import FOOTPRINT, check, footprint_sides, quantity_of
+from ehamj.designs.parameters import FOOTPRINT, OWN, check, footprint_sides, mount_of, quantity_of
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.values import ACTUATOR_VALUES, Values, body_of, of_body
@@ -49,8 +49,9 @@ class Designs:
         Args:
             scenario: the machine that everything else is taken from.
             vary: values by key, as in ``ehamj run --set``: ``machine.mass``, ``machine.cg.2``, ``gravity``,
-                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.2``, ``supply.pressure``; and ``footprint.x``,
-                ``footprint.y`` (`FOOTPRINT`). A plain 1-D array gets a dimension of its own, named by the key; give a
+                ``actuators.NAME.lateral_stiffness``, ``mount.0.position.2``, ``supply.pressure``; ``footprint.x`` and
+                ``footprint.y`` (`FOOTPRINT`); and ``mount.front-left.actuator.flow_gain``, one isolator's own value,
+                whatever its kind has. A plain 1-D array gets a dimension of its own, named by the key; give a
                 ``xarray.DataArray`` with dimensions to let keys vary together (the same name) or to name them. Values
                 count as they are: a CG may lie outside the drawn outline.
 
@@ -73,7 +74,8 @@ class Designs:
         }  # keys are those of the frame, without what stands on it
         common = {name: np.broadcast_to(value, shape).copy() for name, value in known.items()}
         mounts = {name: np.broadcast_to(value, (*shape, *value.shape)).copy() for name, value in base.mounts.items()}
-        for key in sorted(joint, key=lambda key: key in FOOTPRINT):  # a footprint scales positions that are set
+        # A footprint scales positions that are set, and an isolator's own value replaces that of its kind.
+        for key in sorted(joint, key=lambda key: (key in FOOTPRINT) + key.startswith("mount.")):
             _put(scenario, common, mounts, key, joint[key].transpose(*dims).values.astype(float))
         if scenario.others:
             common |= of_body(joined([body_of(common), *scenario.others]))
@@ -134,5 +136,7 @@ def _put(scenario: Scenario, common: dict[str, Array], mounts: dict[str, Array],
         chosen = [plant.mounts.index(mount.name) for mount in scenario.mount if mount.actuator == name]
         mounts[quantity][..., chosen] = value[..., None]
     else:
-        index, _, coordinate = rest.partition(".")
-        mounts[AXES[int(coordinate[-1])]][..., plant.mounts.index(scenario.mount[int(index)].name)] = value
+        number, own = mount_of(scenario, key)
+        assert number is not None
+        name = own.removeprefix(OWN) if own.startswith(OWN) else AXES[int(own[-1])]
+        mounts[name][..., plant.mounts.index(scenario.mount[number].name)] = value

@@ -11,7 +11,7 @@ same.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -35,7 +35,7 @@ _GROUPS: Final = (("y", "rx"), ("x", "ry"), ("rz",), ("z",), ("y", "rx"), ("x", 
 """Degrees of freedom that each of them moves in."""
 
 OSCILLATES: Final = 1e-6
-"""Im λ over |λ| above which a pole is an oscillation."""
+"""Im λ over |λ|, or 1/s, above which a pole is an oscillation: one at zero comes out as a pair of 1e-14/s."""
 
 
 def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
@@ -58,18 +58,11 @@ def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
     elements, oil, strokes = _assembled(designs)
     bad = _without_rest(designs, oil) if hydraulics else np.zeros(designs.shape, bool)
     n = elements.mass.shape[-1]
-    matrix = np.concatenate(_oil_motion(elements, oil), axis=-2) if hydraulics else _motion(elements)
-    poles, vectors = np.linalg.eig(np.where(bad[..., None, None], 0.0, matrix))
-    order = np.argsort(np.round(np.abs(poles), 9), axis=-1, kind="stable")
-    poles = np.take_along_axis(poles.astype(complex), order, axis=-1)
-    vectors = np.take_along_axis(vectors.astype(complex), order[..., None, :], axis=-1)
-    poles[bad] = np.nan
-    chosen = _label(elements, poles, vectors, _plane_frequencies(elements, oil if hydraulics else None))
-    picked = np.where(chosen >= 0, np.take_along_axis(poles, np.maximum(chosen, 0), axis=-1), np.nan)
+    poles, vectors, chosen, picked = rigid_modes(elements, oil if hydraulics else None, bad)
     shape = np.take_along_axis(vectors[..., list(DOF_OF_JOINT), :], np.maximum(chosen, 0)[..., None, :], axis=-1)
     largest = np.take_along_axis(shape, np.argmax(np.abs(shape), axis=-2)[..., None, :], axis=-2)
     shape = np.where((chosen >= 0)[..., None, :], shape / largest, np.nan)
-    size, margin = np.abs(picked), _tipping_margin(elements)
+    size, margin = np.abs(picked), tipping_margin(elements)
     columns: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
         "frequency": (("mode",), size / (2 * np.pi), "Hz", "natural frequency |λ|/2π"),
         "damping_ratio": (("mode",), -picked.real / size, "1", "damping ratio −Re λ/|λ|"),
@@ -223,7 +216,49 @@ def _floor(elements: Elements, motion: ArrayLike | str, frequencies: int) -> Com
 # --- modes --------------------------------------------------------------------------------------------------------
 
 
-def _tipping_margin(elements: Elements) -> Array:
+class RigidModes(NamedTuple):
+    """Eigenvalues (…, pole) [1/s] by magnitude and their vectors (…, state, pole), of motion before pressures; which of
+    them is which of `RIGID_MODES`, −1 none, and the eigenvalue of each of these, NaN of none, (…, 6)."""
+
+    poles: ComplexArray
+    vectors: ComplexArray
+    chosen: NDArray[np.int64]
+    picked: ComplexArray
+
+
+def rigid_modes(elements: Elements, oil: Oil | None, bad: NDArray[np.bool_]) -> RigidModes:
+    """Modes of machines with their valves held.
+
+    Args:
+        elements: what they are made of.
+        oil: their oil; None where chambers are bypassed.
+        bad: those (…,) that have no rest, of which everything is NaN.
+    """
+    matrix = _motion(elements) if oil is None else np.concatenate(_oil_motion(elements, oil), axis=-2)
+    poles, vectors = np.linalg.eig(np.where(bad[..., None, None], 0.0, matrix))
+    return modes_in(elements, oil, poles, vectors, bad)
+
+
+def held_poles(elements: Elements, oil: Oil, bad: NDArray[np.bool_]) -> ComplexArray:
+    """The eigenvalues alone, in no order, (…, pole) [1/s]; NaN where there is no rest."""
+    matrix = np.concatenate(_oil_motion(elements, oil), axis=-2)
+    poles = np.linalg.eigvals(np.where(bad[..., None, None], 0.0, matrix)).astype(complex)
+    poles[bad] = np.nan
+    return np.asarray(poles)
+
+
+def modes_in(elements: Elements, oil: Oil | None, poles: Array, vectors: Array, bad: NDArray[np.bool_]) -> RigidModes:
+    """The same of eigenvalues (…, pole) and vectors (…, state, pole), whose first states are the coordinates."""
+    order = np.argsort(np.round(np.abs(poles), 9), axis=-1, kind="stable")
+    own: ComplexArray = np.take_along_axis(poles.astype(complex), order, axis=-1)
+    shapes: ComplexArray = np.take_along_axis(vectors.astype(complex), order[..., None, :], axis=-1)
+    own[bad] = np.nan
+    chosen = _label(elements, own, shapes, _plane_frequencies(elements, oil))
+    picked = np.where(chosen >= 0, np.take_along_axis(own, np.maximum(chosen, 0), axis=-1), np.nan)
+    return RigidModes(own, shapes, chosen, picked)
+
+
+def tipping_margin(elements: Elements) -> Array:
     """1 − the largest eigenvalue of K⁻¹G: stiffness K of the membranes and feet, G what gravity takes of it.
 
     Of upright mounts in the mount plane heave and rocking (and plates) decide; sideways motion does not meet gravity.
@@ -272,7 +307,7 @@ def _label(
     chosen = np.full((*poles.shape[:-1], len(RIGID_MODES)), -1, np.int64)
     for design in np.ndindex(*poles.shape[:-1]):
         size, own = np.abs(poles[design]), chosen[design]
-        candidates = np.flatnonzero(poles[design].imag > OSCILLATES * size)[: len(RIGID_MODES)]
+        candidates = np.flatnonzero(poles[design].imag > OSCILLATES * np.maximum(1.0, size))[: len(RIGID_MODES)]
         if candidates.size == 0:
             continue
         slots, picks = linear_sum_assignment(-groups[design][:, candidates])

@@ -21,6 +21,9 @@ from ehamj.settings import Settings
 FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
 """Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""
 
+OWN: Final = "actuator."
+"""What a key of a mount's own isolator goes on with: ``mount.front-left.actuator.flow_gain``."""
+
 _PLACES: Final = {f"position.{k}": axis for k, axis in enumerate(AXES)}
 _SUPPLY: Final = ("pressure", "tank_pressure")
 _UNLIMITED: Final = ("wall_modulus", "foot_stiffness")
@@ -46,13 +49,29 @@ def quantity_of(scenario: Scenario, key: str) -> tuple[str, str]:
     name, _, value = rest.partition(".")
     if first == "actuators" and name in scenario.actuators and value in ACTUATOR_VALUES:
         return Actuator.quantities()[value][0], f"{value.replace('_', ' ')} of {name}"
-    if first == "mount" and name in map(str, range(len(scenario.mount))) and value in _PLACES:
-        return "m", f"{_PLACES[value]} of the mount {scenario.mount[int(name)].name}"
+    number, value = mount_of(scenario, key)
+    if number is not None and value in _PLACES:
+        return "m", f"{_PLACES[value]} of the mount {scenario.mount[number].name}"
+    own = value.removeprefix(OWN)
+    if number is not None and own != value and own in ACTUATOR_VALUES:
+        return Actuator.quantities()[own][
+            0
+        ], f"{own.replace('_', ' ')} of the isolator at {scenario.mount[number].name}"
     raise InputError(
         f"vary: {key!r} must be gravity, {', '.join(FOOTPRINT)}, machine.({', '.join(MACHINE_VALUES)}), "
-        f"supply.({', '.join(_SUPPLY)}), mount.(0 to {len(scenario.mount) - 1}).position.(0, 1, 2) or "
-        f"actuators.({', '.join(scenario.actuators)}).({', '.join(ACTUATOR_VALUES)})"
+        f"supply.({', '.join(_SUPPLY)}), mount.M.position.(0, 1, 2), actuators.({', '.join(scenario.actuators)}).Q or "
+        f"mount.M.actuator.Q, with M a mount's number or name ({', '.join(mount.name for mount in scenario.mount)}) "
+        f"and Q one of {', '.join(ACTUATOR_VALUES)}"
     )
+
+
+def mount_of(scenario: Scenario, key: str) -> tuple[int | None, str]:
+    """Number of the mount whose value a key ``mount.M.VALUE`` is, M its number or name, and the value; None and the
+    key where it is no such key."""
+    first, _, rest = _by_number(scenario, key).partition(".")
+    number, _, value = rest.partition(".")
+    known = first == "mount" and number in map(str, range(len(scenario.mount)))
+    return (int(number), value) if known else (None, key)
 
 
 def footprint_sides(plant: Plant, key: str) -> NDArray[np.bool_]:
@@ -95,10 +114,12 @@ def value_of(scenario: Scenario, key: str) -> float:
     quantity_of(scenario, key)
     if key in FOOTPRINT:
         return footprint(scenario.plant, key)
-    first, _, rest = key.partition(".")
-    if first == "mount":
-        index, _, value = rest.partition(".")
-        return scenario.mount[int(index)].place[int(value[-1])]
+    number, own = mount_of(scenario, key)
+    if number is not None:
+        mount = scenario.mount[number]
+        if own in _PLACES:
+            return mount.place[int(own[-1])]
+        return float(getattr(scenario.actuators[mount.actuator], own.removeprefix(OWN)))
     place: Any = scenario
     for part in key.split("."):
         if isinstance(place, tuple):
@@ -211,10 +232,10 @@ def _limits(key: str) -> dict[str, float]:
     first, _, rest = key.partition(".")
     if key in FOOTPRINT or rest.startswith("inertia"):
         return {"gt": 0.0}
-    if first == "mount" or rest.startswith("cg"):
+    if ".position." in key or rest.startswith("cg"):
         return {}
     owners: dict[str, type[Settings]] = {"gravity": Scenario, "machine": Machine}
-    owners |= {"supply": Supply, "actuators": Actuator}
+    owners |= {"supply": Supply, "actuators": Actuator, "mount": Actuator}
     rules = owners[first].model_fields[key.rpartition(".")[2]].metadata
     return {name: getattr(rule, name) for rule in rules for name in ("gt", "ge", "lt", "le") if hasattr(rule, name)}
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.estimate.bands import Band
-from ehamj.judge.levels import SLAB, ByBand, Levels, by_band
+from ehamj.judge.levels import SLAB, ByBand, Levels, Loudness, by_band
 from ehamj.plant.axes import AXES
 from ehamj.plant.levers import levers
 from ehamj.plant.plant import Plant
@@ -32,6 +32,21 @@ def quiet_bands(levels: Mapping[str, float | None]) -> str:
 def attenuation_at_cg(levels: Levels, plant: Plant) -> dict[str, ByBand]:
     """Of the machine's CG and rotation, for x, y, z, rx, ry, rz: band → dB, None where the floor says nothing."""
     return attenuation_of(levels.floor, levels.machine, levels.places["floor"]["velocity", "rms"], levels.bands, plant)
+
+
+def attenuation_along(heard: Loudness, place: str | None, motion: str) -> ByBand:
+    """What `attenuation_at_cg` says of one motion, or `attenuation_at_places` of one ``place`` along an axis."""
+    k, slab = SLAB.index(motion), heard.slab()
+    if place is None:
+        single = _single(heard.floor())
+        beside = np.hstack([single, _turning(single, heard.plant)])[:, k]
+        found = _attenuation(slab[:, k], heard.machine(motion), beside)
+    elif place == "feet":
+        ground = heard.floor()[:, :, k]
+        found = np.fmin.reduce(_attenuation(ground, heard.at(place, motion), ground), axis=1)
+    else:
+        found = _attenuation(slab[:, k], heard.at(place, motion), _single(heard.floor())[:, k])
+    return by_band(found[:, None], heard.bands, (motion,))[motion]
 
 
 def attenuation_of(

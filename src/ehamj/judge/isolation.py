@@ -15,7 +15,7 @@ from ehamj.estimate.sliding import TIMES, averaging_time
 from ehamj.estimate.statistics import BandStatistic
 from ehamj.findings import Finding, finite
 from ehamj.judge.attenuation import attenuation_at_cg, attenuation_at_places
-from ehamj.judge.levels import BANDS, SLAB, ByBand, Levels, by_band, duration_of, levels_of
+from ehamj.judge.levels import BANDS, SLAB, ByBand, Levels, by_band, duration_of, known_bands, levels_of
 from ehamj.judge.peaks import peaks_of
 from ehamj.judge.transience import Transience, transience
 from ehamj.judge.verdicts import ByNorm, Criterion, by_norm, criterion, strongest_second, undecided, unheld
@@ -139,7 +139,7 @@ def isolation(
     norms = norms or CriteriaSettings().chosen()
     end = duration_of(dataset)
     begin = settled(end)
-    known = tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
+    known = known_bands(usable_from, usable_to)
     name, norm = next(iter(norms.items()))
     second = strongest_second(norm)
     limited: set[Kind] = set().union(*(one.kinds for one in norms.values()))

@@ -20,6 +20,7 @@ from ehamj.judge.actuation import PASSIVE, actuation
 from ehamj.plant.axes import AXES, DOFS
 from ehamj.plant.levers import slab_fit
 from ehamj.plant.plant import Plant
+from ehamj.records.units import Quantity
 
 ByBand = dict[str, float | None]
 """A level, or a ratio [dB], by the bands' names; None where unknown."""
@@ -73,6 +74,11 @@ class Levels:
         return {kind: found.max(axis=1) if found.ndim > 2 else found for kind, found in self.places[place].items()}
 
 
+def known_bands(usable_from: float, usable_to: float) -> tuple[Band, ...]:
+    """Those of `BANDS` in which a ground is known that is known between two frequencies [Hz]."""
+    return tuple(band for band in BANDS if usable_from <= band.edges[0] and band.edges[1] <= usable_to)
+
+
 def levels_of(
     dataset: xr.Dataset, plant: Plant, rate: float, known: tuple[Band, ...], wanted: Collection[Kind] = ()
 ) -> Levels:
@@ -117,7 +123,8 @@ def _read(velocity: Samples, rate: float, known: tuple[Band, ...], kinds: Sequen
         for quantity, order in ORDERS.items():
             own = [name for name in TIMES if (quantity, name) in kinds]
             rows = [kinds.index((quantity, name)) for name in own]
-            found[kinds.index((quantity, "rms"))] = reading.rms(known, order)
+            if (quantity, "rms") in kinds:
+                found[kinds.index((quantity, "rms"))] = reading.rms(known, order)
             if own:
                 found[rows], behind = statistics(reading, known, own, order)
                 if quantity == "velocity":
@@ -132,10 +139,47 @@ def _read(velocity: Samples, rate: float, known: tuple[Band, ...], kinds: Sequen
 _read_floor = remembered(4)(_read)
 
 
+class Loudness:
+    """RMS levels in bands of one place along one axis at a time, those of `levels_of` to the bit."""
+
+    def __init__(self, dataset: xr.Dataset, plant: Plant, rate: float, known: tuple[Band, ...]) -> None:
+        """Arguments as of `levels_of`; of the dataset those channels count that are asked for."""
+        self.bands, self.plant = known, plant
+        self._dataset, self._rate = dataset, rate
+
+    def slab(self) -> Array:
+        """Velocity of the floor as a whole, (bands, `SLAB`) [m/s, rad/s]."""
+        floor = self._dataset["ground_velocity"].variable
+        return _of_floor(floor, tuple(map(tuple, self.plant.positions)), self._rate, self.bands)
+
+    def floor(self) -> Array:
+        """Velocity of the ground below the mounts, (bands, mount, axis) [m/s]."""
+        floor = self._dataset["ground_velocity"].variable
+        found: Array = _read_floor(floor, self._rate, self.bands, (("velocity", "rms"),))[0]
+        return found
+
+    def machine(self, motion: str) -> Array:
+        """Velocity of the machine along one of `SLAB`, (bands,) [m/s, rad/s]."""
+        if motion in AXES:
+            return self.at("machine", motion)
+        turning = self._dataset["machine_velocity"].variable[:, SLAB.index(motion)]
+        return rms_in_bands(turning, self._rate, self.bands)
+
+    def at(self, place: str, axis: str, quantity: Quantity = "velocity") -> Array:
+        """Of a place of the machine along an axis, (bands,), of feet (bands, mount), SI."""
+        own = motions_of(self._dataset, "velocity")[place][..., AXES.index(axis)]
+        counted = Counted(own.shape[0], self._rate)
+        if counted.n - counted.start < LEAST_ROWS:
+            return np.full((len(self.bands), *own.shape[1:]), np.nan)
+        return band_rms(own, self._rate, self.bands, ORDERS[quantity])
+
+
 def motions_of(dataset: xr.Dataset, motion: str) -> dict[str, Samples]:
     """A motion of each place: floor and feet (time, mount, axis), the machine's CG and the points (time, axis)."""
     found = {"floor": "ground", "feet": "foot", "machine": "cg"}
-    places: dict[str, Samples] = {place: dataset[f"{what}_{motion}"].variable for place, what in found.items()}
+    places: dict[str, Samples] = {
+        place: dataset[f"{what}_{motion}"].variable for place, what in found.items() if f"{what}_{motion}" in dataset
+    }
     if f"point_{motion}" in dataset:
         of_points = dataset[f"point_{motion}"].variable
         places |= {str(name): of_points[:, k] for k, name in enumerate(dataset["point"].values)}

@@ -73,6 +73,10 @@ class Source(ABC):
             names: of the merits that are wanted; all of this source.
         """
 
+    def notes(self, machine: Machine) -> list[str]:
+        """What a reader of its merits must know of this machine: how they were computed, and what they leave out."""
+        return []
+
 
 SOURCES: Final[Registry[Source]] = Registry("source of merits")
 """All ways to merits by name; `ehamj.merits.catalogue` fills it."""

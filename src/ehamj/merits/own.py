@@ -55,7 +55,7 @@ class OwnFunctions(Source):
     def _of(self, machine: Machine, design: Design, names: Sequence[str]) -> Found:
         found = {}
         try:
-            scenario = scenario_of(machine, design.values)
+            scenario = scenario_of(machine, design.values, design.known)
         except InputError as error:
             return Failed(str(error))
         for name in names:

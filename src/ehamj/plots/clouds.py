@@ -164,13 +164,16 @@ def _correlation(axes: Axes, x: Array, y: Array) -> None:
 
 
 def _name_cells(grid: Any, names: Sequence[str]) -> None:
-    """Numbers and names at the outer cells alone."""
+    """Numbers and names at the outer cells alone; no number where two cells meet."""
+    from matplotlib.ticker import MaxNLocator
+
     count = len(names)
     for up in range(count):
         for across in range(up + 1):
             axes = grid[up, across]
-            linear_axis(axes.xaxis, 2 if count > 3 else 3)
-            linear_axis(axes.yaxis, 2 if count > 3 else 3)
+            for one in (axes.xaxis, axes.yaxis):
+                linear_axis(one)
+                one.set_major_locator(MaxNLocator(3 if count > 3 else 4, prune="both"))
             axes.tick_params(labelsize=7.2, pad=1.5, length=2.0)
             axes.tick_params(labelbottom=up == count - 1, labelleft=across == 0 and up > 0)
             if up == count - 1:

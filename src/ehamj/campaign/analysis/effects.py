@@ -37,7 +37,7 @@ class Effect:
         Of the next values to both sides, by a difference of second order in the logarithms, or to one side where there
         is no other; where a number is not positive, of the numbers themselves. NaN of what is no number, or zero.
         """
-        if not all(isinstance(one, int | float) and not isinstance(one, bool) for one in self.values):
+        if not _numbers(self.values):
             return np.nan
         at = self.values.index(self.own)
         near = slice(max(at - 1, 0), at + 2)
@@ -49,6 +49,15 @@ class Effect:
         if (p > 0.0).all() and (f > 0.0).all():
             return _derivative(np.log(p / own_p), np.log(f / own_f))
         return _derivative(p - own_p, f - own_f) * own_p / own_f
+
+
+def _numbers(values: Sequence[Any]) -> bool:
+    return all(isinstance(one, int | float) and not isinstance(one, bool) and np.isfinite(one) for one in values)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are; NaN stands for one that is left out, in both."""
+    return bool(one == other or (one != one and other != other))
 
 
 def _derivative(step: Array, change: Array) -> float:
@@ -70,12 +79,14 @@ def one_at_a_time(keys: Sequence[str], values: Sequence[Sequence[Any]], merit: A
         merit: of each design (design,), NaN where it has none.
     """
     common, merit = tuple(values[0]), np.asarray(merit, float)
-    differ = [[k for k, (one, own) in enumerate(zip(row, common, strict=True)) if one != own] for row in values]
+    differ = [
+        [k for k, (one, own) in enumerate(zip(row, common, strict=True)) if not _same(one, own)] for row in values
+    ]
     found = []
     for k, key in enumerate(keys):
         rows = [0, *(number for number, where in enumerate(differ) if where == [k])]
         taken = [values[row][k] for row in rows]
-        if all(isinstance(one, int | float) for one in taken):
+        if _numbers(taken):
             order = sorted(range(len(rows)), key=taken.__getitem__)
             rows, taken = [rows[n] for n in order], [taken[n] for n in order]
         found.append(Effect(key, common[k], tuple(taken), merit[rows]))

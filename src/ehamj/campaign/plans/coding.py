@@ -65,9 +65,9 @@ class Coding:
         """Points (design, parameter) of the unit cube of what pymoo asks for; of an entry the middle of its cell."""
         if not self.mixed:
             return np.array([np.asarray(one, float) for one in asked])
-        return np.array(
-            [[_point(one[parameter.key], parameter.cells) for parameter in self.parameters] for one in asked]
-        )
+        self._asked.update(frozenset(one.items()) for one in asked)
+        cells = {one.key: one.cells for one in self.parameters}
+        return np.array([[_point(one[key], number) for key, number in cells.items()] for one in asked])
 
 
 def _never_twice(asked: set[frozenset[Any]]) -> Any:

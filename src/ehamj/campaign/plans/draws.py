@@ -19,6 +19,8 @@ LONGEST: Final = 2**20
 class MonteCarlo(Plan):
     """Designs at random, each by itself: the first ones are the same however many there are."""
 
+    drawn = True
+
     kind: Literal["monte-carlo"]
     number: int = Field(ge=1, le=MOST, description="designs")
     seed: int = Field(0, ge=0, description="seed of the draws")
@@ -33,6 +35,8 @@ class MonteCarlo(Plan):
 class LatinHypercube(Plan):
     """Designs at random of which each has its own stratum of every parameter (McKay, Beckman and Conover, 1979); of
     correlated parameters the first has."""
+
+    drawn = True
 
     kind: Literal["latin-hypercube"]
     number: int = Field(ge=2, le=MOST, description="designs")
@@ -61,6 +65,8 @@ def power_of_two(number: int, key: str) -> int:
 
 class SobolSequence(Plan):
     """Designs as even as a Sobol sequence, scrambled by the seed (Owen); so many as a power of two."""
+
+    drawn = True
 
     kind: Literal["sobol-sequence"]
     number: int = Field(ge=2, le=LONGEST, description="designs, a power of two")

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from ehamj.arrays import Array
 from ehamj.settings import Settings
@@ -42,6 +42,9 @@ class Plan(Settings, ABC):
     """Base of all plans; each has a ``kind`` of its own and is registered in `ehamj.campaign.plans.kinds`."""
 
     kind: str
+    drawn: ClassVar[bool] = False
+    """Whether its designs stand for machines that will be built, so that shares and correlations of them mean
+    something."""
 
     @abstractmethod
     def count(self, space: "Space") -> int:

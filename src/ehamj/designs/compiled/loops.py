@@ -1,0 +1,183 @@
+"""Passive machines and closed loops of many designs over frequency."""
+
+import math
+
+import numpy as np
+
+from ehamj.compiled import kernel
+from ehamj.designs.compiled.machine import (
+    commands_in,
+    dynamic,
+    ground_in,
+    inverse_of,
+    oil_of,
+    readings_of,
+    solved,
+    spool_of,
+    strokes_of,
+)
+from ehamj.designs.compiled.margins import begin, follow
+
+
+@kernel
+def at_frequency(s, one, oil, spools, matrix):  # type: ignore[no-untyped-def]
+    """Oil, spools and dynamic stiffness of one design, ``one`` (mass, damping, stiffness, motions, supports, oil)."""
+    for mount in range(oil.shape[0]):
+        oil_of(s, one[5][mount], oil[mount])
+        spools[mount] = spool_of(s, one[5][mount])
+    dynamic(s, one[0], one[1], one[2], one[3][2], oil, matrix)
+
+
+def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, commands):  # type: ignore[no-untyped-def]
+    """What columns of the ground's motion make of the centre of gravity and the commands.
+
+    Args:
+        stack: mass, damping, stiffness, motions, supports, oil and cg of the designs.
+        hertz: frequencies of each design (design, f) [Hz].
+        law: commands over readings with what the instruments make of them (f, mount, reading); none without a loop.
+        known: which row of ``law``, ``grounds`` and ``seen`` belongs to a frequency, (f,).
+        sensors: motion (design, reading, n), order (reading,), states (reading, mount, 3) of each reading, and whether
+            it has any of these (reading,).
+        grounds: motion of the ground in the mounts' frames (f, mount, 3, column) [m].
+        seen: the ground's own motion in each reading, (f, reading, column).
+        found: displacement of the centre of gravity (design, f, 3, column) [m], to be filled.
+        commands: as they act (design, f, mount, column) [V], to be filled where there is a loop.
+    """
+    mass, damping, stiffness, motions, supports, oils, cg = stack
+    motion, order, states, inside = sensors
+    designs, n, mounts, columns = hertz.shape[0], mass.shape[1], oils.shape[1], grounds.shape[3]
+    readings, closed = motion.shape[1], law.shape[0] > 0
+    driven = mounts if closed else 0
+    matrix, right = np.empty((n, n), np.complex128), np.empty((n, driven + columns), np.complex128)
+    oil, spools = np.empty((mounts, 6), np.complex128), np.empty(mounts, np.complex128)
+    strokes, unit = np.empty((mounts, mounts + columns), np.complex128), np.empty((mounts, mounts), np.complex128)
+    wanted = np.empty((mounts, columns), np.complex128)
+    answers = np.empty((readings, mounts + columns), np.complex128)
+    for design in range(designs):
+        one = (
+            mass[design], damping[design], stiffness[design], motions[design], supports[design], oils[design],
+        )  # fmt: skip
+        for k in range(hertz.shape[1]):
+            s = 2j * math.pi * hertz[design, k]
+            at = known[k]
+            at_frequency(s, one, oil, spools, matrix)
+            if closed:
+                commands_in(spools, motions[design, 2], oil, right)
+            ground_in(s, motions[design], supports[design], grounds[at], oil, right, driven)
+            solved(matrix, right)
+            if driven:
+                strokes_of(motions[design, 2], right, mounts, grounds[at], strokes)
+                readings_of(s, motion[design], order, states, inside, right, strokes, oil, spools, answers)
+                for row in range(mounts):
+                    for column in range(mounts + columns):
+                        total = 0.0j
+                        for reading in range(readings):
+                            value = answers[reading, column]
+                            if column >= mounts:
+                                value += seen[at, reading, column - mounts]
+                            total += law[at, row, reading] * value
+                        if column < mounts:
+                            unit[row, column] = (1.0 if row == column else 0.0) - total
+                        else:
+                            wanted[row, column - mounts] = total
+                solved(unit, wanted)
+                for mount in range(mounts):
+                    for column in range(columns):
+                        commands[design, k, mount, column] = wanted[mount, column]
+            for axis in range(3):
+                for column in range(columns):
+                    total = 0.0j
+                    for row in range(n):
+                        value = right[row, driven + column]
+                        for mount in range(driven):
+                            value += right[row, mount] * wanted[mount, column]
+                        total += cg[design, axis, row] * value
+                    found[design, k, axis, column] = total
+
+
+def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, nominal, places, turns, centred):  # type: ignore[no-untyped-def]
+    """Margins of each design's loop, broken at valves, patterns and readings.
+
+    Args:
+        stack: as `floor_answers`.
+        hertz: frequencies (f,) [Hz].
+        law: as there, of readings that move with the machine alone.
+        sensors: as there.
+        picks: numbers of each design's frequencies, rising (design, most).
+        counts: how many of them there are, (design,).
+        active: numbers of the mounts that obey.
+        patterns: strokes of these mounts per pattern, and its inverse, (2, design, mount, mount).
+        nominal: determinant of 1 − law·plant of the design that the others are compared with, (f,); to be filled by
+            the first design where it is zero.
+        places: `begin` of each valve, pattern and reading (design, place, 4), to be filled.
+        turns: of the determinant over the nominal one, altogether and in the largest step, (design, 2) [rad], to be
+            filled.
+        centred: S − 1/2 at the valves that obey, (design, most, mount, mount), to be filled.
+    """
+    mass, damping, stiffness, motions, supports, oils, _ = stack
+    motion, order, states, inside = sensors
+    designs, n, mounts, readings, own = picks.shape[0], mass.shape[1], oils.shape[1], motion.shape[1], active.size
+    matrix, right = np.empty((n, n), np.complex128), np.empty((n, mounts), np.complex128)
+    oil, spools = np.empty((mounts, 6), np.complex128), np.empty(mounts, np.complex128)
+    strokes, unit = np.empty((mounts, mounts), np.complex128), np.empty((mounts, mounts), np.complex128)
+    sensitivity, answers = np.empty_like(unit), np.empty((readings, mounts), np.complex128)
+    nowhere = np.empty((mounts, 3, 0), np.complex128)
+    last = np.empty((2 * own + readings, 1), np.complex128)
+    for design in range(designs):
+        one = (
+            mass[design], damping[design], stiffness[design], motions[design], supports[design], oils[design],
+        )  # fmt: skip
+        seen, strokes_basis, inverse = motion[design], patterns[0, design], patterns[1, design]
+        for place in range(2 * own + readings):
+            begin(places[design, place])
+        before, turned, most = 1.0 + 0.0j, 0.0, 0.0
+        for number in range(counts[design]):
+            k = picks[design, number]
+            s = 2j * math.pi * hertz[k]
+            at_frequency(s, one, oil, spools, matrix)
+            commands_in(spools, one[3][2], oil, right)
+            solved(matrix, right)
+            strokes_of(one[3][2], right, mounts, nowhere, strokes)
+            readings_of(s, seen, order, states, inside, right, strokes, oil, spools, answers)
+            told = law[k]
+            for row in range(mounts):
+                for column in range(mounts):
+                    unit[row, column] = 1.0 if row == column else 0.0
+                for reading in range(readings):
+                    gain = told[row, reading]
+                    for column in range(mounts):
+                        unit[row, column] -= gain * answers[reading, column]
+                for column in range(mounts):
+                    sensitivity[row, column] = 1.0 if row == column else 0.0
+            determinant = solved(unit, sensitivity)
+            if nominal[k] == 0.0:
+                nominal[k] = determinant
+            ratio = determinant * inverse_of(nominal[k])
+            if number > 0:
+                step = ratio * inverse_of(before)
+                angle = math.atan2(step.imag, step.real)
+                turned, most = turned + angle, max(most, abs(angle))
+            before = ratio
+            for row in range(own):
+                for column in range(own):
+                    value = sensitivity[active[row], active[column]]
+                    centred[design, number, row, column] = value - (0.5 if row == column else 0.0)
+            for place in range(own):
+                value = sensitivity[active[place], active[place]]
+                follow(value, last[place], number == 0, places[design, place])
+                total = 0.0j
+                for row in range(own):
+                    inner = 0.0j
+                    for column in range(own):
+                        inner += sensitivity[active[row], active[column]] * strokes_basis[column, place]
+                    total += inverse[place, row] * inner
+                follow(total, last[own + place], number == 0, places[design, own + place])
+            for reading in range(readings):
+                total = 1.0 + 0.0j
+                for column in range(mounts):
+                    inner = 0.0j
+                    for row in range(mounts):
+                        inner += answers[reading, row] * sensitivity[row, column]
+                    total += inner * told[column, reading]
+                follow(total, last[2 * own + reading], number == 0, places[design, 2 * own + reading])
+        turns[design, 0], turns[design, 1] = turned, most
