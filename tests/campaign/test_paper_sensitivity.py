@@ -10,6 +10,8 @@ from ehamj.paper.sensitivity import PARAMETERS, SYMBOLS, one_at_a_time
 
 NAMES = {"omega_h": "hydraulic_frequency", "delta_h": "hydraulic_damping"}
 """The paper's figures that merits call otherwise."""
+IN_HERTZ = {"omega_h": 2 * np.pi, "break_frequency": 2 * np.pi}
+"""Factor of merits that are frequencies [Hz] to those of the paper [rad/s]."""
 SAME = ("hydraulic_stiffness", "velocity_gain", "merritt_limit", "velocity_gain_limit", "break_frequency", "bandwidth")
 
 
@@ -25,12 +27,11 @@ def test_the_papers_own_results_are_among_its_designs(study: Study) -> None:
     named = designs[designs["stage"] == "named"].iloc[1:]
     rows = dict(zip(study.file.named, (row for _, row in named.iterrows()), strict=True))
     assert len(rows) == 2 * len(PARAMETERS)
-    hertz = {"omega_h": 1.0}
     for parameter in PARAMETERS:
         for word, factor in (("halved", 0.5), ("doubled", 2.0)):
             row = rows[f"{SYMBOLS[parameter]} {word}"]
             for figure in (*NAMES, *SAME):
-                found = row[f"actuator.isolator.{NAMES.get(figure, figure)}"] * hertz.get(figure, 1.0)
+                found = row[f"actuator.isolator.{NAMES.get(figure, figure)}"] * IN_HERTZ.get(figure, 1.0)
                 paper = float(expected[figure].sel(parameter=parameter, factor=factor))
                 assert found == pytest.approx(paper, rel=1e-6), (parameter, word, figure)
 

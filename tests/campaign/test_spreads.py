@@ -111,6 +111,27 @@ def test_values_rise_with_their_share_and_keep_their_limits(
     assert np.all((values >= low) & (values <= high))
 
 
+NUMBERS = st.floats() | st.integers(-(2**70), 2**70)
+WRITTEN = NUMBERS | st.text(max_size=3) | st.booleans() | st.lists(st.integers(0, 3), max_size=3)
+WORDS = st.sampled_from(
+    ("low", "high", "mode", "mean", "deviation", "values", "tolerance", "off", "scale", "shape", "each", "x")
+)
+
+
+@given(st.dictionaries(WORDS, WRITTEN, max_size=4))
+def test_whatever_is_written_has_finite_values_or_is_refused_by_its_key(table: dict[str, Any]) -> None:
+    said, found = "vary.key", None
+    try:
+        found = spread(**table)
+        found.check(50.0)
+    except InputError as refused:
+        said = str(refused)
+    except ValueError:  # of a parameter that is about 50: what names its key stands around it
+        return
+    assert said.startswith("vary.key")
+    assert found is None or np.isfinite(found.quantiles(np.array([0.0, 1e-300, 0.5, 1.0]), 50.0)).all()
+
+
 @given(st.integers(2, 40), POINTS)
 def test_entries_of_a_list_are_taken_in_order(count: int, points: np.ndarray) -> None:
     numbers = spread(values=list(range(count))).quantiles(points, None)

@@ -9,6 +9,7 @@ from ehamj.bench import (  # noqa: F401  # isort: skip
     controller,
     growth,
     stages,
+    designs,
     peer,
 )
 from ehamj.bench.parts import PARTS, Effort, Figures, Part

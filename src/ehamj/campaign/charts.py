@@ -81,8 +81,9 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
         designs, count = drawn_designs(studied), len(studied.search)
         few = np.unique(np.linspace(0, len(studied.front) - 1, NUMBERS).round().astype(int))
         numbered = [*studied.best, *(studied.front[k] for k in few)]
-        numbers = {count + k: name for k, name in enumerate(studied.named)}
-        numbers |= {row: str(designs["number"][row]) for row in numbered}
+        numbers = {row: str(designs["number"][row]) for row in numbered[:1]}
+        numbers |= {count + k: name for k, name in enumerate(studied.named)}
+        numbers |= {row: str(designs["number"][row]) for row in numbered[1:]}
         panels = []
         for i, j in pairs[:PANELS]:
             ways = [
