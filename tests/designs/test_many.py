@@ -14,11 +14,12 @@ from ehamj.designs.parameters import value_of, with_value
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator
 from ehamj.linear.machine import linear_model
+from ehamj.linear.modes import modes
 from ehamj.linear.response import ground_response
 from ehamj.linear.values import ACTUATOR_VALUES
 from ehamj.plant.axes import DOFS
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import load_scenario, parse_scenario
 
 UNEVEN: dict[str, Any] = {
     "machine": {"cg": [0.15, -0.1, 0.9], "inertia": [2500.0, 3600.0, 4100.0]},
@@ -243,6 +244,15 @@ def test_a_mount_may_vary_off_the_plane() -> None:
         assert moved.mount[3].place[2] == z
         assert value_of(moved, "footprint.x") == pytest.approx(1.6, rel=1e-12)
         np.testing.assert_allclose(many.frequency[k], modes_of(Designs.of(moved, {})).frequency, rtol=1e-11)
+
+
+def test_what_stays_where_it_is_put_is_no_oscillation() -> None:
+    """Without leakage or membranes poles are zero, as a number or as a pair that is not quite; heave is one of oil."""
+    scenario = load_scenario("benchmark")
+    found = modes_of(Designs.of(scenario, {"machine.mass": [3600.0, 4000.0, 4400.0]})).frequency.sel(mode="heave")
+    for mass, frequency in zip(found["machine.mass"].values, found.values, strict=True):
+        one = modes(linear_model(with_value(scenario, "machine.mass", mass).plant))
+        assert frequency == pytest.approx(next(mode.frequency for mode in one if mode.name == "heave"), rel=1e-7)
 
 
 def test_the_slower_mode_of_a_plane_is_the_lower() -> None:

@@ -10,6 +10,7 @@ from ehamj.bench import (  # noqa: F401  # isort: skip
     growth,
     studies,
     stages,
+    designs,
     peer,
 )
 from ehamj.bench.parts import PARTS, Effort, Figures, Part

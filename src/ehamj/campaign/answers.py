@@ -13,6 +13,8 @@ from ehamj.pages.words import number
 
 MERITS: Final = 5
 """Merits whose influences are told; all are in the table."""
+MANY: Final = 4
+"""Merits from which on it is told how many of them each parameter decides."""
 NAMED_CAUSES: Final = 3
 """Parameters that an answer names."""
 LEAST_SHARE: Final = 0.05
@@ -31,6 +33,7 @@ def answers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
         _against_named(studied),
         _yields(studied, yields),
         _confirmed(studied),
+        _deciding(studied, influences),
         _influences(studied, influences),
         _unfinished(studied),
         _failed(studied),
@@ -180,6 +183,16 @@ def label_of(studied: Studied, number: Any) -> str:
 
 def _quoted(name: str) -> str:
     return "the scenario's own design" if name == AS_IT_IS else f"“{name}”"
+
+
+def _deciding(studied: Studied, influences: Sequence[Influence]) -> Iterator[str]:
+    """Which parameters do most for how many of many merits."""
+    first = [one.parameters[one.order[0]] for one in influences if one.size.max() > 0.0]
+    if len(first) < MANY:
+        return
+    counts = sorted(((first.count(key), key) for key in dict.fromkeys(first)), key=lambda one: -one[0])
+    said = ", ".join(f"{studied.short[key]} for {count}" for count, key in counts)
+    yield f"Of the parameters, one does most for each of the {len(first)} figures: {said}."
 
 
 def _influences(studied: Studied, influences: Sequence[Influence]) -> Iterator[str]:

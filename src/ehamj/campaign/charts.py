@@ -25,6 +25,8 @@ NUMBERS: Final = 14
 """Designs of the front whose numbers are drawn."""
 PANELS: Final = 4
 """Panels of a figure."""
+LITTLE: Final = 0.01
+"""Share of the strongest influence below which another one is not drawn."""
 CAUSES: Final = 12
 """Parameters that a figure of influences shows."""
 
@@ -79,8 +81,9 @@ def front_drawing(studied: Studied) -> Iterator[tuple[str, Drawing]]:
         designs, count = drawn_designs(studied), len(studied.search)
         few = np.unique(np.linspace(0, len(studied.front) - 1, NUMBERS).round().astype(int))
         numbered = [*studied.best, *(studied.front[k] for k in few)]
-        numbers = {count + k: name for k, name in enumerate(studied.named)}
-        numbers |= {row: str(designs["number"][row]) for row in numbered}
+        numbers = {row: str(designs["number"][row]) for row in numbered[:1]}
+        numbers |= {count + k: name for k, name in enumerate(studied.named)}
+        numbers |= {row: str(designs["number"][row]) for row in numbered[1:]}
         panels = []
         for i, j in pairs[:PANELS]:
             ways = [
@@ -133,14 +136,20 @@ def influence_drawings(studied: Studied, influences: Sequence[Influence]) -> Ite
         yield f"influence-{one.merit.replace('.', '-')}", drawing
 
 
+def shown_causes(one: Influence) -> list[int]:
+    """The strongest parameters, but for those that do next to nothing beside the first."""
+    least = LITTLE * one.size.max()
+    return [k for k in one.order[:CAUSES] if one.size[k] > least] or one.order[:1]
+
+
 def _influence_caption(one: Influence) -> str:
-    left = len(one.parameters) - CAUSES
-    more = f" {left} weaker parameters are in the table." if left > 0 else ""
+    left = len(one.parameters) - len(shown_causes(one))
+    more = f" {left} that do little or nothing are in the table." if left else ""
     return f"What each parameter does to {one.merit}, the strongest first.{more}"
 
 
 def _influence_chart(studied: Studied, one: Influence) -> Figure:
-    order = one.order[:CAUSES]
+    order = shown_causes(one)
     sets = [
         Effects(m.label, m.values[order], *(None if end is None else end[order] for end in (m.low, m.high)))
         for m in one.measures

@@ -49,7 +49,12 @@ def counting(title: str) -> Iterator[tuple[Callable[[str], None], Callable[["Sta
     """
     if not log.is_terminal:
         with doing(title) as line:
-            yield line, lambda standing: line(standing.words)
+
+            def told(standing: "Standing") -> None:
+                if not _stopped(standing):
+                    line(standing.words)
+
+            yield line, told
         return
     from rich.console import Group
     from rich.live import Live
@@ -66,8 +71,17 @@ def counting(title: str) -> Iterator[tuple[Callable[[str], None], Callable[["Sta
             live.update(Group(bar, Text(words, "dim")))
 
         def progress(standing: "Standing") -> None:
+            if _stopped(standing):
+                return
             bar.update(task, description=escape(f"{title}, {standing.stage}"), total=standing.total,
                        completed=standing.done)  # fmt: skip
             live.update(Group(bar, Text(standing.words, "dim")))
 
         yield step, progress
+
+
+def _stopped(standing: "Standing") -> bool:
+    """Whether the user stops a study here, which is said, once and for good."""
+    if standing.interrupted:
+        log.print(standing.words, markup=False, highlight=False, soft_wrap=True)
+    return standing.interrupted

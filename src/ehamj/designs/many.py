@@ -35,7 +35,7 @@ _GROUPS: Final = (("y", "rx"), ("x", "ry"), ("rz",), ("z",), ("y", "rx"), ("x", 
 """Degrees of freedom that each of them moves in."""
 
 OSCILLATES: Final = 1e-6
-"""Im λ over |λ| above which a pole is an oscillation."""
+"""Im λ over |λ|, or 1/s, above which a pole is an oscillation: one at zero comes out as a pair of 1e-14/s."""
 
 
 def modes_of(designs: Designs, hydraulics: bool = True) -> xr.Dataset:
@@ -307,7 +307,7 @@ def _label(
     chosen = np.full((*poles.shape[:-1], len(RIGID_MODES)), -1, np.int64)
     for design in np.ndindex(*poles.shape[:-1]):
         size, own = np.abs(poles[design]), chosen[design]
-        candidates = np.flatnonzero(poles[design].imag > OSCILLATES * size)[: len(RIGID_MODES)]
+        candidates = np.flatnonzero(poles[design].imag > OSCILLATES * np.maximum(1.0, size))[: len(RIGID_MODES)]
         if candidates.size == 0:
             continue
         slots, picks = linear_sum_assignment(-groups[design][:, candidates])

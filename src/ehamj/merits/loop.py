@@ -46,6 +46,7 @@ class HeldMachine:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
+        self._last: tuple[Scenario, LinearController | None] | None = None
 
     @cached_property
     def law(self) -> LinearController | None:
@@ -72,16 +73,37 @@ class HeldMachine:
     def floor(self) -> FloorSpectrum:
         """What the floor does."""
         assert self.law is not None
-        return FloorSpectrum.of(self.scenario, 0.45 / max(part.period for part in self.law.parts))
+        return FloorSpectrum.of(self.scenario, _highest(self.law))
 
     def law_of(self, scenario: Scenario) -> LinearController | None:
-        """The law of one design: this one, where it is held for the same machine."""
-        ours, theirs = self.scenario.control, scenario.control
-        if isinstance(ours, DigitalSettings) and isinstance(theirs, DigitalSettings):
-            alike = theirs.model_copy(update={"designed_for": ours.designed_for}) == ours
-            if alike and scenario.nominal == self.scenario.nominal:
-                return self.law
-        return scenario.controller()
+        """The law of one design: this one, or the last one, where it is held for the same machine."""
+        if _same_law(scenario, self.scenario):
+            return self.law
+        last = self._last
+        if last is None or not _same_law(scenario, last[0]):
+            self._last = last = (scenario, scenario.controller())
+        return last[1]
+
+    def floor_of(self, scenario: Scenario, law: LinearController) -> FloorSpectrum:
+        """The floor of one design: this one, but where the design has another. Where its mounts stand does not
+        count."""
+        what = ("ground", "duration", "seed")
+        if all(getattr(scenario, name) == getattr(self.scenario, name) for name in what) and self.law is not None:
+            return self.floor
+        return FloorSpectrum.of(scenario, _highest(law))
+
+
+def _same_law(one: Scenario, other: Scenario) -> bool:
+    """Whether two scenarios have one law: the same settings, derived from the same machine."""
+    ours, theirs = one.control, other.control
+    if not isinstance(ours, DigitalSettings) or not isinstance(theirs, DigitalSettings):
+        return False
+    return theirs.model_copy(update={"designed_for": ours.designed_for}) == ours and one.nominal == other.nominal
+
+
+def _highest(law: LinearController) -> float:
+    """Frequency up to which a floor is looked at [Hz]: short of half the slowest rate."""
+    return 0.45 / max(part.period for part in law.parts)
 
 
 class LoopSource(LinearSource):
@@ -164,7 +186,8 @@ class LoopSource(LinearSource):
         return spectral_radius(model, loop) < STABLE
 
     def alone(self, machine: Machine, scenario: Scenario, names: Sequence[str]) -> Row:
-        law = self.held(machine.scenario).law_of(scenario)
+        own = self.held(machine.scenario)
+        law = own.law_of(scenario)
         if law is None:
             raise InputError("control: merits of the loop need a digital law")
         model, loop = linear_under(scenario.plant, law), Loop.of(scenario, law)
@@ -176,7 +199,8 @@ class LoopSource(LinearSource):
             found |= _margin_columns(_places(scenario, law), levels, np.array([told.disk]))
             found["stable"] = np.array([float(told.stable)])
         if _asked(names, "attenuation", "peak", *FLOOR):
-            found |= _floor_alone(scenario, model, loop, names)
+            floor = own.floor_of(scenario, law) if _asked(names, *FLOOR) else None
+            found |= _floor_alone(scenario, model, loop, floor)
         return {name: float(found[name.partition(".")[2]][0]) for name in names}
 
 
@@ -257,10 +281,7 @@ def _supply_columns(hertz: Array, commands: ComplexArray, values: Values, oil: A
     }  # fmt: skip
 
 
-def _floor_alone(scenario: Scenario, model: LinearModel, loop: Loop, names: Sequence[str]) -> dict[str, Array]:
-    floor = None
-    if _asked(names, *FLOOR):
-        floor = FloorSpectrum.of(scenario, 0.45 / max(part.period for part in loop.law.parts))
+def _floor_alone(scenario: Scenario, model: LinearModel, loop: Loop, floor: FloorSpectrum | None) -> dict[str, Array]:
     hertz, ground = _ground(floor, len(scenario.plant.mounts))
     flat = np.broadcast_to(ground, (hertz.size, *ground.shape[1:])).reshape(hertz.size, -1, ground.shape[-1])
     moved = ground_response(model, hertz, machine_channels()[: len(AXES)], loop) @ flat[..., : len(AXES)]

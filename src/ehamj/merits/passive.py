@@ -31,9 +31,10 @@ class PassiveSource(LinearSource):
     """Merits of the machine with its valves held.
 
     In closed form (`ehamj.designs.many`), modes by eigenvalues, the transmissibility at `PER_BAND` frequencies in each
-    third-octave band from 1 to 315 Hz, and for its peak at the modes too. Machines that have none (valves that are not
-    linear about their centre, a dynamic supply) are differentiated one at a time (`ehamj.linear.machine`), with the
-    same merits: modes are named by the same rule, and the rest and static stiffness are those of the springs.
+    third-octave band from 1 to 315 Hz, and at the modes too for its peak, which so holds to 0.1 dB. Machines that have
+    none (valves that are not linear about their centre, a dynamic supply) are differentiated one at a time
+    (`ehamj.linear.machine`), with the same merits: modes are named by the same rule, and the rest and static stiffness
+    are those of the springs.
     """
 
     def merits(self, machine: Machine) -> Mapping[str, Merit]:

@@ -94,19 +94,22 @@ class LinearSource(Source):
     def evaluate(self, machine: Machine, designs: Sequence[Design], names: Sequence[str]) -> list[Found]:
         found: list[Found] = [Failed("not computed")] * len(designs)
         stacks: dict[tuple[str, ...], list[tuple[int, Mapping[str, Any]]]] = {}
-        closed = self.opens(machine) is None
+        closed, known = self.opens(machine) is None, _Keys(machine.scenario)
         for k, design in enumerate(designs):
             values = {key: value for key, value in design.values.items() if self.whole or _moves(key)}
-            if not closed or not _has_closed_forms(machine.scenario, values):
-                found[k] = self._by_itself(machine, values, design.known, names)
-            elif (why := _impossible(machine.scenario, values)) is not None:
-                found[k] = Failed(why)
-            else:
+            if closed and all(known.varied(key) and _is_number(value) for key, value in values.items()):
                 stacks.setdefault(tuple(values), []).append((k, values))
+            else:
+                found[k] = self._by_itself(machine, values, design.known, names)
         for own in stacks.values():
-            rows = self._stack(machine, [values for _, values in own], names)
-            for (k, _), row in zip(own, rows, strict=True):
+            why = known.impossible([values for _, values in own])
+            good = [one for one, reason in zip(own, why, strict=True) if reason is None]
+            rows = self._stack(machine, [values for _, values in good], names) if good else []
+            for (k, _), row in zip(good, rows, strict=True):
                 found[k] = row
+            for (k, _), reason in zip(own, why, strict=True):
+                if reason is not None:
+                    found[k] = Failed(reason)
         return found
 
     def _stack(self, machine: Machine, values: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[Row]:
@@ -140,38 +143,60 @@ def _moves(key: str) -> bool:
     return key.partition(".")[0] in OF_MACHINES
 
 
-def _has_closed_forms(scenario: Scenario, values: Mapping[str, Any]) -> bool:
-    """Whether these values are numbers of what closed forms vary."""
-    rated = any(actuator.rated_flow for actuator in scenario.actuators.values())
-    for key, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-            return False
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+class _Keys:
+    """What is known of the keys that designs of a scenario differ in, looked up once for all designs."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self._rated = any(actuator.rated_flow for actuator in scenario.actuators.values())
+        self._varied: dict[str, bool] = {}
+
+    def varied(self, key: str) -> bool:
+        """Whether closed forms vary it."""
+        if key not in self._varied:
+            self._varied[key] = self._is_varied(key)
+        return self._varied[key]
+
+    def _is_varied(self, key: str) -> bool:
+        if key.endswith(RATED[:1]) or (self._rated and (key.startswith("supply.") or key.endswith(RATED))):
+            return False  # the flow gain would follow
         try:
-            quantity_of(scenario, key)
+            quantity_of(self.scenario, key)
         except InputError:
             return False
-        if key.endswith(RATED[:1]) or (rated and (key.startswith("supply.") or key.endswith(RATED))):
-            return False  # the flow gain would follow
-    return True
+        return True
 
+    def impossible(self, designs: Sequence[Mapping[str, Any]]) -> list[str | None]:
+        """Why each of some designs, which have the same keys, cannot be, in one line; None where it can."""
+        found: list[str | None] = [None] * len(designs)
+        for key in designs[0]:
+            values = np.array([one[key] for one in designs], float)
+            if self._refused(key, values) is not None:
+                for k, value in enumerate(values):
+                    found[k] = found[k] or self._refused(key, np.array([value]))
+        low, high = (self._of_supply(designs, name) for name in ("tank_pressure", "pressure"))
+        for k in np.flatnonzero(~(high > low)).tolist():
+            said = f"supply.pressure = {high[k]:g} Pa must be above tank_pressure = {low[k]:g} Pa"
+            found[k] = found[k] or said
+        return found
 
-def _impossible(scenario: Scenario, values: Mapping[str, Any]) -> str | None:
-    """Why a design cannot be, in one line."""
-    try:
-        for key, value in values.items():
-            check(scenario, key, np.array([value], float))
-            if key.endswith("foot_stiffness"):
-                own = scenario.actuators[_actuator_of(scenario, key)]
-                if np.isinf(value) != own.rigid_foot:
-                    raise InputError(f"{key} = {value:g}: must be finite in all designs, or infinite in all")
-    except InputError as error:
-        return str(error).removeprefix("vary: ")
-    high, low = (
-        float(values.get(f"supply.{name}", getattr(scenario.supply, name))) for name in ("pressure", "tank_pressure")
-    )
-    return None if high > low else f"supply.pressure = {high:g} Pa must be above tank_pressure = {low:g} Pa"
+    def _refused(self, key: str, values: Array) -> str | None:
+        try:
+            check(self.scenario, key, values)
+        except InputError as error:
+            return str(error).removeprefix("vary: ")
+        if key.endswith("foot_stiffness"):
+            number, _ = mount_of(self.scenario, key)
+            kind = key.split(".")[1] if number is None else self.scenario.mount[number].actuator
+            other = values[np.isinf(values) != self.scenario.actuators[kind].rigid_foot]
+            if other.size:
+                return f"{key} = {other[0]:g}: must be finite in all designs, or infinite in all"
+        return None
 
-
-def _actuator_of(scenario: Scenario, key: str) -> str:
-    number, _ = mount_of(scenario, key)
-    return key.split(".")[1] if number is None else scenario.mount[number].actuator
+    def _of_supply(self, designs: Sequence[Mapping[str, Any]], name: str) -> Array:
+        own = getattr(self.scenario.supply, name)
+        return np.array([one.get(f"supply.{name}", own) for one in designs], float)

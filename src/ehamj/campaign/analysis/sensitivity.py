@@ -12,8 +12,8 @@ from ehamj.campaign.plans.indices import Morris, Sobol, unit_cube
 from ehamj.errors import InputError
 
 CONFIDENCE: Final = 0.95
-RESAMPLES: Final = 400
-"""Bootstrap samples of an interval: its width is then known to 4 %."""
+RESAMPLES: Final = 200
+"""Bootstrap samples of an interval: its width is then known to 5 %."""
 FEWEST: Final = 2
 """Groups or paths of which an interval can be made."""
 

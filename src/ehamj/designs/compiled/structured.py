@@ -229,9 +229,15 @@ def largest_mus(matrices, counts, found):  # type: ignore[no-untyped-def]
         count, best = counts[design], 0.0
         scale[:] = 0.0
         for k in range(count):
-            bounds[k] = bound_of(matrices[design, k], work)
+            bounds[k] = 0.0
             for row in range(n):
                 best = max(best, math.sqrt(size_of(matrices[design, k, row, row])))
+                for column in range(n):
+                    bounds[k] += size_of(matrices[design, k, row, column])
+            bounds[k] = math.sqrt(bounds[k])
+        for k in range(count):
+            if bounds[k] > best:
+                bounds[k] = bound_of(matrices[design, k], work)
         while True:
             chosen, most = -1, best * (1.0 + NEARLY)
             for k in range(count):
