@@ -94,7 +94,7 @@ class Runs(Source):
             numbers = figures(ran.prepared, ran.driven, wanted)
             return {name: numbers[path] for name, path in paths.items()}
 
-        return together(items(), found, 1, len(designs), on_failure=_failed)
+        return together(items(), found, 1, len(designs), on_failure=_failed, held=False)
 
     def _numbers(self, machine: Machine) -> "_Numbers":
         """What the machine's summary holds; that of the last machine is kept."""
