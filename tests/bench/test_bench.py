@@ -34,6 +34,7 @@ KEYS = {
     "controller": {"controlled", "linearised_over_without", "step_over_step_without"},
     "growth": {"growth", "step_over_four_upright_mounts"},
     "stages": {"stages"},
+    "studies": {"studies"},
 }  # fmt: skip
 """What each part measures; other programs read these names."""
 

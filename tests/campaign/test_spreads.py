@@ -40,6 +40,7 @@ SHARES = np.linspace(0.01, 0.99, 25)
         ({"low": 1.0, "mode": 2.0, "high": 5.0}, stats.triang(0.25, 1.0, 4.0)),
         ({"tolerance": 0.05}, stats.uniform(7.6, 0.8)),
         ({"off": 0.3}, stats.uniform(7.7, 0.6)),
+        ({"factor": 2.0}, stats.loguniform(4.0, 16.0)),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, dict) else "",
 )
@@ -64,6 +65,10 @@ def test_a_tolerance_of_a_negative_value_is_about_it() -> None:
     np.testing.assert_allclose(spread(tolerance=0.1).quantiles(np.array([0.0, 0.5, 1.0]), -2.0), [-2.2, -2.0, -1.8])
 
 
+def test_a_factor_of_a_negative_value_keeps_its_sign_and_rises() -> None:
+    np.testing.assert_allclose(spread(factor=2.0).quantiles(np.array([0.0, 0.5, 1.0]), -3.0), [-6.0, -3.0, -1.5])
+
+
 def test_every_integer_is_as_likely_as_any_other() -> None:
     values = spread(low=3, high=7).whole(np.linspace(0.0, 1.0, 1001)[:-1], 4)
     assert np.unique(values, return_counts=True)[1].tolist() == [200] * 5
@@ -83,7 +88,9 @@ def tables(draw: st.DrawFn) -> tuple[dict[str, Any], float, float]:
     """A spread's table, and the limits that its values must keep about an own value of 50."""
     low, wide = draw(FINITE), draw(st.floats(1e-3, 1e6))
     high = low + wide
-    kind = draw(st.sampled_from(("range", "log", "normal", "triangle", "tolerance", "off")))
+    kind = draw(st.sampled_from(("range", "log", "normal", "triangle", "tolerance", "off", "factor")))
+    if kind == "factor":
+        return {"factor": 1.0 + wide}, 50.0 / (1.0 + wide), 50.0 * (1.0 + wide)
     if kind == "range":
         return {"low": low, "high": high}, low, high
     if kind == "log":
@@ -114,7 +121,7 @@ def test_values_rise_with_their_share_and_keep_their_limits(
 NUMBERS = st.floats() | st.integers(-(2**70), 2**70)
 WRITTEN = NUMBERS | st.text(max_size=3) | st.booleans() | st.lists(st.integers(0, 3), max_size=3)
 WORDS = st.sampled_from(
-    ("low", "high", "mode", "mean", "deviation", "values", "tolerance", "off", "scale", "shape", "each", "x")
+    ("low", "high", "mode", "mean", "deviation", "values", "tolerance", "off", "factor", "scale", "shape", "each", "x")
 )
 
 

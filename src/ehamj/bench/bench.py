@@ -8,6 +8,7 @@ from ehamj.bench import (  # noqa: F401  # isort: skip
     lanes,
     controller,
     growth,
+    studies,
     stages,
     designs,
     peer,

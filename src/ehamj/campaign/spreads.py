@@ -2,7 +2,7 @@
 
 Which of them a table is follows from its keys, as one would say it: ``{ low = 3000.0, high = 5000.0 }``,
 ``{ values = ["VC-C", "VC-D"] }``, ``{ mean = 4000.0, deviation = 50.0 }``, ``{ tolerance = 0.05 }``,
-``{ off = 0.02 }``, ``{ low = 3000.0, mode = 4000.0, high = 4500.0 }``.
+``{ off = 0.02 }``, ``{ factor = 2.0 }``, ``{ low = 3000.0, mode = 4000.0, high = 4500.0 }``.
 """
 
 from abc import abstractmethod
@@ -182,6 +182,21 @@ class Off(_About):
         return self.off
 
 
+class Factor(SpreadSettings):
+    """Between the scenario's own value over a factor and so many times it, evenly in its logarithm."""
+
+    factor: float = Field(gt=1, description="largest factor to both sides of the scenario's own value [-]")
+
+    def quantiles(self, points: Array, own: Any) -> Array:
+        ends = sorted((own / self.factor, own * self.factor))
+        return np.clip(own * self.factor ** ((2.0 * points - 1.0) * np.sign(own)), *ends)
+
+    def check(self, own: Any) -> None:
+        check_number(own, "low and high")
+        if own == 0:
+            raise ValueError("factor is of the scenario's own value, and that is 0: state off instead")
+
+
 class Triangular(SpreadSettings):
     """Most likely at one value, and less and less so towards two others."""
 
@@ -206,6 +221,7 @@ SPREADS: Final[dict[str, type[SpreadSettings]]] = {
     "values": Listed,
     "tolerance": Tolerance,
     "off": Off,
+    "factor": Factor,
     "mode": Triangular,
     "deviation": Normal,
     "mean": Normal,
@@ -213,8 +229,8 @@ SPREADS: Final[dict[str, type[SpreadSettings]]] = {
 """Which spread a table is, by the first of these keys that it has; `Between` with none of them."""
 
 FORMS: Final = (
-    "low and high, or values, or mean and deviation, or tolerance (a share of the scenario's own value), or off "
-    "(in the key's unit), or low, mode and high"
+    "low and high, or values, or mean and deviation, or low, mode and high, or one of the scenario's own value: "
+    "tolerance (a share of it), off (in the key's unit), factor"
 )
 
 

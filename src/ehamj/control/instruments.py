@@ -14,7 +14,8 @@ its response is off by 19/720·(2πfh)⁴, that of the quadrature of Adams and M
 
 import math
 import zlib
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
 from typing import Any, ClassVar, Final, Literal, NamedTuple, Self
 
 import numpy as np
@@ -77,9 +78,9 @@ class Instrument(Parameters):
 
     def __init_subclass__(cls, unit: str = "", noise: float = 0.0, low: float = 0.0, high: float = math.inf) -> None:
         super().__init_subclass__()
-        for name, (kind, field) in (_values(unit, noise, low, high) if unit else {}).items():
+        for name, (kind, own) in (_values(unit, noise, low, high) if unit else {}).items():
             cls.__annotations__[name] = kind
-            setattr(cls, name, field)
+            setattr(cls, name, own)
 
     @model_validator(mode="after")
     def _band(self) -> Self:
@@ -198,8 +199,27 @@ OLDER: Final = VALUES - 2
 """Of these, those that are states of the filter, and the last of them."""
 
 
+@dataclass(frozen=True)
+class _Alike:
+    """An instrument among those that have its values."""
+
+    kind: type[Instrument]
+    values: tuple[Any, ...]
+    instrument: Instrument = field(compare=False)
+
+
 def discretise(instrument: Instrument, step: float) -> Discrete:
-    """Exact for an input that is, between the last two steps [s], the cubic through its last four values."""
+    """Exact for an input that is, between the last two steps [s], the cubic through its last four values.
+
+    A law reads dozens that are alike, and of many runs all the same: they get the same, which nobody is to change.
+    """
+    names = (name for name in type(instrument).model_fields if name != "sources")
+    return _discretised(_Alike(type(instrument), tuple(getattr(instrument, name) for name in names), instrument), step)
+
+
+@lru_cache(maxsize=128)
+def _discretised(alike: _Alike, step: float) -> Discrete:
+    instrument = alike.instrument
     whole = instrument.block()
     a, b, c, d = whole.A, whole.B[:, 0], whole.C[0], float(whole.D[0, 0])
     n = a.shape[0]

@@ -20,6 +20,7 @@ class ReadingNoise:
     """Noise and drift of the readings, sample after sample; the same whatever the lengths asked for."""
 
     def __init__(self, channels: tuple[str, ...], sensors: Sensors, seed: int, period: float) -> None:
+        self._source = channels, sensors, seed, period
         known = ((k, sensors.of(name), name) for k, name in enumerate(channels))
         # What is silent draws nothing: each channel has random numbers of its own.
         noisy = {
@@ -37,6 +38,10 @@ class ReadingNoise:
             self._counts[k] = len(low_passes[k])
             self._sections[k, : self._counts[k]] = low_passes[k]
             self._factors[k], self._levels[k, 0] = _start(sensor, random, period)
+
+    def alike(self, other: "ReadingNoise") -> bool:
+        """Whether another one, of which as many samples were taken, or none, gives the same."""
+        return self is other or self._source == other._source
 
     @property
     def silent(self) -> bool:

@@ -8,10 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Final, get_args, get_origin
 
+from ehamj.criteria.vc import CLASSES
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.findings import Finding
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.merit import SOURCES, Design, Failed, Found, Machine, Merit, Source
+from ehamj.plant.axes import AXES
 from ehamj.run.failures import Incomplete
 from ehamj.run.figures import Path, figures
 from ehamj.run.side_by_side import LANES
@@ -44,6 +46,15 @@ BESIDE: Final[Mapping[Path, Merit]] = {
     ("flow", "rms"): Merit("run.flow.rms", "m³/s", "RMS of the oil that all valves together pass"),
     ("flow", "peak"): Merit("run.flow.peak", "m³/s", "most oil that all valves together pass"),
     ("power",): Merit("run.power", "W", "mean hydraulic power drawn from the supply"),
+    **{
+        ("below", name, axis): Merit(
+            f"run.below.{name.replace(' ', '-')}.{axis}",
+            "dB",
+            f"by how much the machine's worst place stays below {name} along {axis}, in the band that comes nearest",
+        )
+        for name in CLASSES
+        for axis in AXES
+    },
 }
 """What a summary does not have."""
 
@@ -83,7 +94,7 @@ class Runs(Source):
             numbers = figures(ran.prepared, ran.driven, wanted)
             return {name: numbers[path] for name, path in paths.items()}
 
-        return together(items(), found, 1, len(designs), on_failure=_failed)
+        return together(items(), found, 1, len(designs), on_failure=_failed, held=False)
 
     def _numbers(self, machine: Machine) -> "_Numbers":
         """What the machine's summary holds; that of the last machine is kept."""
@@ -110,7 +121,7 @@ class _Numbers:
         except Incomplete as error:  # its designs may hold
             summary = error.result.summary
         found = [path for path in _leaves(type(summary), summary) if path not in CHANCE]
-        return {".".join((FIRST, *path)): path for path in (*BESIDE, *found)}
+        return {one.name: path for path, one in BESIDE.items()} | {".".join((FIRST, *path)): path for path in found}
 
     @cached_property
     def merits(self) -> dict[str, Merit]:

@@ -101,13 +101,13 @@ def jacobian(
     finer: float = 1.0,
 ) -> Array:
     """∂rates/∂state by central differences, shape (n, n): ``over`` all states or some, by steps so many times finer."""
-    columns, steps = [], scales(model) / finer
-    for k in range(state.size) if over is None else over:
-        shift = np.zeros_like(state)
-        shift[k] = steps[k]
-        ahead, behind = (rates(model, data, state + s * shift, inputs) for s in (1.0, -1.0))
-        columns.append((ahead - behind) / (2.0 * steps[k]))
-    return np.array(columns).T
+    chosen, steps = list(range(state.size) if over is None else over), scales(model) / finer
+    shifts = np.diag(steps)[chosen]
+    shifted = np.concatenate([state + shifts, state - shifts])
+    given = (inputs.displacement, inputs.velocity, inputs.command)
+    held = Inputs(*(np.broadcast_to(one, (len(shifted), *one.shape)) for one in given))
+    ahead, behind = np.split(rates_along(model, data, shifted, held), 2)
+    return np.asarray(((ahead - behind) / (2.0 * steps[chosen])[:, None]).T)
 
 
 def equilibrium(model: mujoco.MjModel, data: mujoco.MjData, inputs: Inputs) -> Array:

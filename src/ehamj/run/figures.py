@@ -9,10 +9,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import xarray as xr
 
+from ehamj.criteria import vc
+from ehamj.criteria.curves import CANDIDATES
 from ehamj.errors import SimulationFailed
 from ehamj.judge.attenuation import attenuation_along
 from ehamj.judge.extremes import peak_and_rms
-from ehamj.judge.levels import Loudness, known_bands
+from ehamj.judge.levels import Loudness, known_bands, motions_of
 from ehamj.judge.summary import Summary
 from ehamj.plant.axes import AXES
 from ehamj.run.drive import Driven
@@ -104,7 +106,23 @@ def _power(run: Run, _: Path) -> Any:
     return oil(run.driven.tally, run.states, run.driven.stopped.steps * run.prepared.timestep).mean_power_w
 
 
+def _below(run: Run, path: Path) -> Any:
+    """By how much the machine's worst place stays below a class of the VC curves along an axis, in the band that comes
+    nearest to it [dB]; NaN where a band with a limit is not known."""
+    _, name, axis = path
+    flat = run.prepared.scenario.criteria.low_frequency == "flat"
+    heard, places = run.heard, [place for place in motions_of(run.dataset, "velocity") if place != "floor"]
+    limits = {band: value for band in CANDIDATES if (value := vc.limit(name, band, flat)) is not None}
+    if not limits.keys() <= set(heard.bands):
+        return np.nan
+    rows = [heard.bands.index(band) for band in limits]
+    levels = [heard.at(place, axis)[rows].reshape(len(rows), -1).max(axis=1) for place in places]
+    share = float((np.max(levels, axis=0) / list(limits.values())).max())
+    return -20.0 * np.log10(share) if share > 0.0 else np.inf
+
+
 FIGURES: Final[Mapping[str, Figure]] = {
+    "below": Figure(3, lambda _: ("foot_velocity", "cg_velocity", "point_velocity"), _below),
     "attenuation_db": Figure(2, _moved, _attenuation),
     "attenuation_at_db": Figure(3, _moved, _attenuation),
     "saturation": Figure(
@@ -124,8 +142,8 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "flow": Figure(1, lambda _: ("chamber_flow",), _flow),
     "power": Figure(1, _nothing, _power),
 }
-"""What of a summary is found by itself, by its first key; the last two stand beside it. All else is taken from a whole
-summary."""
+"""What of a summary is found by itself, by its first key; "below", "flow" and "power" stand beside it. All else is
+taken from a whole summary."""
 
 
 def figures(prepared: Prepared, driven: Driven, paths: Sequence[Path]) -> dict[Path, float]:
@@ -171,11 +189,11 @@ def _summary(run: Run) -> Summary:
 
 
 def _finite(driven: Driven) -> bool:
-    """Whether all rows of a run are finite; a sum tells, and of those that overflow whoever looks closer."""
+    """Whether a run ended with what is finite, in single precision too: what is lost stays lost."""
     if driven.rows is None or driven.stopped.status != DONE:
         return driven.rows is not None
-    with np.errstate(invalid="ignore", over="ignore"):
-        return all(bool(np.isfinite(table.sum())) for table in driven.rows)
+    with np.errstate(over="ignore"):
+        return all(bool(np.isfinite(table[-1].astype(np.float32)).all()) for table in driven.rows)
 
 
 def number_at(found: Any, path: Path) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from ehamj import columns
 from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
+from ehamj.control.noise import ReadingNoise
 from ehamj.ground import GroundSample
 from ehamj.interruption import check
 from ehamj.run.budget import check_disk, size_of, streams
@@ -42,7 +43,10 @@ def shape(prepared: Prepared, own: Simulation) -> Hashable:
 
 
 def drive_block(
-    runs: Sequence[Prepared], simulations: Sequence[Simulation], progress: Progress | None = None
+    runs: Sequence[Prepared],
+    simulations: Sequence[Simulation],
+    progress: Progress | None = None,
+    copied: bool = True,
 ) -> Iterator[Driven]:
     """Step all to the end, or until each fails; what the loop left of one after the other.
 
@@ -50,6 +54,7 @@ def drive_block(
         runs: of one `shape`, at most as many as `ehamj.smallmotion.lanes.WIDTHS` has.
         simulations: of each its `small` one.
         progress: called after each stretch with the fraction done.
+        copied: whether the rows of each stand by themselves; else they hold those of all for as long as they are held.
 
     Raises:
         InputError: if the rows do not fit in memory, or, of runs that are too long for that together, on disk.
@@ -97,7 +102,8 @@ def drive_block(
     for number, faults in enumerate(struck):
         stopped = block.stopped(number, done)
         own = max(_rows_of(stopped, first.every, begin + rows) - begin, 0)
-        table, told = block.rows(recorded, own, number, begin), (block.tally(number), stopped, seconds / len(runs))
+        table = block.rows(recorded, own, number, begin, copied)
+        told = (block.tally(number), stopped, seconds / len(runs))
         if streaming:
             streaming[number].add(table, faults.found)
         yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
@@ -153,12 +159,17 @@ def _alike(runs: Sequence[Prepared]) -> list[int]:
 
 def _heard(runs: Sequence[Prepared], width: int, first: int, steps: int) -> Array | None:
     """Noise of the runs' readings at the samples among some steps, (sample, channel, width); None where all are
-    silent."""
+    silent. Those of one seed and equal sensors draw it once."""
     if all(run.noise is None for run in runs):
         return None
     loop = runs[0].loop
     found = np.zeros((loop.samples(first, steps)[1], loop.sensing.channels, width))
-    for lane, run in enumerate(runs):
-        if run.noise is not None:
-            run.noise.take(len(found), found[:, :, lane])
+    known: list[tuple[ReadingNoise, Array]] = []
+    for lane, noise in enumerate(run.noise for run in runs):
+        if noise is not None:
+            same = next((drawn for one, drawn in known if one.alike(noise)), None)
+            if same is None:
+                same = noise.take(len(found))
+                known.append((noise, same))
+            found[:, :, lane] = same
     return found

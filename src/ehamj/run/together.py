@@ -58,6 +58,7 @@ def together(
     count: int | None = None,
     meanwhile: Callable[[], None] = lambda: None,
     on_failure: Callable[[int, Exception], T] | None = None,
+    held: bool = True,
 ) -> list[T]:
     """What is made of each run, in order.
 
@@ -69,6 +70,7 @@ def together(
         meanwhile: called now and then on the thread of the caller.
         on_failure: gives, by its number and the error, what stands for one that cannot be run or worked on; without it
             the first failure is raised, named, and no other begins.
+        held: whether what is made of a run may hold on to its channels; else runs of one batch share what is the same.
     """
     room = LANES if count is None else max(1, min(LANES, -(-count // threads)))
 
@@ -85,7 +87,7 @@ def together(
     def one(_: int, batch: list[Item | Refused]) -> list[T]:
         found: dict[int, T] = {}
         failures = Failures({}, alone=on_failure is not None)
-        for ran in driven(batch, failures):
+        for ran in driven(batch, failures, held):
             with failures.of(ran.item):
                 found[ran.item.number] = work(ran)
         if on_failure is None:
@@ -121,14 +123,16 @@ class Failures(NamedTuple):
             raise self.errors[min(self.errors)]
 
 
-def driven(batch: Sequence[Item | Refused], failures: Failures) -> Iterator[Ran]:
-    """Runs as their engines leave them, those of one structure on the small-motion engine side by side.
+def driven(batch: Sequence[Item | Refused], failures: Failures, held: bool) -> Iterator[Ran]:
+    """Runs as their engines leave them, those of one structure on the small-motion engine side by side; for ``held``
+    see `together`.
 
     Where failures are not borne alone, the first that cannot be prepared is the last: those before it may fail too,
     and run.
     """
     blocks: dict[Hashable, list[_Standing]] = {}
-    floors = Floors(1)  # those of one floor build it once, and a block samples it once
+    # Those of one floor build it once, and a block samples it once.
+    floors = Floors(1 if held else len(batch))
     for item in batch:
         begun = _begun(item, floors, failures)
         if isinstance(begun, Ran):
@@ -138,7 +142,7 @@ def driven(batch: Sequence[Item | Refused], failures: Failures) -> Iterator[Ran]
         elif not failures.alone:
             break
     for block in blocks.values():
-        yield from _side_by_side(block, failures)
+        yield from _side_by_side(block, failures, held)
 
 
 class _Standing(NamedTuple):
@@ -166,15 +170,15 @@ def _begun(item: Item | Refused, floors: Floors, failures: Failures) -> _Standin
     return None
 
 
-def _side_by_side(block: Sequence[_Standing], failures: Failures) -> Iterator[Ran]:
+def _side_by_side(block: Sequence[_Standing], failures: Failures, held: bool) -> Iterator[Ran]:
     began = clock.perf_counter()
-    ended = drive_block([one.prepared for one in block], [one.own for one in block])
+    ended = drive_block([one.prepared for one in block], [one.own for one in block], copied=held)
     try:
         first = next(ended)
     except Exception as error:
         if failures.alone and len(block) > 1:  # whichever it is of: who runs alone knows
             for standing in block:
-                yield from driven([standing.item], failures)
+                yield from driven([standing.item], failures, held)
             return
         failures.errors[block[0].item.number] = error if failures.alone else called(error, _all(block))
         return

@@ -225,17 +225,21 @@ class Block:
         sizes = (2 * n + self.own.sizes.activations, n, mounts, 2 * mounts, loop.states, loop.sensing.channels)
         return Recorded.of([size * self.width for size in sizes], every, count)
 
-    def rows(self, recorded: Recorded, count: int, number: int, first: int = 0) -> Rows:
-        """Rows of one lane, of which so many stand recorded; ``first`` is the number of the first of them."""
+    def rows(self, recorded: Recorded, count: int, number: int, first: int = 0, copied: bool = True) -> Rows:
+        """Rows of one lane, of which so many stand recorded; ``first`` is the number of the first of them.
+
+        Unless they are ``copied``, most are views of what was recorded of all lanes.
+        """
         n, mounts = self.own.sizes.coordinates, len(self.own.forms)
 
         def own(flat: Array, *shape: int) -> Array:
             size = int(np.prod(shape))
             total = flat[: count * size * self.width] if size else np.zeros(0)
-            return np.ascontiguousarray(lane(total, (count, *shape), self.width, number))
+            view = lane(total, (count, *shape), self.width, number)
+            return np.ascontiguousarray(view) if copied else view
 
-        states = own(recorded.states, 2 * n + self.own.sizes.activations)
-        accelerations = own(recorded.accelerations, n)
+        states = np.ascontiguousarray(own(recorded.states, 2 * n + self.own.sizes.activations))
+        accelerations = np.ascontiguousarray(own(recorded.accelerations, n))
         times = np.arange(first, first + count, dtype=np.float64) * (recorded.every * self.own.sizes.step)
         machine = self._simulation(number).machine
         moved = machine.in_model(times, states[:, :n], states[:, n : 2 * n], accelerations)
