@@ -23,7 +23,7 @@ from ehamj.views.linear import linearise
 
 NUMBER: Final = 1024
 """Designs that are computed at once in one timing."""
-ALONE: Final = 4
+ALONE: Final = 2
 """Designs that are computed one at a time in one timing."""
 HERTZ: Final = np.geomspace(1.0, 315.0, 200)
 """Of the transmissibility that is computed one design at a time [Hz]."""
@@ -55,8 +55,8 @@ def _tables(figures: Mapping[str, Any]) -> list[Table]:
         "along x, y and z at 200 frequencies (passive); stability, margins and disk margins at all places (under a law "
         "that is held). One at a time from its scenario on, through `ehamj.linearise` and python-control (passive, and "
         "where it is said), or through `linear.margins.report`; at once as studies do, on one thread, "
-        f"{found['designs']} designs. Times are per design; {LOWER}; of the rate {HIGHER}. 'passive, plainly' leaves the "
-        "response to python-control alone, which loses digits of weak channels."
+        f"{found['designs']} designs. Times are per design; {LOWER}; of the rate {HIGHER}. 'passive, plainly' leaves "
+        "the response to python-control alone, which loses digits of weak channels."
     )
     rows = {key: NAMES.get(key, key) for key in found["at_once_ms"]}
     return [Table.of("Linear designs", words, "design", columns, rows)]
@@ -157,8 +157,8 @@ def margins_alone(machine: Machine, law: Any, design: Design) -> Any:
 
 
 def margins_through_control(machine: Machine, law: Any, design: Design) -> tuple[Any, ...]:
-    """The same through `ehamj.linearise` and python-control: margins of each valve, and the disk of all at once by SLICOT, at
-    the law's own frequencies; the law's response is known."""
+    """The same through `ehamj.linearise` and python-control: margins of each valve, and the disk of all at once by
+    SLICOT, at the law's own frequencies; the law's response is known."""
     import control
 
     scenario = scenario_of(machine, design.values)
