@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 import ehamj
+from ehamj.campaign.file import load_study
+from ehamj.campaign.staged import stages_of
 from ehamj.scenario.load import load_scenario
 
 README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
@@ -56,3 +58,15 @@ def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(block, encoding="utf-8")
     scenario = load_scenario(tmp_path / "mine.toml")
     assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 5000.0)
+
+
+def test_the_study_of_the_readme_is_one(
+    ran: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (block,) = (one for one in re.findall(r"^```toml\n(.*?)^```", README, re.MULTILINE | re.DOTALL) if "[plan]" in one)
+    (tmp_path / "stiffer.toml").write_text(block, encoding="utf-8")
+    file = load_study(tmp_path / "stiffer.toml")
+    assert sum(stage.count() for stage in stages_of(file)) == 1 + 64 + 4 * 50
+    monkeypatch.chdir(ran[0])  # where its folder is
+    oil = ran[1]["swept"].designs.query("stage == 'search'")["own.oil"]
+    assert oil.to_list() == pytest.approx([4 * 0.539 * factor for factor in (0.8, 0.9, 1.0, 1.1, 1.2)])

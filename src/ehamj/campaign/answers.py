@@ -13,6 +13,8 @@ from ehamj.pages.words import number
 
 MERITS: Final = 5
 """Merits whose influences are told; all are in the table."""
+YIELDS: Final = 8
+"""Designs whose yields, and whose confirmations, are told; all are in the table."""
 MANY: Final = 4
 """Merits from which on it is told how many of them each parameter decides."""
 NAMED_CAUSES: Final = 3
@@ -139,7 +141,7 @@ def _nearest(studied: Studied, misses: Mapping[str, "np.ndarray[tuple[int], np.d
 
 def _yields(studied: Studied, yields: Sequence[Yield]) -> Iterator[str]:
     """Yields over all limits, and the limit that most machines miss."""
-    for one in (y for y in yields if not y.limit):
+    for one in [y for y in yields if not y.limit][:YIELDS]:
         each = [y for y in yields if y.whose == one.whose and y.limit]
         worst = min(each, key=lambda y: y.share, default=None)
         about = f" around {one.whose}" if one.whose else ""
@@ -156,7 +158,7 @@ def _confirmed(studied: Studied) -> Iterator[str]:
     if not len(again) or studied.file.confirm is None:
         return
     names = [name for name in again.columns if name in studied.merits and again[name].notna().any()]
-    for row in rows_of(again):
+    for row in rows_of(again)[:YIELDS]:
         before = studied.designs[studied.designs["number"] == row["parent"]]
         whose = label_of(studied, row["parent"])
         if row["status"] != "done":

@@ -25,6 +25,8 @@ NUMBERS: Final = 14
 """Designs of the front whose numbers are drawn."""
 PANELS: Final = 4
 """Panels of a figure."""
+SPREADS: Final = 2
+"""Best designs, and designs with a name, whose machines within tolerances are drawn; all are in the table."""
 LITTLE: Final = 0.01
 """Share of the strongest influence below which another one is not drawn."""
 CAUSES: Final = 12
@@ -161,7 +163,11 @@ def _influence_chart(studied: Studied, one: Influence) -> Figure:
 
 def spread_drawings(studied: Studied, yields: Sequence[Yield]) -> Iterator[tuple[str, Drawing]]:
     """Histograms of machines within tolerances, a figure for each design that they are around."""
-    for whose, machines in groups(studied).items():
+    around = groups(studied)
+    whose_shown = [*[whose for whose in around if whose not in studied.named][:SPREADS],
+                   *[whose for whose in around if whose in studied.named][:SPREADS]]  # fmt: skip
+    for whose in whose_shown:
+        machines = around[whose]
         names = [name for name in studied.file.wanted if np.isfinite(machines[name]).any()][:PANELS]
         if names:
             about = f"around {whose}" if whose else "of the study"

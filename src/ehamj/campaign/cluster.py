@@ -65,20 +65,23 @@ def _computed(client: Any, work: Work, blocks: Iterator[Block], say: Say) -> Row
     done = as_completed(loop=client.loop)
     try:
         while True:
-            room = max(AHEAD * sum(client.nthreads().values()), AHEAD) - len(running)
+            with _asked(client):
+                room = max(AHEAD * sum(client.nthreads().values()), AHEAD) - len(running)
             # What was lost with its workers is computed with nothing beside it: whose fault it was is then known.
             now = islice(blocks, max(room, 0)) if not again else [again.pop(0)] if not running else []
             for block in now:
                 # Not pure: what is asked again after a loss is not answered by what was lost.
-                future = client.submit(evaluate, work, block, pure=False)
-                running[future] = block
-                done.add(future)
+                with _asked(client):
+                    future = client.submit(evaluate, work, block, pure=False)
+                    running[future] = block
+                    done.add(future)
             if not running:
                 return
             for future in _finished(client, done, say):
                 block = running.pop(future)
                 try:
-                    rows = losses.found(block, future.result())
+                    with _asked(client):
+                        rows = losses.found(block, future.result())
                 except KilledWorker:
                     more, rows = losses.lost(block, LOST)
                     again += more
@@ -90,21 +93,38 @@ def _computed(client: Any, work: Work, blocks: Iterator[Block], say: Say) -> Row
                 client.cancel(list(running), force=True)
 
 
-def _finished(client: Any, done: Any, say: Say) -> list[Any]:
-    """Futures that are done, once some are.
+@contextmanager
+def _asked(client: Any) -> Iterator[None]:
+    """Ask the scheduler something.
 
     Raises:
-        SimulationFailed: if the scheduler is gone.
+        SimulationFailed: if it is gone.
     """
+    from concurrent.futures import CancelledError
+
+    try:
+        yield
+    except Exception as error:
+        if client.status == "running" and not isinstance(error, CancelledError):
+            raise  # what the work itself says
+        raise SimulationFailed(
+            "the Dask scheduler is gone, or gave the study up; what is done is stored, and goes on where it is resumed"
+        ) from error
+
+
+def _finished(client: Any, done: Any, say: Say) -> list[Any]:
+    """Futures that are done, once some are."""
     waiting = False
     while not done.has_ready():
         with done.thread_condition:
             done.thread_condition.wait_for(done.has_ready, LOOK)
-        if client.status == "running" and waiting != (waiting := not client.nthreads() and not done.has_ready()):
+        if client.status == "running" and waiting != (waiting := not done.has_ready() and _no_workers(client)):
             say(WAITING if waiting else "")
     if waiting:
         say("")
-    found = list(done.next_batch(block=False))
-    if any(future.status in ("cancelled", "lost") for future in found):
-        raise SimulationFailed("the Dask scheduler is gone, or it gave the study up; what is done is stored")
-    return found
+    return list(done.next_batch(block=False))
+
+
+def _no_workers(client: Any) -> bool:
+    with _asked(client):
+        return not client.nthreads()

@@ -22,8 +22,8 @@ MOST_OF_FRONT = 200
 """Designs of the front that the table holds besides the best."""
 
 
-def outcome_of(studied: Studied) -> Outcome:
-    """What a study came out with, however far it has come."""
+def outcome_of(studied: Studied, told: Sequence[str] = ()) -> Outcome:
+    """What a study came out with, however far it has come; ``told`` is what must be known of its merits."""
     influences, yields = influences_of(studied), yields_of(studied)
     drawings: dict[str, Drawing] = {}
     for part in (
@@ -40,7 +40,7 @@ def outcome_of(studied: Studied) -> Outcome:
         answers=answers_of(studied, influences, yields),
         tables=tables_of(studied, influences, yields),
         drawings=drawings,
-        notes=notes_of(studied, influences, yields),
+        notes=(*notes_of(studied, influences, yields), *(f"{one[0].upper()}{one[1:].rstrip('.')}." for one in told)),
         numbers=numbers_of(studied, influences, yields),
         settings=studied.file.model_dump(mode="json", exclude_unset=True),
     )

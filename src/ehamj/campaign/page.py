@@ -9,7 +9,7 @@ from ehamj.campaign.outcome import outcome_of
 from ehamj.campaign.studied import Studied
 from ehamj.campaign.tables import CSV_FILE, PARQUET_FILE, export
 from ehamj.merits.applied import scenario_of
-from ehamj.merits.merit import Machine
+from ehamj.merits.merit import SOURCES, Machine, source_of
 from ehamj.pages import ANNEX, Page, Section
 from ehamj.result import written_whole
 from ehamj.scenario.model import Scenario
@@ -26,7 +26,7 @@ def write_study(folder: Path, name: str, studied: Studied, machine: Machine) -> 
     Raises:
         OSError: if a file cannot be written.
     """
-    outcome, scenarios = outcome_of(studied), best_scenarios(studied, machine)
+    outcome, scenarios = outcome_of(studied, source_notes(studied, machine)), best_scenarios(studied, machine)
     export(folder)
     for old in folder.glob(BEST.format("*")):
         if old.name not in scenarios:
@@ -37,6 +37,12 @@ def write_study(folder: Path, name: str, studied: Studied, machine: Machine) -> 
     shown = page_of(outcome, studied, machine.scenario, list(scenarios))
     write_outcome(folder, name, outcome, machine.scenario, shown)
     return outcome
+
+
+def source_notes(studied: Studied, machine: Machine) -> list[str]:
+    """What must be known of the merits that a study asked for, by whatever computed them."""
+    sources = dict.fromkeys(map(source_of, studied.merits))
+    return [f"{name}: {note}" for name in sources for note in SOURCES[name].notes(machine)]
 
 
 def best_scenarios(studied: Studied, machine: Machine) -> dict[str, Scenario]:

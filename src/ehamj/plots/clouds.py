@@ -190,7 +190,7 @@ def _broken(name: str, letters: int = 15) -> str:
     import textwrap
 
     what, bracket, unit = name.rpartition(" [")
-    lines = textwrap.wrap(what or name, letters)[:3]
+    lines = textwrap.wrap(what or name, letters)[:2]
     return "\n".join([*lines, f"[{unit}"] if bracket else lines)
 
 

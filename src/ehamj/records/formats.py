@@ -135,7 +135,9 @@ def read_inventory(path: Path) -> "Inventory":
     found = _format_of(data, "inventory", [one for one in INVENTORIES if (one.name in XML) == xml])
     if found is None:
         raise ValueError(f"{_nature(path)}; known are {', '.join(one.title for one in INVENTORIES)}")
-    return _function(found, "inventory", "readFormat")(BytesIO(data))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of places, dates and heights of stations, which nobody asks for
+        return _function(found, "inventory", "readFormat")(BytesIO(data))
 
 
 def _format_of(source: str | bytes, kind: Kind, formats: Sequence[Format]) -> Format | None:

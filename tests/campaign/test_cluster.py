@@ -1,0 +1,91 @@
+"""A cluster of Dask's computes the same designs, and may lose a worker."""
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from oracles.fake_studies import done, results, search
+
+from ehamj.campaign.cluster import Dask
+from ehamj.errors import InputError, SimulationFailed
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """Two workers, each a process, on the loopback."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=":0"
+    ) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    """On one thread."""
+    folder = tmp_path_factory.mktemp("alone")
+    done(folder)
+    return results(folder)
+
+
+def test_results_are_equal_to_the_bit_by_address_cluster_and_client(
+    tmp_path: Path, alone: pd.DataFrame, cluster: Any
+) -> None:
+    with distributed.Client(cluster, set_as_default=False) as client:
+        for name, given in {"address": cluster.scheduler_address, "cluster": cluster, "client": client}.items():
+            done(tmp_path / name, scheduler=given)
+            pd.testing.assert_frame_equal(results(tmp_path / name), alone, check_exact=True)
+        assert client.status == "running"  # it is not ours to close
+
+
+def test_own_functions_go_along(tmp_path: Path, cluster: Any) -> None:
+    stage = search(names=("fake.sum", "own.count"))
+    ended = done(tmp_path, stage, scheduler=cluster, functions={"count": lambda scenario: len(scenario.plant.mounts)})
+    assert ended.failed == ended.done == 64  # no machine has these masses
+    assert results(tmp_path)["reason"][0].startswith("own: ")
+
+
+def test_a_worker_that_is_lost_loses_no_design(tmp_path: Path, alone: pd.DataFrame, cluster: Any) -> None:
+    pids = [worker.pid for worker in cluster.workers.values()]
+
+    def progress(standing: Any) -> None:
+        if standing.done == 8:
+            os.kill(pids[0], signal.SIGKILL)
+
+    done(tmp_path, scheduler=cluster, progress=progress)
+    pd.testing.assert_frame_equal(results(tmp_path), alone, check_exact=True)
+
+
+def test_a_scheduler_that_does_not_answer_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ehamj.campaign.cluster.PATIENCE", 0.2)
+    for address in ("tcp://127.0.0.1:9", "nothing://127.0.0.1:9"):
+        with pytest.raises(InputError, match=f"scheduler '{address}': no Dask scheduler answers there"):
+            done(tmp_path / "study", scheduler=address)
+    assert not (tmp_path / "study").exists()
+
+
+def test_without_dask_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"pip install 'ehamj\[dask\]'"):
+        done(tmp_path / "study", scheduler=Dask("tcp://127.0.0.1:9"))
+
+
+def test_a_scheduler_that_goes_ends_the_study_with_what_is_done(tmp_path: Path, alone: pd.DataFrame) -> None:
+    gone = distributed.LocalCluster(
+        n_workers=1, processes=False, protocol="tcp://", host="127.0.0.1", dashboard_address=":0"
+    )
+
+    def progress(standing: Any) -> None:
+        if standing.done == 8:
+            gone.close()
+
+    with pytest.raises((SimulationFailed, InputError)) as said:
+        done(tmp_path, scheduler=gone, progress=progress)
+    assert "Dask scheduler" in str(said.value)
+    assert done(tmp_path, resume=True).complete
+    pd.testing.assert_frame_equal(results(tmp_path), alone, check_exact=True)
