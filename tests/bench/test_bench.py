@@ -35,6 +35,7 @@ KEYS = {
     "growth": {"growth", "step_over_four_upright_mounts"},
     "stages": {"stages"},
     "studies": {"studies"},
+    "designs": {"linear_designs"},
 }  # fmt: skip
 """What each part measures; other programs read these names."""
 

@@ -45,8 +45,8 @@ def _panels(figures: Mapping[str, Any]) -> list[Panel]:
 def _tables(figures: Mapping[str, Any]) -> list[Table]:
     found = figures["linear_designs"]
     columns = {
-        "one at a time [ms]": found["one_at_a_time_ms"],
-        "at once [ms]": found["at_once_ms"],
+        "one at a time [µs]": found["one_at_a_time_us"],
+        "at once [µs]": found["at_once_us"],
         "rate [-]": found["rate_over_one_at_a_time"],
         "states of the law [-]": found["law_states"],
     }
@@ -58,7 +58,7 @@ def _tables(figures: Mapping[str, Any]) -> list[Table]:
         f"{found['designs']} designs. Times are per design; {LOWER}; of the rate {HIGHER}. 'passive, plainly' leaves "
         "the response to python-control alone, which loses digits of weak channels."
     )
-    rows = {key: NAMES.get(key, key) for key in found["at_once_ms"]}
+    rows = {key: NAMES.get(key, key) for key in found["at_once_us"]}
     return [Table.of("Linear designs", words, "design", columns, rows)]
 
 
@@ -82,15 +82,15 @@ def designs(effort: Effort) -> Figures:
         works[f"{law} alone"] = partial(_each, partial(margins_alone, machine, own), many)
         works[f"{law}, python-control alone"] = partial(_each, partial(margins_through_control, machine, own), many)
     times = medians(works, effort.repetitions)
-    once = {name: 1e3 * times[f"{name} at once"] / number for name in NAMES}
+    once = {name: 1e6 * times[f"{name} at once"] / number for name in NAMES}
     once["passive, plainly"] = once["passive"]
     once |= {f"{law}, python-control": once[law] for law in LAWS}
-    alone = {name: 1e3 * times[f"{name} alone"] / ALONE for name in once}
+    alone = {name: 1e6 * times[f"{name} alone"] / ALONE for name in once}
     return {
         "linear_designs": {
             "designs": number,
-            "at_once_ms": once,
-            "one_at_a_time_ms": alone,
+            "at_once_us": once,
+            "one_at_a_time_us": alone,
             "rate_over_one_at_a_time": {name: alone[name] / once[name] for name in once},
             "law_states": states,
         }
