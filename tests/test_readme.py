@@ -60,10 +60,13 @@ def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
     assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 5000.0)
 
 
-def test_the_study_of_the_readme_is_one(ran: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+def test_the_study_of_the_readme_is_one(
+    ran: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (block,) = (one for one in re.findall(r"^```toml\n(.*?)^```", README, re.MULTILINE | re.DOTALL) if "[plan]" in one)
     (tmp_path / "stiffer.toml").write_text(block, encoding="utf-8")
     file = load_study(tmp_path / "stiffer.toml")
     assert sum(stage.count() for stage in stages_of(file)) == 1 + 64 + 4 * 50
+    monkeypatch.chdir(ran[0])  # where its folder is
     oil = ran[1]["swept"].designs.query("stage == 'search'")["own.oil"]
     assert oil.to_list() == pytest.approx([4 * 0.539 * factor for factor in (0.8, 0.9, 1.0, 1.1, 1.2)])
