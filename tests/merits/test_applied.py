@@ -39,6 +39,17 @@ def test_one_isolator_by_itself_is_as_the_others_become_but_for_its_own_value() 
     assert [mount.actuator for mount in found.mount].count("rear-left") == 1
 
 
+def test_one_isolator_by_itself_begins_with_the_preset_that_all_have() -> None:
+    """Twice the area, half the volume and twice K_C, by the paper's section 5."""
+    preset = {"actuators.isolator.preset": "recommended"}
+    found = scenario_of(Machine(BASE), preset | {"mount.rear-left.actuator.flow_gain": 1e-6}).actuators
+    first = BASE.actuators["isolator"]
+    assert found["rear-left"].flow_gain == 1e-6
+    for one in found.values():
+        assert one.piston_area == pytest.approx(2 * first.piston_area, rel=1e-12)
+        assert one.chamber_volume == pytest.approx(first.chamber_volume / 2, rel=1e-12)
+
+
 def test_another_mass_keeps_the_inertia_and_a_footprint_scales_what_is_set_beside_it() -> None:
     found = scenario_of(Machine(BASE), HEAVY | {"mount.0.position.0": 1.0, "footprint.x": 2.0})
     assert found.machine.inertia == BASE.machine.inertia

@@ -1,7 +1,7 @@
 """Linear designs: one at a time through `ehamj.linearise` and python-control, and many at once as studies take them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Final
 
 import numpy as np
@@ -9,8 +9,8 @@ import numpy as np
 from ehamj.bench.parts import Effort, Figures, part
 from ehamj.bench.reading import HIGHER, LOWER, Table
 from ehamj.bench.runs import medians
-from ehamj.linear.loop import Loop, linear_under
-from ehamj.linear.margins import report
+from ehamj.linear.loop import Loop, linear_under, own_readings
+from ehamj.linear.margins import disk_margin, grid, report
 from ehamj.linear.response import machine_channels
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.catalogue import SOURCES
@@ -23,7 +23,7 @@ from ehamj.views.linear import linearise
 
 NUMBER: Final = 1024
 """Designs that are computed at once in one timing."""
-ALONE: Final = 4
+ALONE: Final = 2
 """Designs that are computed one at a time in one timing."""
 HERTZ: Final = np.geomspace(1.0, 315.0, 200)
 """Of the transmissibility that is computed one design at a time [Hz]."""
@@ -53,12 +53,12 @@ def _tables(figures: Mapping[str, Any]) -> list[Table]:
     words = (
         "A row is what is computed of a design: modes, static stiffness, figures of its actuators and transmissibility "
         "along x, y and z at 200 frequencies (passive); stability, margins and disk margins at all places (under a law "
-        f"that is held). One at a time from its scenario on, through `ehamj.linearise` and python-control, or "
-        f"`linear.margins.report`; at once as studies do, of {found['designs']} designs, on one thread. Times are per "
-        f"design; {LOWER}; of the rate {HIGHER}. 'passive, plainly' leaves the response to python-control, which loses "
-        "digits of weak channels."
+        "that is held). One at a time from its scenario on, through `ehamj.linearise` and python-control (passive, and "
+        "where it is said), or through `linear.margins.report`; at once as studies do, on one thread, "
+        f"{found['designs']} designs. Times are per design; {LOWER}; of the rate {HIGHER}. 'passive, plainly' leaves "
+        "the response to python-control alone, which loses digits of weak channels."
     )
-    rows = {**NAMES, "passive, plainly": "passive, plainly"}
+    rows = {key: NAMES.get(key, key) for key in found["at_once_ms"]}
     return [Table.of("Linear designs", words, "design", columns, rows)]
 
 
@@ -80,9 +80,11 @@ def designs(effort: Effort) -> Figures:
         states[law] = sum(one.states for one in own.parts)
         works[f"{law} at once"] = partial(at_once, machine, many, margin_merits(machine))
         works[f"{law} alone"] = partial(_each, partial(margins_alone, machine, own), many)
+        works[f"{law}, python-control alone"] = partial(_each, partial(margins_through_control, machine, own), many)
     times = medians(works, effort.repetitions)
     once = {name: 1e3 * times[f"{name} at once"] / number for name in NAMES}
     once["passive, plainly"] = once["passive"]
+    once |= {f"{law}, python-control": once[law] for law in LAWS}
     alone = {name: 1e3 * times[f"{name} alone"] / ALONE for name in once}
     return {
         "linear_designs": {
@@ -152,6 +154,31 @@ def margins_alone(machine: Machine, law: Any, design: Design) -> Any:
     scenario = scenario_of(machine, design.values)
     loop = Loop.of(scenario, law)
     return report(linear_under(scenario.plant, law), loop)
+
+
+def margins_through_control(machine: Machine, law: Any, design: Design) -> tuple[Any, ...]:
+    """The same through `ehamj.linearise` and python-control: margins of each valve, and the disk of all at once by
+    SLICOT, at the law's own frequencies; the law's response is known."""
+    import control
+
+    scenario = scenario_of(machine, design.values)
+    loop, hertz = Loop.of(scenario, law), grid(law)
+    channels = [law.inputs[k] for k in own_readings(law)]
+    names, shares = loop.mixtures(channels)
+    plant = linearise(scenario)
+    valves = [name for name in plant.input_labels if name.startswith("valve_command")]
+    omega = 2 * np.pi * hertz
+    answer = control.frequency_response(plant[list(names), valves], omega).complex.transpose(2, 0, 1)
+    told = _law_response(law, hertz.tobytes())[:, :, own_readings(law)]
+    gain = -told @ (loop.sensors.response(channels, hertz)[:, :, None] * (shares @ answer))
+    sensitivity = np.linalg.inv(np.eye(len(valves)) + gain)
+    single = [control.FRD(1.0 / sensitivity[:, k, k] - 1.0, omega) for k in range(len(valves))]
+    return *(control.stability_margins(one) for one in single), disk_margin(sensitivity)
+
+
+@lru_cache(maxsize=2)
+def _law_response(law: Any, hertz: bytes) -> Any:
+    return law.response(np.frombuffer(hertz))
 
 
 def _each(compute: Callable[[Design], object], many: Sequence[Design]) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.control import LinearController
+from ehamj.designs.compiled.seen import SIDE
 from ehamj.designs.designs import Designs
 from ehamj.designs.readings import Instruments
 from ehamj.designs.responses import arrays, compiled_answers
@@ -97,9 +98,15 @@ class HeldLoop:
         return np.unique(np.concatenate([self.base, raster[raster < half]]))
 
     @cached_property
-    def _answers(self) -> tuple[ComplexArray, ...]:
-        """Of each law at `hertz`, over its readings of the machine."""
-        return tuple(np.ascontiguousarray(self._response(law, self.hertz)[:, :, self.own]) for law in self.laws)
+    def _answers(self) -> tuple[Array, ...]:
+        """Of each law at `hertz`, over its readings of the machine: real and imaginary parts (2, f, mount, reading),
+        filled up to a multiple of `SIDE`."""
+        silent = -len(self.own) % SIDE
+        found = []
+        for law in self.laws:
+            own = np.pad(self._response(law, self.hertz)[:, :, self.own], ((0, 0), (0, 0), (0, silent)))
+            found.append(np.array([own.real, own.imag]))
+        return tuple(found)
 
     def _response(self, law: LinearController, hertz: Array) -> ComplexArray:
         """Commands over what the readings are of, instruments, delay and hold included, (f, mount, reading)."""
@@ -129,7 +136,7 @@ class HeldLoop:
     def _measured(
         self,
         stack: Stack,
-        law: ComplexArray,
+        law: Array,
         picks: NDArray[np.int64],
         counts: NDArray[np.int64],
         nominal: ComplexArray,
@@ -137,10 +144,11 @@ class HeldLoop:
         own, mounts = len(picks), self.active.size
         places, turns = np.empty((own, len(self.places), 4)), np.empty((own, 2))
         centred, largest = np.empty((*picks.shape, mounts, mounts), complex), np.empty(own)
-        readings = tuple(self.instruments.readings(stack).of(self.own))
+        readings = self.instruments.readings(stack).of(self.own)
+        seen = readings.side_by_side(law.shape[-1])
         measure, bound = compiled_margins()
         measure(
-            arrays(stack), self.hertz, law, readings, picks, counts, self.active, self._pattern_bases(stack), nominal,
+            arrays(stack), self.hertz, law, seen, picks, counts, self.active, self._pattern_bases(stack), nominal,
             places, turns, centred,
         )  # fmt: skip
         bound(centred, counts, largest)

@@ -208,20 +208,21 @@ def _own_actuators(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, A
     for key, value in values.items():
         if at := _own_actuator_of(key):
             of.setdefault(at[0], {})[at[1]] = value
+    shared = {key: value for key, value in values.items() if key.startswith("actuators.")}
+    becoming = changed(scenario, shared).actuators if of and shared else scenario.actuators
     for number, own in of.items():
         if number >= len(scenario.mount):
             raise InputError(f"mount.{number}: there are mounts 0 to {len(scenario.mount) - 1}")
         mount = scenario.mount[number]
-        actuator, before = scenario.actuators[mount.actuator], f"actuators.{mount.actuator}."
-        shared = {key.removeprefix(before): value for key, value in values.items() if key.startswith(before)}
+        actuator = becoming[mount.actuator]
         for name in own:
             if name not in ACTUATOR_VALUES and name not in Actuator.model_fields:
                 near = did_you_mean(name, ACTUATOR_VALUES)
                 raise InputError(
                     f"mount.{mount.name}.actuator.{name}: {near}must be one of {', '.join(ACTUATOR_VALUES)}"
                 )
-        table = actuator.model_dump(include=set(Actuator.model_fields)) | shared | own
-        sources = {name: source for name, source in actuator.sources.items() if name not in shared | own}
+        table = actuator.model_dump(include=set(Actuator.model_fields)) | own
+        sources = {name: source for name, source in actuator.sources.items() if name not in own}
         found[f"actuators.{mount.name}"] = table | {"sources": sources}
         found[f"mount.{number}.actuator"] = mount.name
     return found

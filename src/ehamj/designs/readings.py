@@ -33,6 +33,15 @@ class Readings(NamedTuple):
         own = list(chosen)
         return Readings(np.ascontiguousarray(self.motion[:, own]), self.order[own], self.states[own], self.inside[own])
 
+    def side_by_side(self, size: int) -> tuple[Array, ...]:
+        """The same with silent ones behind them, ``size`` in all, motions as (design, n, reading), and orders as
+        1 for the one that each has, (3, reading)."""
+        more = size - len(self.order)
+        motion = np.pad(self.motion, ((0, 0), (0, more), (0, 0))).transpose(0, 2, 1)
+        states = np.pad(self.states, ((0, more), (0, 0), (0, 0)))
+        order = (np.pad(self.order, (0, more)) == np.arange(len(MOTIONS))[:, None]).astype(float)
+        return np.ascontiguousarray(motion), order, states, np.pad(self.inside, (0, more))
+
 
 class Instruments:
     """The instruments of a law on a plant, whose mounts and centre of gravity may stand elsewhere in a design."""

@@ -146,6 +146,7 @@ class Loudness:
         """Arguments as of `levels_of`; of the dataset those channels count that are asked for."""
         self.bands, self.plant = known, plant
         self._dataset, self._rate = dataset, rate
+        self._known: dict[tuple[str, str, Quantity], Array] = {}
 
     def slab(self) -> Array:
         """Velocity of the floor as a whole, (bands, `SLAB`) [m/s, rad/s]."""
@@ -167,6 +168,12 @@ class Loudness:
 
     def at(self, place: str, axis: str, quantity: Quantity = "velocity") -> Array:
         """Of a place of the machine along an axis, (bands,), of feet (bands, mount), SI."""
+        key = place, axis, quantity
+        if key not in self._known:
+            self._known[key] = self._read(*key)
+        return self._known[key]
+
+    def _read(self, place: str, axis: str, quantity: Quantity) -> Array:
         own = motions_of(self._dataset, "velocity")[place][..., AXES.index(axis)]
         counted = Counted(own.shape[0], self._rate)
         if counted.n - counted.start < LEAST_ROWS:

@@ -4,6 +4,8 @@ A summary takes longer than most short runs. Of many runs a few numbers are want
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -33,7 +35,8 @@ MOVED: Final = {"machine": "cg_velocity", "feet": "foot_velocity"}
 """Channel of a place; that of points has its own."""
 
 
-class Run(NamedTuple):
+@dataclass(frozen=True)
+class Run:
     """A run of which figures are wanted, with the channels that they need."""
 
     prepared: Prepared
@@ -45,7 +48,7 @@ class Run(NamedTuple):
         """How many states were counted of a run that is complete: one before each step, and the last one."""
         return max(self.driven.stopped.steps + 1, 1)
 
-    @property
+    @cached_property
     def heard(self) -> Loudness:
         """Its levels in bands."""
         motion, scenario = self.prepared.motion, self.prepared.scenario

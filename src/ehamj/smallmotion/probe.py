@@ -44,6 +44,10 @@ class Probe:
         self.ground = np.column_stack([mounts[f"ground_{axis}"]["value"] for axis in AXES])
         self.command = mounts["open_loop"]["value"].copy()
         self.slides = slides_of(model)
+        Inputs(self.ground, np.zeros(self.ground.shape), self.command).write(self.data)
+        held = exchange(self.data, mounts_of(model))
+        self._given = [(held[f"ground_{axis}"]["value"], held[f"ground_{axis}"]["slope"]) for axis in AXES]
+        """Views, which cost more to make than a step of the engine."""
         self.coordinates = free_coordinates(model)
 
     def moved(self, **by: Array) -> mujoco.MjData:
@@ -61,7 +65,8 @@ class Probe:
         data.qvel[at] += by.get("speed", slides)
         ground = self.ground + by.get("ground", np.zeros(mounts)).reshape(mounts)
         rate = by.get("ground_rate", np.zeros(mounts)).reshape(mounts)
-        Inputs(ground, rate, self.command).write(data)
+        for k, (value, gradient) in enumerate(self._given):
+            value[:], gradient[:] = ground[:, k], rate[:, k]
         data.xfrc_applied[:] = 0.0
         data.xfrc_applied[MACHINE_BODY] = by.get("load", np.zeros(len(DOFS)))
         mujoco.mj_forward(model, data)

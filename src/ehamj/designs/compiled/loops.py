@@ -17,6 +17,7 @@ from ehamj.designs.compiled.machine import (
     strokes_of,
 )
 from ehamj.designs.compiled.margins import begin, follow
+from ehamj.designs.compiled.seen import at_readings, closed, see
 
 
 @kernel
@@ -46,8 +47,8 @@ def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, comma
     mass, damping, stiffness, motions, supports, oils, cg = stack
     motion, order, states, inside = sensors
     designs, n, mounts, columns = hertz.shape[0], mass.shape[1], oils.shape[1], grounds.shape[3]
-    readings, closed = motion.shape[1], law.shape[0] > 0
-    driven = mounts if closed else 0
+    readings, fed_back = motion.shape[1], law.shape[0] > 0
+    driven = mounts if fed_back else 0
     matrix, right = np.empty((n, n), np.complex128), np.empty((n, driven + columns), np.complex128)
     oil, spools = np.empty((mounts, 6), np.complex128), np.empty(mounts, np.complex128)
     strokes, unit = np.empty((mounts, mounts + columns), np.complex128), np.empty((mounts, mounts), np.complex128)
@@ -61,7 +62,7 @@ def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, comma
             s = 2j * math.pi * hertz[design, k]
             at = known[k]
             at_frequency(s, one, oil, spools, matrix)
-            if closed:
+            if fed_back:
                 commands_in(spools, motions[design, 2], oil, right)
             ground_in(s, motions[design], supports[design], grounds[at], oil, right, driven)
             solved(matrix, right)
@@ -101,8 +102,10 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
     Args:
         stack: as `floor_answers`.
         hertz: frequencies (f,) [Hz].
-        law: as there, of readings that move with the machine alone.
-        sensors: as there.
+        law: of readings that move with the machine alone, as there, but real and imaginary parts apart
+            (2, f, mount, reading), and with silent readings at the end (`ehamj.designs.compiled.seen`).
+        sensors: as there, of these, but the motion (design, n, reading), and the order (3, reading), 1 for the one
+            that a reading has.
         picks: numbers of each design's frequencies, rising (design, most).
         counts: how many of them there are, (design,).
         active: numbers of the mounts that obey.
@@ -116,19 +119,21 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
     """
     mass, damping, stiffness, motions, supports, oils, _ = stack
     motion, order, states, inside = sensors
-    designs, n, mounts, readings, own = picks.shape[0], mass.shape[1], oils.shape[1], motion.shape[1], active.size
+    designs, n, mounts, readings, own = picks.shape[0], mass.shape[1], oils.shape[1], motion.shape[2], active.size
     matrix, right = np.empty((n, n), np.complex128), np.empty((n, mounts), np.complex128)
     oil, spools = np.empty((mounts, 6), np.complex128), np.empty(mounts, np.complex128)
     strokes, unit = np.empty((mounts, mounts), np.complex128), np.empty((mounts, mounts), np.complex128)
-    sensitivity, answers = np.empty_like(unit), np.empty((readings, mounts), np.complex128)
+    sensitivity = np.empty_like(unit)
+    real, imag = np.empty((mounts, readings)), np.empty((mounts, readings))
+    passed, at = np.empty((2, readings)), np.empty((2, readings))
     nowhere = np.empty((mounts, 3, 0), np.complex128)
-    last = np.empty((2 * own + readings, 1), np.complex128)
+    last = np.empty((places.shape[1], 1), np.complex128)
     for design in range(designs):
         one = (
             mass[design], damping[design], stiffness[design], motions[design], supports[design], oils[design],
         )  # fmt: skip
         seen, strokes_basis, inverse = motion[design], patterns[0, design], patterns[1, design]
-        for place in range(2 * own + readings):
+        for place in range(places.shape[1]):
             begin(places[design, place])
         before, turned, most = 1.0 + 0.0j, 0.0, 0.0
         for number in range(counts[design]):
@@ -138,15 +143,9 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
             commands_in(spools, one[3][2], oil, right)
             solved(matrix, right)
             strokes_of(one[3][2], right, mounts, nowhere, strokes)
-            readings_of(s, seen, order, states, inside, right, strokes, oil, spools, answers)
-            told = law[k]
+            see(s, seen, order, states, inside, right, strokes, oil, spools, real, imag)
+            closed(law[0, k], law[1, k], real, imag, passed, unit)
             for row in range(mounts):
-                for column in range(mounts):
-                    unit[row, column] = 1.0 if row == column else 0.0
-                for reading in range(readings):
-                    gain = told[row, reading]
-                    for column in range(mounts):
-                        unit[row, column] -= gain * answers[reading, column]
                 for column in range(mounts):
                     sensitivity[row, column] = 1.0 if row == column else 0.0
             determinant = solved(unit, sensitivity)
@@ -172,12 +171,8 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
                         inner += sensitivity[active[row], active[column]] * strokes_basis[column, place]
                     total += inverse[place, row] * inner
                 follow(total, last[own + place], number == 0, places[design, own + place])
-            for reading in range(readings):
-                total = 1.0 + 0.0j
-                for column in range(mounts):
-                    inner = 0.0j
-                    for row in range(mounts):
-                        inner += answers[reading, row] * sensitivity[row, column]
-                    total += inner * told[column, reading]
-                follow(total, last[2 * own + reading], number == 0, places[design, 2 * own + reading])
+            at_readings(law[0, k], law[1, k], real, imag, sensitivity, passed, at)
+            for place in range(2 * own, places.shape[1]):
+                value = complex(at[0, place - 2 * own], at[1, place - 2 * own])
+                follow(value, last[place], number == 0, places[design, place])
         turns[design, 0], turns[design, 1] = turned, most

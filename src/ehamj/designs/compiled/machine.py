@@ -45,17 +45,18 @@ def spool_of(s, one):  # type: ignore[no-untyped-def]
 def dynamic(s, mass, damping, stiffness, plate, oil, matrix):  # type: ignore[no-untyped-def]
     """s²M + sC + K and the oil's z at each plate, into ``matrix`` (n, n); ``oil`` (mount, 6) is `oil_of` each."""
     n, mounts = mass.shape[0], plate.shape[0]
-    square = s * s
+    omega = s.imag  # frequencies are real: s² is −ω²
     for row in range(n):
         for column in range(n):
-            matrix[row, column] = square * mass[row, column] + s * damping[row, column] + stiffness[row, column]
+            still = stiffness[row, column] - omega * omega * mass[row, column]
+            matrix[row, column] = complex(still, omega * damping[row, column])
     for mount in range(mounts):
         for row in range(n):
             own = plate[mount, row]
             if own != 0.0:
-                share = own * oil[mount, 0]
+                real, imag = own * oil[mount, 0].real, own * oil[mount, 0].imag
                 for column in range(n):
-                    matrix[row, column] += share * plate[mount, column]
+                    matrix[row, column] += complex(real * plate[mount, column], imag * plate[mount, column])
 
 
 @kernel
