@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ehamj.campaign.influence import Influence
+from ehamj.campaign.influence import Influence, rank_correlations
 from ehamj.campaign.names import axis_of
 from ehamj.campaign.plans.grids import OneAtATime
 from ehamj.campaign.studied import DataFrame, Row, Studied
@@ -125,6 +125,7 @@ def chosen_columns(studied: Studied, influences: Sequence[Influence]) -> list[st
     them, each merit's strongest in turn."""
     moved = [name for name in studied.file.wanted if studied.done[name].nunique() > 1]
     merits = moved[:3]
+    influences = influences or [one for name in merits if (one := rank_correlations(studied, name))]
     ranks = [[one.parameters[k] for k in one.order] for one in influences if one.merit in merits]
     turns = (keys[k] for k in range(max(map(len, ranks), default=0)) for keys in ranks if k < len(keys))
     keys = list(dict.fromkeys([*turns, *studied.numeric]))

@@ -19,6 +19,7 @@ from ehamj.campaign.schedulers import Computed
 from ehamj.campaign.stages import Batch, Search, Stage
 from ehamj.campaign.standing import Progress, Watch, silent
 from ehamj.campaign.store import STORE_FILE, Store, writing
+from ehamj.campaign.threads import one_thread
 from ehamj.campaign.work import Block, Work
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.interruption import Interrupted
@@ -42,6 +43,7 @@ class Conducted:
     """Whether all stages are done; else the time that it may take is used up."""
 
 
+@one_thread()
 def conduct(
     folder: str | Path,
     stages: Sequence[Stage],

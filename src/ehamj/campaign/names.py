@@ -13,6 +13,8 @@ from ehamj.plant.axes import AXES
 
 PLACES: Final = ("cg", "inertia", "position", "size", "direction")
 """Vectors whose entries are called x, y and z."""
+MODES: Final = ("heave", "yaw", "roll", "pitch", "warp")
+"""Motions: of what, stands before them."""
 PLAIN: Final = (1e-2, 1e5)
 """Magnitudes that an axis shows as they are."""
 DIGITS: Final = 3
@@ -49,9 +51,13 @@ def _words(key: str) -> list[str]:
 def _telling(words: list[str]) -> int:
     """How many of the last words say something: a number, an axis or a mode alone does not."""
     count = 1
-    while count < len(words) and (len(words[-count]) <= 2 or words[-count].replace(".", "").isdigit()):
+    while count < len(words) and _needs_more(words[-count]):
         count += 1
     return count
+
+
+def _needs_more(word: str) -> bool:
+    return len(word) <= 2 or word.replace(".", "").isdigit() or "-about-" in word or word in MODES
 
 
 def unit_text(unit: str) -> str:

@@ -16,6 +16,7 @@ from ehamj.campaign.standing import Progress, Standing, silent
 from ehamj.campaign.store import STORE_FILE
 from ehamj.campaign.studied import studied_of
 from ehamj.campaign.tables import frame
+from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError
 from ehamj.folders import check_out, numbered_folder
 from ehamj.result import written_whole
@@ -48,6 +49,7 @@ class Study:
         return frame(self.folder)
 
 
+@one_thread()
 def run_study(
     source: str | Path | Mapping[str, Any] | StudyFile,
     out: str | Path | None = None,

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from ehamj.campaign.identity import versions
 from ehamj.campaign.rows import Row
+from ehamj.campaign.threads import stay_on_one_thread
 from ehamj.errors import InputError
 from ehamj.merits.merit import SOURCES, Design, Failed, Found, Machine, Source, source_of
 from ehamj.merits.own import OWN, Own, OwnFunctions, check_owned
@@ -102,6 +103,7 @@ def ready(work: Work) -> None:
     Raises:
         InputError: if it has other versions than the one that asks, or cannot import what it needs.
     """
+    stay_on_one_thread()
     own = versions()
     other = {name: (version, own.get(name)) for name, version in work.versions.items() if own.get(name) != version}
     if other:
