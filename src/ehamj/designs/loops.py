@@ -148,8 +148,8 @@ class HeldLoop:
         seen = readings.side_by_side(law.shape[-1])
         measure, bound = compiled_margins()
         measure(
-            arrays(stack), self.hertz, law, seen, picks, counts, self.active, self._pattern_bases(stack), nominal,
-            places, turns, centred,
+            arrays(stack), self.hertz, law, seen, (picks, counts), self.active, self._pattern_bases(stack), nominal,
+            (places, turns, centred),
         )  # fmt: skip
         bound(centred, counts, largest)
         return places, turns, largest

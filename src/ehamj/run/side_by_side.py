@@ -59,8 +59,7 @@ def drive_block(
     Raises:
         InputError: if the rows do not fit in memory, or, of runs that are too long for that together, on disk.
     """
-    block, first, alike = Block.of(simulations), runs[0], _alike(runs)
-    count = rows_of(first)
+    block, first, alike, count = Block.of(simulations), runs[0], _alike(runs), rows_of(runs[0])
     streaming = _streams(runs)
     try:
         recorded = block.recorded(first.every, min(count, room(STRETCH)) if streaming else count)
@@ -73,11 +72,7 @@ def drive_block(
         if given is None or done not in sampled:
             sampled = range(done, min(done + STRETCH, first.steps))
             given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
-        for number, faults in enumerate(struck):
-            if faults.due(done) and block.stopped(number, done).status == DONE:
-                block.put_back(number)
-                faults.strike(done)
-                block.renew(number)
+        _strike(block, struck, done)
         running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
         steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
         last = done + steps == first.steps
@@ -107,6 +102,15 @@ def drive_block(
         if streaming:
             streaming[number].add(table, faults.found)
         yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
+
+
+def _strike(block: Block, struck: Sequence[Faults], done: int) -> None:
+    """Let the faults strike that are due in each lane that still runs."""
+    for number, faults in enumerate(struck):
+        if faults.due(done) and block.stopped(number, done).status == DONE:
+            block.put_back(number)
+            faults.strike(done)
+            block.renew(number)
 
 
 def _streams(runs: Sequence[Prepared]) -> list[Stream]:

@@ -29,6 +29,25 @@ def at_frequency(s, one, oil, spools, matrix):  # type: ignore[no-untyped-def]
     dynamic(s, one[0], one[1], one[2], one[3][2], oil, matrix)
 
 
+@kernel
+def around(law, answers, seen, unit, wanted):  # type: ignore[no-untyped-def]
+    """1 − law·plant into ``unit`` (mount, mount), and what the law makes of the ground into ``wanted`` (mount, column);
+    ``answers`` (reading, mount + column) of commands and ground, ``seen`` (reading, column) the ground's own motion."""
+    mounts = unit.shape[0]
+    for row in range(mounts):
+        for column in range(answers.shape[1]):
+            total = 0.0j
+            for reading in range(answers.shape[0]):
+                value = answers[reading, column]
+                if column >= mounts:
+                    value += seen[reading, column - mounts]
+                total += law[row, reading] * value
+            if column < mounts:
+                unit[row, column] = (1.0 if row == column else 0.0) - total
+            else:
+                wanted[row, column - mounts] = total
+
+
 def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, commands):  # type: ignore[no-untyped-def]
     """What columns of the ground's motion make of the centre of gravity and the commands.
 
@@ -69,18 +88,7 @@ def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, comma
             if driven:
                 strokes_of(motions[design, 2], right, mounts, grounds[at], strokes)
                 readings_of(s, motion[design], order, states, inside, right, strokes, oil, spools, answers)
-                for row in range(mounts):
-                    for column in range(mounts + columns):
-                        total = 0.0j
-                        for reading in range(readings):
-                            value = answers[reading, column]
-                            if column >= mounts:
-                                value += seen[at, reading, column - mounts]
-                            total += law[at, row, reading] * value
-                        if column < mounts:
-                            unit[row, column] = (1.0 if row == column else 0.0) - total
-                        else:
-                            wanted[row, column - mounts] = total
+                around(law[at], answers, seen[at], unit, wanted)
                 solved(unit, wanted)
                 for mount in range(mounts):
                     for column in range(columns):
@@ -96,7 +104,55 @@ def floor_answers(stack, hertz, law, known, sensors, grounds, seen, found, comma
                     found[design, k, axis, column] = total
 
 
-def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, nominal, places, turns, centred):  # type: ignore[no-untyped-def]
+@kernel
+def centre(sensitivity, active, centred):  # type: ignore[no-untyped-def]
+    """S − 1/2 at the valves that obey, (mount, mount)."""
+    for row in range(active.size):
+        for column in range(active.size):
+            value = sensitivity[active[row], active[column]]
+            centred[row, column] = value - (0.5 if row == column else 0.0)
+
+
+@kernel
+def follow_valves(sensitivity, active, basis, first, last, places):  # type: ignore[no-untyped-def]
+    """Follow each valve, then each pattern of ``basis`` (strokes per pattern, and its inverse)."""
+    own = active.size
+    for place in range(own):
+        follow(sensitivity[active[place], active[place]], last[place], first, places[place])
+        total = 0.0j
+        for row in range(own):
+            inner = 0.0j
+            for column in range(own):
+                inner += sensitivity[active[row], active[column]] * basis[0][column, place]
+            total += basis[1][place, row] * inner
+        follow(total, last[own + place], first, places[own + place])
+
+
+@kernel
+def follow_readings(at, after, first, last, places):  # type: ignore[no-untyped-def]
+    """Follow each reading; its sensitivity's real and imaginary part are in ``at``, its place stands ``after`` some."""
+    for place in range(after, places.shape[0]):
+        follow(complex(at[0, place - after], at[1, place - after]), last[place], first, places[place])
+
+
+@kernel
+def one_at(matrix):  # type: ignore[no-untyped-def]
+    """The unit matrix."""
+    for row in range(matrix.shape[0]):
+        for column in range(matrix.shape[1]):
+            matrix[row, column] = 1.0 if row == column else 0.0
+
+
+@kernel
+def turn(ratio, before, turns):  # type: ignore[no-untyped-def]
+    """Add the turn of the determinant between two frequencies."""
+    step = ratio * inverse_of(before)
+    angle = math.atan2(step.imag, step.real)
+    turns[0] += angle
+    turns[1] = max(turns[1], abs(angle))
+
+
+def loop_margins(stack, hertz, law, sensors, chosen, active, patterns, nominal, found):  # type: ignore[no-untyped-def]
     """Margins of each design's loop, broken at valves, patterns and readings.
 
     Args:
@@ -106,73 +162,52 @@ def loop_margins(stack, hertz, law, sensors, picks, counts, active, patterns, no
             (2, f, mount, reading), and with silent readings at the end (`ehamj.designs.compiled.seen`).
         sensors: as there, of these, but the motion (design, n, reading), and the order (3, reading), 1 for the one
             that a reading has.
-        picks: numbers of each design's frequencies, rising (design, most).
-        counts: how many of them there are, (design,).
+        chosen: numbers of each design's frequencies, rising (design, most), and how many there are (design,).
         active: numbers of the mounts that obey.
         patterns: strokes of these mounts per pattern, and its inverse, (2, design, mount, mount).
         nominal: determinant of 1 − law·plant of the design that the others are compared with, (f,); to be filled by
             the first design where it is zero.
-        places: `begin` of each valve, pattern and reading (design, place, 4), to be filled.
-        turns: of the determinant over the nominal one, altogether and in the largest step, (design, 2) [rad], to be
-            filled.
-        centred: S − 1/2 at the valves that obey, (design, most, mount, mount), to be filled.
+        found: to be filled: `begin` of each valve, pattern and reading (design, place, 4); turns of the determinant
+            over the nominal one, altogether and in the largest step, (design, 2) [rad]; S − 1/2 at the valves that obey
+            (design, most, mount, mount).
     """
     mass, damping, stiffness, motions, supports, oils, _ = stack
     motion, order, states, inside = sensors
-    designs, n, mounts, readings, own = picks.shape[0], mass.shape[1], oils.shape[1], motion.shape[2], active.size
+    (picks, counts), (places, turns, centred) = chosen, found
+    designs, n, mounts, readings = picks.shape[0], mass.shape[1], oils.shape[1], motion.shape[2]
     matrix, right = np.empty((n, n), np.complex128), np.empty((n, mounts), np.complex128)
     oil, spools = np.empty((mounts, 6), np.complex128), np.empty(mounts, np.complex128)
     strokes, unit = np.empty((mounts, mounts), np.complex128), np.empty((mounts, mounts), np.complex128)
-    sensitivity = np.empty_like(unit)
+    sensitivity, nowhere = np.empty_like(unit), np.empty((mounts, 3, 0), np.complex128)
     real, imag = np.empty((mounts, readings)), np.empty((mounts, readings))
     passed, at = np.empty((2, readings)), np.empty((2, readings))
-    nowhere = np.empty((mounts, 3, 0), np.complex128)
     last = np.empty((places.shape[1], 1), np.complex128)
     for design in range(designs):
         one = (
             mass[design], damping[design], stiffness[design], motions[design], supports[design], oils[design],
         )  # fmt: skip
-        seen, strokes_basis, inverse = motion[design], patterns[0, design], patterns[1, design]
+        basis = (patterns[0, design], patterns[1, design])
         for place in range(places.shape[1]):
             begin(places[design, place])
-        before, turned, most = 1.0 + 0.0j, 0.0, 0.0
+        before, turns[design] = 1.0 + 0.0j, 0.0
         for number in range(counts[design]):
-            k = picks[design, number]
+            k, first = picks[design, number], number == 0
             s = 2j * math.pi * hertz[k]
             at_frequency(s, one, oil, spools, matrix)
             commands_in(spools, one[3][2], oil, right)
             solved(matrix, right)
             strokes_of(one[3][2], right, mounts, nowhere, strokes)
-            see(s, seen, order, states, inside, right, strokes, oil, spools, real, imag)
+            see(s, motion[design], (order, states, inside), right, strokes, oil, spools, real, imag)
             closed(law[0, k], law[1, k], real, imag, passed, unit)
-            for row in range(mounts):
-                for column in range(mounts):
-                    sensitivity[row, column] = 1.0 if row == column else 0.0
+            one_at(sensitivity)
             determinant = solved(unit, sensitivity)
             if nominal[k] == 0.0:
                 nominal[k] = determinant
             ratio = determinant * inverse_of(nominal[k])
-            if number > 0:
-                step = ratio * inverse_of(before)
-                angle = math.atan2(step.imag, step.real)
-                turned, most = turned + angle, max(most, abs(angle))
+            if not first:
+                turn(ratio, before, turns[design])
             before = ratio
-            for row in range(own):
-                for column in range(own):
-                    value = sensitivity[active[row], active[column]]
-                    centred[design, number, row, column] = value - (0.5 if row == column else 0.0)
-            for place in range(own):
-                value = sensitivity[active[place], active[place]]
-                follow(value, last[place], number == 0, places[design, place])
-                total = 0.0j
-                for row in range(own):
-                    inner = 0.0j
-                    for column in range(own):
-                        inner += sensitivity[active[row], active[column]] * strokes_basis[column, place]
-                    total += inverse[place, row] * inner
-                follow(total, last[own + place], number == 0, places[design, own + place])
+            centre(sensitivity, active, centred[design, number])
+            follow_valves(sensitivity, active, basis, first, last, places[design])
             at_readings(law[0, k], law[1, k], real, imag, sensitivity, passed, at)
-            for place in range(2 * own, places.shape[1]):
-                value = complex(at[0, place - 2 * own], at[1, place - 2 * own])
-                follow(value, last[place], number == 0, places[design, place])
-        turns[design, 0], turns[design, 1] = turned, most
+            follow_readings(at, 2 * active.size, first, last, places[design])

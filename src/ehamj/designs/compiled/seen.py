@@ -7,9 +7,11 @@ SIDE = 4
 
 
 @kernel
-def see(s, motion, order, states, inside, moved, strokes, oil, spools, real, imag):  # type: ignore[no-untyped-def]
+def see(s, motion, kinds, moved, strokes, oil, spools, real, imag):  # type: ignore[no-untyped-def]
     """As `ehamj.designs.compiled.machine.readings_of` of the commands alone; ``motion`` (n, reading), ``order`` (3,
-    reading) is 1 for the order that a reading has, what is seen goes into ``real`` and ``imag`` (mount, reading)."""
+    reading) is 1 for the order that a reading has (``kinds``: it, ``states`` and ``inside``), what is seen goes into
+    ``real`` and ``imag`` (mount, reading)."""
+    order, states, inside = kinds
     omega, readings = s.imag, motion.shape[1]
     for column in range(real.shape[0]):
         one, two = real[column], imag[column]
