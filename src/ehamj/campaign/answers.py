@@ -10,8 +10,9 @@ from ehamj.campaign.names import unit_text, worded
 from ehamj.campaign.studied import AS_IT_IS, CONFIRM, DataFrame, Studied, excess, rows_of
 from ehamj.campaign.yields import Yield
 from ehamj.pages.words import number
+from ehamj.scenario.keys import entries
 
-MERITS: Final = 5
+MERITS: Final = 3
 """Merits whose influences are told; all are in the table."""
 YIELDS: Final = 8
 """Designs whose yields, and whose confirmations, are told; all are in the table."""
@@ -55,7 +56,7 @@ def _best(studied: Studied) -> Iterator[str]:
         good = int(studied.good(studied.search).sum())
         kept = " that keep all limits" if studied.file.limits else ""
         yield (
-            f"Of {good:,} designs{kept}, {len(studied.front):,} are on the Pareto front; design {row['number']} is the "
+            f"Of {good:,} designs{kept}, {len(studied.front):,} {'is' if len(studied.front) == 1 else 'are'} on the Pareto front; design {row['number']} is the "
             f"best compromise, nearest to the best of every objective at once: {merits}."
         )
     else:
@@ -86,8 +87,8 @@ def _against_named(studied: Studied) -> Iterator[str]:
         )
         if most:
             yield (
-                f"{len(full):,} of these designs beat {_quoted(name)} in {most} of {of} objectives and lose in none, "
-                f"such as design {row['number']}: {said}."
+                f"{len(full):,} of the {len(rows):,} beat{'s' * (len(full) == 1)} {_quoted(name)} in {most} of {of} "
+                f"objectives and lose{'s' * (len(full) == 1)} in none, such as design {row['number']}: {said}."
             )
 
 
@@ -167,7 +168,13 @@ def _confirmed(studied: Studied) -> Iterator[str]:
         said = ", ".join(_changed(studied, name, before, row) for name in names if not np.isnan(row[name]))
         missed = [name for name, limit in studied.file.limits.items() if name in names and not limit.met(row[name])]
         kept = f"; it misses {' and '.join(map(studied.limit_said, missed))}" if missed else ""
-        yield f"Once more, {whose} has {said}{kept}."
+        yield f"Once more with {_otherwise(studied)}, {whose} has {said}{kept}."
+
+
+def _otherwise(studied: Studied) -> str:
+    """What of the scenario is otherwise where designs are confirmed, in words."""
+    own = {} if studied.file.confirm is None else studied.file.confirm.set
+    return " and ".join(f"{'.'.join(key)} = {value}" for key, value in entries(own)) or "nothing otherwise"
 
 
 def _changed(studied: Studied, name: str, before: DataFrame, row: Mapping[str, Any]) -> str:

@@ -13,8 +13,10 @@ from ehamj.plant.axes import AXES
 
 PLACES: Final = ("cg", "inertia", "position", "size", "direction")
 """Vectors whose entries are called x, y and z."""
-MODES: Final = ("heave", "yaw", "roll", "pitch", "warp")
-"""Motions: of what, stands before them."""
+MODES: Final = ("heave", "yaw", "roll", "pitch", "warp", "rms", "peak", "mean", "drawn")
+"""Motions and statistics: of what, stands before them."""
+BANDED: Final = ("attenuation", "attenuation db")
+"""What is told of third-octave bands: the words before the last number, which is the band's centre."""
 PLAIN: Final = (1e-2, 1e5)
 """Magnitudes that an axis shows as they are."""
 DIGITS: Final = 3
@@ -45,7 +47,9 @@ def _words(key: str) -> list[str]:
             words[-1] += f".{part}"  # 31.5 Hz
         else:
             words.append(part.replace("_", " "))
-    return words
+    if any(word in BANDED for word in words) and words[-1].replace(".", "").isdigit():
+        words[-1] += " Hz"
+    return [word.removesuffix(" db") for word in words]
 
 
 def _telling(words: list[str]) -> int:
@@ -57,7 +61,7 @@ def _telling(words: list[str]) -> int:
 
 
 def _needs_more(word: str) -> bool:
-    return len(word) <= 2 or word.replace(".", "").isdigit() or "-about-" in word or word in MODES
+    return len(word) <= 2 or word.removesuffix(" Hz").replace(".", "").isdigit() or "-about-" in word or word in MODES
 
 
 def unit_text(unit: str) -> str:

@@ -15,6 +15,10 @@ RECENT: Final = 60.0
 """Time over which a rate is counted, once there is so much [s]."""
 
 
+SURE: Final = 8
+"""Designs, and the hundredth of all, after which rate and time left are told."""
+
+
 @dataclass(frozen=True)
 class Standing:
     """How far a study is."""
@@ -50,7 +54,7 @@ class Standing:
         parts = [f"{self.stage}: {self.done:,} of {self.total:,} designs"]
         if self.failed:
             parts.append(f"{self.failed:,} failed")
-        if self.rate:
+        if self.rate and self.done - self.found >= max(SURE, self.total // 100):  # the first ones compile and find laws
             parts.append(f"{_rate(self.rate)}, {_time(self.left or 0.0)} left")
         parts += [f"best {name} {merit:.4g} (design {number})" for name, (number, merit) in self.best.items()]
         return ", ".join([*parts, *([self.waiting] if self.waiting else [])])
