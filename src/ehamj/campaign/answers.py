@@ -56,8 +56,9 @@ def _best(studied: Studied) -> Iterator[str]:
         good = int(studied.good(studied.search).sum())
         kept = " that keep all limits" if studied.file.limits else ""
         yield (
-            f"Of {good:,} designs{kept}, {len(studied.front):,} {'is' if len(studied.front) == 1 else 'are'} on the Pareto front; design {row['number']} is the "
-            f"best compromise, nearest to the best of every objective at once: {merits}."
+            f"Of {good:,} designs{kept}, {len(studied.front):,} {'is' if len(studied.front) == 1 else 'are'} on the "
+            f"Pareto front; design {row['number']} is the best compromise, nearest to the best of every objective at "
+            f"once: {merits}."
         )
     else:
         (way,) = studied.file.objectives.values()
