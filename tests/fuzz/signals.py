@@ -9,10 +9,13 @@ import time
 from pathlib import Path
 from random import Random
 from tempfile import mkdtemp
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from ehamj.unfinished import _NAME as UNFINISHED
 from fuzz.worker import Outcome
+
+if TYPE_CHECKING:
+    import pandas
 
 LIMIT: Final = 5.0
 """Within which a command ends that is asked to [s]: it promises one second of a machine that has nothing else to do,
@@ -29,6 +32,8 @@ class Job(NamedTuple):
     name: str
     words: tuple[str, ...]
     replaces: bool = False
+    resumes: bool = False
+    """Whether what is there is kept, and it goes on with that."""
 
 
 JOBS: Final = (
@@ -36,6 +41,7 @@ JOBS: Final = (
     Job("bare run", ("run", "recorded", *SMALL, "--set", "name=new", "--no-report", "--no-replay", "--out", "out")),
     Job("replacing run", ("run", "recorded", *SMALL, "--set", "name=new", "--out", "out", "--overwrite"), True),
     Job("study", ("study", "rocking", "recorded", "--out", "out")),
+    Job("study file", ("study", "paper-sensitivity", "--set", "plan.groups=16", "--out", "out"), resumes=True),
     Job("design", ("design", "recorded", "--architecture", "feedforward", *SMALL, "--out", "out")),
 )
 
@@ -119,6 +125,8 @@ def _wrong(job: Job, good: Whole, folder: Path, number: signal.Signals) -> str:
         return ""  # it holds the name; the next run clears it
     if job.replaces and not out.is_dir() and not any(".replaced-" in name for name in left):
         return f"{job.name}: neither the old result nor the new one is there after {number.name}"
+    if job.resumes:
+        return ""  # finished designs are kept
     return _incomplete(job, good, out) if out.exists() else ""
 
 
@@ -129,6 +137,8 @@ def _incomplete(job: Job, good: Whole, out: Path) -> str:
         return f"{job.name}: {min(missing)} is missing"
     if more:
         return f"{job.name}: {min(more)} is left"
+    if job.resumes:
+        return "" if _designs(good.folder).equals(_designs(out)) else f"{job.name}: other designs than undisturbed"
     if job.words[0] != "run":
         return ""
     from ehamj.result import load_result
@@ -140,10 +150,18 @@ def _incomplete(job: Job, good: Whole, out: Path) -> str:
     return "" if result.complete else f"{job.name}: the result is incomplete"
 
 
+def _designs(folder: Path) -> "pandas.DataFrame":
+    from ehamj.campaign.tables import frame
+
+    return frame(folder).drop(columns="seconds")
+
+
 def _again(job: Job, good: Whole, folder: Path) -> str:
     """What is wrong with the same job done again in the same place."""
     there = (folder / "out").is_dir() and any((folder / "out").iterdir())
     words = job.words if job.replaces or not there else (*job.words, "--overwrite")
+    if job.resumes and (folder / "out" / "designs.sqlite").is_file():
+        words = (*job.words, "--resume")
     code = _begin(words, folder).wait(PATIENCE)
     if code:
         return f"{job.name}: done again it ends with {code}: {(folder / 'said').read_text(errors='replace')[-300:]}"
