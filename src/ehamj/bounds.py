@@ -42,6 +42,7 @@ BOUNDS: Final[dict[str, tuple[float, float]]] = {
     "dB": (0.0, 1e3),
     "dB/octave": (0.0, 1e3),
     "unit": (1e-30, 1e30),
+    "h": (1e-6, 1e6),
 }
 """Least magnitude of what is not zero, and largest, per unit; none at least where a small rest of a sum may stand."""
 OTHERS: Final = (

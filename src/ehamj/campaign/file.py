@@ -36,8 +36,8 @@ Overrides = Annotated[dict[str, Any], OVERRIDES]
 class Limit(Settings):
     """What a merit must keep."""
 
-    at_least: float | None = Field(None, description="least that is allowed, in the merit's unit [any]")
-    at_most: float | None = Field(None, description="most that is allowed, in the merit's unit [any]")
+    at_least: float | None = Field(None, description="least that is allowed, in the merit's unit [unit]")
+    at_most: float | None = Field(None, description="most that is allowed, in the merit's unit [unit]")
 
     @model_validator(mode="after")
     def _allows(self) -> Self:
