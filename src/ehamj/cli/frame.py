@@ -27,6 +27,7 @@ COMMANDS: Final = {
     "paper": "paper",
     "transmissibility": "transmissibility",
     "study": "study",
+    "merits": "merits",
     "replay": "stored",
     "report": "stored",
     "bench": "bench",
