@@ -10,8 +10,9 @@ from ehamj.scenario.load import load_scenario
 SCENARIO = load_scenario("benchmark")
 NAMES = (
     "passive.frequency.heave", "passive.frequency.upper-about-x", "loop.gain_margin",
-    "loop.gain_margin.valve-rear-left", "loop.gain_margin.warp", "run.attenuation_db.z.31.5", "run.attenuation_db.rx.10", "run.below.VC-F.z",
-    "actuator.isolator.bandwidth", "loop.disk_margin.reading-stroke-rear-left",
+    "loop.gain_margin.valve-rear-left", "loop.gain_margin.warp", "run.attenuation_db.z.31.5",
+    "run.attenuation_db.rx.10", "run.below.VC-F.z", "actuator.isolator.bandwidth",
+    "loop.disk_margin.reading-stroke-rear-left",
 )  # fmt: skip
 MERITS = {name: Merit(name, "dB", f"text of {name}") for name in NAMES}
 
