@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import distributed
 import pandas as pd
 import pytest
 from oracles.fake_studies import done, results, search
 
 from ehamj.campaign.cluster import Dask
 from ehamj.errors import InputError, SimulationFailed
-
-distributed = pytest.importorskip("distributed")
 
 
 @pytest.fixture(scope="module")
