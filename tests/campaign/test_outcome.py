@@ -64,7 +64,7 @@ def test_the_front_is_told_and_what_beats_a_design_in_everything() -> None:
     found = outcome_of(studied(rows, objectives=BOTH))
     assert found.numbers["front"] == [3, 2, 1]
     beating = next(answer for answer in found.answers if "the scenario's own design" in answer)
-    assert beating.startswith("1 of the 3 beats")
+    assert beating.startswith("1 of the 3 on the front beats")
     assert "design 2: static stiffness 3.00 N/m instead of 2.00" in beating
     assert {"pareto-front"} <= set(found.drawings)
 

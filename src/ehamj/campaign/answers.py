@@ -38,6 +38,7 @@ def answers_of(studied: Studied, influences: Sequence[Influence], yields: Sequen
         _confirmed(studied),
         _deciding(studied, influences),
         _influences(studied, influences),
+        _unknown(studied),
         _unfinished(studied),
         _failed(studied),
     )
@@ -62,7 +63,12 @@ def _best(studied: Studied) -> Iterator[str]:
         )
     else:
         (way,) = studied.file.objectives.values()
-        yield f"Design {row['number']} is the best, its {merits} the {way} of {len(studied.done):,} designs."
+        of = f"{len(studied.done):,} designs"
+        if studied.file.limits:
+            of = (
+                f"the {int(studied.good(studied.search).sum()):,} designs of {len(studied.done):,} that keep all limits"
+            )
+        yield f"Design {row['number']} is the best, its {merits} the {way} of {of}."
     yield f"Design {row['number']} has {values}."
 
 
@@ -86,10 +92,11 @@ def _against_named(studied: Studied) -> Iterator[str]:
             for one, gain in gains[best].items()
             if gain > 0.0
         )
+        where, alone = "on the front" if studied.front else "best", len(full) == 1
         if most:
             yield (
-                f"{len(full):,} of the {len(rows):,} beat{'s' * (len(full) == 1)} {_quoted(name)} in {most} of {of} "
-                f"objectives and lose{'s' * (len(full) == 1)} in none, such as design {row['number']}: {said}."
+                f"{len(full):,} of the {len(rows):,} {where} beat{'s' * alone} {_quoted(name)} in {most} of {of} "
+                f"objectives and lose{'s' * alone} in none, such as design {row['number']}: {said}."
             )
 
 
@@ -213,8 +220,18 @@ def _influences(studied: Studied, influences: Sequence[Influence]) -> Iterator[s
         if not named:
             yield f"Nothing that varies changes {one.merit}."
             continue
+        named = [k for k in named if _is_sure(one, k)]
+        if not named:
+            yield f"These designs do not show what matters for {one.merit}: all intervals hold 0."
+            continue
         said = ", then ".join(_influence(studied, one, k) for k in named)
         yield f"What matters most for {one.merit} is {said}."
+
+
+def _is_sure(one: Influence, k: int) -> bool:
+    """Whether the interval of an influence, if it has one, does not hold 0."""
+    low, high = one.measures[-1].low, one.measures[-1].high
+    return low is None or high is None or not float(low[k]) <= 0.0 <= float(high[k])
 
 
 def _influence(studied: Studied, one: Influence, k: int) -> str:
@@ -236,6 +253,17 @@ def _influence(studied: Studied, one: Influence, k: int) -> str:
 def _hundredths(value: float) -> str:
     """An index or a correlation."""
     return f"{value:.2f}".replace("-0.00", "0.00").replace("-", "−")
+
+
+def _unknown(studied: Studied) -> Iterator[str]:
+    """Merits that no design has."""
+    done = studied.designs[studied.designs["status"] == "done"]
+    lost = [name for name in studied.merits if len(done) and done[name].isna().all()]
+    if lost:
+        yield (
+            f"No design has {', '.join(lost)}, as is so of a band that runs are too short for; `ehamj run` of one "
+            "design says why."
+        )
 
 
 def _unfinished(studied: Studied) -> Iterator[str]:

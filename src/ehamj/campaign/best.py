@@ -1,9 +1,14 @@
 """Which designs are best: by the one objective, or of the Pareto front those that are nearest to the best of all."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
+
+ENDLESS: Final = 1e15
+"""What an objective without end counts as, such as the margin of a loop that never crosses."""
 
 
 def front_of(objectives: Array) -> NDArray[np.bool_]:
@@ -12,7 +17,7 @@ def front_of(objectives: Array) -> NDArray[np.bool_]:
     Args:
         objectives: (design, objective), all to be small; a design with NaN is on no front.
     """
-    on_front = np.isfinite(objectives).all(axis=1)
+    on_front = ~np.isnan(objectives).any(axis=1)
     left = np.flatnonzero(on_front)
     left = left[np.lexsort(objectives[left].T[::-1])]
     kept: list[int] = []
@@ -40,10 +45,10 @@ def best_of(objectives: Array, good: NDArray[np.bool_], most: int) -> list[int]:
     """
     if not objectives.size:
         return []
-    kept = np.where(good[:, None], objectives, np.nan)
+    kept = np.clip(np.where(good[:, None], objectives, np.nan), -ENDLESS, ENDLESS)
     if kept.shape[1] == 1:
         order = np.argsort(kept[:, 0], kind="stable")  # NaN last
-        return [int(row) for row in order[:most] if np.isfinite(kept[row, 0])]
+        return [int(row) for row in order[:most] if not np.isnan(kept[row, 0])]
     rows = np.flatnonzero(front_of(kept))
     low, reach = kept[rows].min(axis=0, initial=np.inf), np.ptp(kept[rows], axis=0) if rows.size else np.ones(1)
     far = np.linalg.norm((kept[rows] - low) / np.where(reach > 0.0, reach, 1.0), axis=1)

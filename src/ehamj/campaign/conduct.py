@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ehamj.arrays import Array
 from ehamj.campaign.identity import check_same, versions
 from ehamj.campaign.named_schedulers import scheduler_of
-from ehamj.campaign.plans.plan import Goals, Told
+from ehamj.campaign.plans.plan import Goals, Told, excess
 from ehamj.campaign.rows import Column
 from ehamj.campaign.schedulers import Computed
 from ehamj.campaign.stages import Batch, Search, Stage
@@ -178,15 +177,8 @@ def _told(store: Store, first: int, stop: int, stage: Stage) -> Told:
     objectives = signs * store.merits(first, stop, [name for name, _ in goals.objectives])
     merits = store.merits(first, stop, [name for name, *_ in goals.constraints])
     bounds = ((at, low, high) for at, (_, low, high) in enumerate(goals.constraints))
-    violations = [_violation(merits[:, at], low, high) for at, low, high in bounds]
+    violations = [excess(merits[:, at], low, high) for at, low, high in bounds]
     return Told(objectives, np.stack(violations, axis=1) if violations else merits)
-
-
-def _violation(merit: Array, low: float | None, high: float | None) -> Array:
-    """How far a merit is beyond its bounds; 0 or less within them."""
-    below = -np.inf if low is None else low - merit
-    above = -np.inf if high is None else merit - high
-    return np.maximum(below, above) + 0.0 * merit  # NaN stays
 
 
 def columns_of(stages: Sequence[Stage], works: Sequence[Work]) -> list[Column]:

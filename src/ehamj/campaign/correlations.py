@@ -42,7 +42,7 @@ def check_independent(space: "Space", plan: str) -> None:
     """
     if space.correlated:
         raise InputError(
-            f"plan.kind = {plan!r}: parameters must be independent here, and [[correlations]] says that some are not; "
+            f"plan.kind = {plan!r}: parameters must be independent here, and [[correlation]] says that some are not; "
             "leave it out, or take plan.kind = 'monte-carlo' ('latin-hypercube', 'sobol-sequence'), whose rank "
             "correlations and regression need no independence"
         )
@@ -68,7 +68,7 @@ def factor_of(parameters: Sequence[Parameter], correlations: Sequence[Correlatio
         return None
     matrix, known = np.eye(len(parameters)), [one.stated for one in parameters]
     for number, one in enumerate(correlations):
-        said = f"correlations.{number}.between = {list(one.between)}"
+        said = f"correlation.{number}.between = {list(one.between)}"
         for key in one.between:
             if key not in known:
                 stated = tuple(dict.fromkeys(known))
@@ -88,7 +88,7 @@ def factor_of(parameters: Sequence[Parameter], correlations: Sequence[Correlatio
     if least < LEAST_EIGENVALUE:
         most = int(1000.0 * (1.0 - LEAST_EIGENVALUE) / (1.0 - least)) / 1000.0
         raise InputError(
-            f"correlations: the coefficients contradict each other (their matrix has the eigenvalue {least:.3g}, must "
+            f"correlation: the coefficients contradict each other (their matrix has the eigenvalue {least:.3g}, must "
             f"be above 0); {most - 0.001:.3f} times all of them would do"
         )
     return np.asarray(np.linalg.cholesky(matrix))

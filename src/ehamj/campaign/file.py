@@ -113,7 +113,8 @@ class StudyFile(Settings):
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
-        for name in self.wanted:
+        more = [stage.merits or () for stage in (self.tolerances, self.confirm) if stage is not None]
+        for name in (*self.wanted, *(name for names in more for name in names)):
             source_of(name)
         return self
 
@@ -144,7 +145,7 @@ class StudyFile(Settings):
             InputError: if there is no such scenario, or what is set is not allowed.
         """
         scenario = as_scenario(self.scenario)
-        return Machine(changed(scenario, dict(entries(self.set))) if self.set else scenario, self.law)
+        return Machine(changed(scenario, by_parts(self.set)) if self.set else scenario, self.law)
 
     def space(self, machine: Machine) -> Space:
         """The parameters together.
@@ -153,6 +154,11 @@ class StudyFile(Settings):
             InputError: if a key is none of the scenario's, or a spread leaves it no values.
         """
         return Space.of(machine.scenario, self.vary, self.correlation)
+
+
+def by_parts(table: Mapping[str, Any]) -> dict[tuple[str, ...], Any]:
+    """What of a scenario is otherwise, by key in parts; a first key may be dotted, as those of ``vary`` are."""
+    return {(*key[0].split("."), *key[1:]): value for key, value in entries(table)}
 
 
 def load_study(source: str | Path | Mapping[str, Any] | StudyFile, overrides: Iterable[str] = ()) -> StudyFile:

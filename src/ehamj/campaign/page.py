@@ -1,11 +1,11 @@
 """The folder of a study of many designs: its page, tables and figures, and the best designs as scenarios."""
 
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup
 
 from ehamj.campaign.outcome import outcome_of
+from ehamj.campaign.store import reading
 from ehamj.campaign.studied import Studied
 from ehamj.campaign.tables import CSV_FILE, PARQUET_FILE, export
 from ehamj.merits.applied import scenario_of
@@ -26,7 +26,7 @@ def write_study(folder: Path, name: str, studied: Studied, machine: Machine) -> 
     Raises:
         OSError: if a file cannot be written.
     """
-    outcome, scenarios = outcome_of(studied, source_notes(studied, machine)), best_scenarios(studied, machine)
+    outcome, scenarios = outcome_of(studied, source_notes(studied, machine)), best_scenarios(studied, machine, folder)
     export(folder)
     for old in folder.glob(BEST.format("*")):
         if old.name not in scenarios:
@@ -45,25 +45,18 @@ def source_notes(studied: Studied, machine: Machine) -> list[str]:
     return [f"{name}: {note}" for name in sources for note in SOURCES[name].notes(machine)]
 
 
-def best_scenarios(studied: Studied, machine: Machine) -> dict[str, Scenario]:
-    """The best designs as scenarios, by the name of their file."""
+def best_scenarios(studied: Studied, machine: Machine, folder: Path) -> dict[str, Scenario]:
+    """The best designs as scenarios, by the name of their file; their values are those of the folder's store."""
     found = {}
-    for place, row in enumerate(studied.best, 1):
-        design = studied.design(row)
-        values: dict[str, Any] = {key: _plain(design[key]) for key in studied.parameters if _known(design[key])}
-        said = f"design {design['number']} of the study {studied.file.title!r}"
-        found[BEST.format(place)] = scenario_of(machine, values).model_copy(
-            update={"name": f"best-{place}", "description": said}
-        )
+    with reading(folder) as store:
+        for place, row in enumerate(studied.best, 1):
+            number = int(studied.design(row)["number"])
+            (design,) = store.rows(number, number + 1)
+            said = f"design {number} of the study {studied.file.title!r}"
+            found[BEST.format(place)] = scenario_of(machine, design.values).model_copy(
+                update={"name": f"best-{place}", "description": said}
+            )
     return found
-
-
-def _known(value: Any) -> bool:
-    return value is not None and value == value
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if hasattr(value, "item") else value
 
 
 def page_of(outcome: Outcome, studied: Studied, scenario: Scenario, scenarios: list[str]) -> Page:

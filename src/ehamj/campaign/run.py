@@ -10,6 +10,7 @@ import tomli_w
 
 from ehamj.campaign.conduct import conduct
 from ehamj.campaign.file import StudyFile, load_study
+from ehamj.campaign.keys import own_value
 from ehamj.campaign.page import write_study
 from ehamj.campaign.staged import stages_of
 from ehamj.campaign.standing import Progress, Standing, silent
@@ -19,6 +20,8 @@ from ehamj.campaign.tables import frame
 from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError
 from ehamj.folders import check_out, numbered_folder
+from ehamj.merits.applied import scenario_of
+from ehamj.merits.merit import Machine
 from ehamj.result import written_whole
 from ehamj.studies.outcome import Outcome
 from ehamj.unfinished import beside, remove
@@ -98,9 +101,15 @@ def run_study(
         ended = conduct(place, stages, about, resume=resume, progress=told, **given)
     step("page, tables and best designs")
     nominal = {key: space.nominal.get(key) for key in space.keys}
-    studied = studied_of(file, frame(place), nominal, planned, ended.complete)
+    studied = studied_of(file, frame(place), nominal, planned, ended.complete, _of_named(file, machine, nominal))
     name = _name_of(source)
     return Study(place, name, file, write_study(place, name, studied, machine), ended.complete)
+
+
+def _of_named(file: StudyFile, machine: Machine, keys: Iterable[str]) -> dict[int, dict[str, Any]]:
+    """Values of each named design by its number, also those that follow from other keys, such as a preset."""
+    scenarios = [scenario_of(machine, values) for values in file.values_of_named.values()]
+    return {number: {key: own_value(one, key) for key in keys} for number, one in enumerate(scenarios, 1)}
 
 
 def _own_folder(source: Any) -> Path | None:

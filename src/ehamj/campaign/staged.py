@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ehamj.campaign.best import best_of
-from ehamj.campaign.file import StudyFile
+from ehamj.campaign.file import StudyFile, by_parts
 from ehamj.campaign.keys import unit_at
 from ehamj.campaign.parameters import Space
 from ehamj.campaign.rows import Column
@@ -15,7 +15,6 @@ from ehamj.campaign.studied import CONFIRM, NAMED, SEARCH, TOLERANCE, excess
 from ehamj.errors import InputError
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.merit import Machine
-from ehamj.scenario.keys import entries
 from ehamj.scenario.load import changed
 
 if TYPE_CHECKING:
@@ -38,37 +37,36 @@ def stages_of(file: StudyFile) -> list[Stage]:
         Again(NAMED, machine, file.wanted, lambda store: [(None, values) for values in named], keys, len(named)),
         Search(SEARCH, machine, file.wanted, file.plan, space, file.goals),
     ]
-    first = len(named)
-    searched = range(first, first + file.plan.count(space))
 
     def chosen(store: "Store") -> Sequence[Parent]:
-        return chosen_of(file, store, searched)
+        return chosen_of(file, store)
 
     most = (file.best if file.objectives else 0) + max(len(file.named), 1)
     asked = tuple(dict.fromkeys((*file.objectives, *file.limits))) or file.wanted
     if (of := file.tolerances) is not None:
+        within = tuple(dict.fromkeys((*file.limits, *(of.merits or asked))))  # which tell the yield
         stages.append(
             Around(
-                TOLERANCE, machine, of.merits or asked, chosen, keys, most, of.plan,
+                TOLERANCE, machine, within, chosen, keys, most, of.plan,
                 lambda values: Space.of(scenario_of(machine, values), of.vary, of.correlation),
             )
         )  # fmt: skip
     if file.confirm is not None:
-        other = Machine(changed(machine.scenario, dict(entries(file.confirm.set))), machine.law)
+        other = Machine(changed(machine.scenario, by_parts(file.confirm.set)), machine.law)
         stages.append(Again(CONFIRM, other, file.confirm.merits or asked, chosen, keys, most))
     _check_budget(file, stages)
     return stages
 
 
-def chosen_of(file: StudyFile, store: "Store", searched: range) -> list[Parent]:
+def chosen_of(file: StudyFile, store: "Store") -> list[Parent]:
     """The best designs of the search, the best first, and those with a name; without such, the scenario's own."""
-    goals = file.goals
+    goals, searched = file.goals, store.numbers(SEARCH)
     objectives = store.merits(searched.start, searched.stop, list(file.objectives))
     kept = store.merits(searched.start, searched.stop, list(file.limits))
     misses = [excess(kept[:, k], limit) for k, limit in enumerate(file.limits.values())]
     good = np.all([miss <= 0.0 for miss in misses], axis=0) if misses else np.ones(len(objectives), bool)
     best = best_of(objectives * [sign for _, sign in goals.objectives], good, file.best)
-    own = range(1, searched.start) if file.named else range(1)
+    own = range(1, 1 + len(file.named)) if file.named else range(1)
     numbers = [*(searched.start + row for row in best), *own]
     return [(row.number, row.values) for number in numbers for row in store.rows(number, number + 1)]
 

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.campaign.plans.plan import Goals
+from ehamj.campaign.plans.plan import Goals, excess
 
 RECENT: Final = 60.0
 """Time over which a rate is counted, once there is so much [s]."""
@@ -101,10 +101,7 @@ class Watch:
     def _best(self, first: int, merits: Array) -> Mapping[str, tuple[int, float]]:
         good = np.ones(len(merits), bool)
         for at, (_, low, high) in enumerate(self.goals.constraints, len(self.goals.objectives)):
-            with np.errstate(invalid="ignore"):
-                good &= (merits[:, at] >= (-np.inf if low is None else low)) & (
-                    merits[:, at] <= (np.inf if high is None else high)
-                )
+            good &= excess(merits[:, at], low, high) <= 0.0
         best = dict(self.standing.best)
         for at, (name, sign) in enumerate(self.goals.objectives):
             own = np.where(good & ~np.isnan(merits[:, at]), sign * merits[:, at], np.inf)

@@ -93,6 +93,12 @@ class Store:
         query = f"SELECT count(*) FROM designs WHERE number >= ? AND (? < 0 OR number < ?){failures}"
         return int(self._connection.execute(query, (first, last, last)).fetchone()[0])
 
+    def numbers(self, stage: str) -> range:
+        """Numbers of a stage's designs, which follow one another."""
+        query = "SELECT min(number), max(number) + 1 FROM designs WHERE stage = ?"
+        first, stop = self._connection.execute(query, (stage,)).fetchone()
+        return range(0) if first is None else range(first, stop)
+
     def merits(self, first: int, stop: int, names: Sequence[str]) -> Array:
         """Merits (design, name) of the designs from ``first`` up to ``stop``, all there; NaN of those that failed."""
         cells = ", ".join(["status", *(_quoted(self.labels[name]) for name in names)])

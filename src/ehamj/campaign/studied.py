@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from ehamj.arrays import Array
 from ehamj.campaign.best import best_of, front_of
 from ehamj.campaign.names import short_names, worded
+from ehamj.campaign.plans.plan import excess as bounds_excess
+from ehamj.campaign.store import cell_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -158,7 +161,12 @@ class Studied:
 
 
 def studied_of(
-    file: "StudyFile", designs: DataFrame, nominal: Mapping[str, Any], planned: int, complete: bool = True
+    file: "StudyFile",
+    designs: DataFrame,
+    nominal: Mapping[str, Any],
+    planned: int,
+    complete: bool = True,
+    named: Mapping[int, Mapping[str, Any]] = MappingProxyType({}),
 ) -> Studied:
     """A study from the frame of its store (`ehamj.campaign.tables.frame`).
 
@@ -169,13 +177,23 @@ def studied_of(
             none.
         planned: designs that the study makes at most.
         complete: whether all that there will be are there.
+        named: the same of designs that differ from the scenario in other keys, and so in these too, such as by a
+            preset; by their number.
     """
     units = designs.attrs["units"]
     found = designs.reset_index()
-    for key, value in nominal.items():
-        if value is not None:
-            found[key] = found[key].where(found[key].notna(), value)
+    own = [named.get(number, named.get(parent, nominal)) for number, parent in zip(*_relatives(found), strict=True)]
+    for key in nominal:
+        known = found[key].notna()
+        if not known.all():
+            cells = zip(found[key], known, own, strict=True)
+            found[key] = [value if there else cell_of(other.get(key)) for value, there, other in cells]
     return Studied(file, found, tuple(nominal), units, planned, complete)
+
+
+def _relatives(designs: DataFrame) -> tuple[list[int], list[int]]:
+    """Numbers of designs and of their parents, −1 where there is none."""
+    return designs["number"].tolist(), designs["parent"].fillna(-1).astype(int).tolist()
 
 
 def rows_of(designs: DataFrame) -> list[Row]:
@@ -190,9 +208,5 @@ def meets(values: "Series[Any]", limit: "Limit") -> NDArray[np.bool_]:
 
 def excess(values: Array, limit: "Limit") -> Array:
     """By how much values miss a limit, 0 or less where they keep it; endless where there is none."""
-    beyond = np.full(values.shape, -np.inf)
-    if limit.at_least is not None:
-        beyond = np.maximum(beyond, limit.at_least - values)
-    if limit.at_most is not None:
-        beyond = np.maximum(beyond, values - limit.at_most)
-    return np.where(np.isnan(values), np.inf, beyond)
+    beyond = bounds_excess(values, limit.at_least, limit.at_most)
+    return np.where(np.isnan(beyond), np.inf, beyond)

@@ -235,7 +235,8 @@ def _word(place: str) -> str:
 def _floor_columns(own: HeldMachine, stack: Stack, count: int, floor: bool) -> dict[str, Array]:
     """What depends on the floor, by name, of the first designs of a stack."""
     mounts = len(own.scenario.plant.mounts)
-    hertz, ground = _ground(own.floor if floor else None, mounts)
+    assert own.law is not None
+    hertz, ground = _ground(own.floor if floor else None, mounts, _highest(own.law))
     moved, commands = own.loop.floor(stack, hertz, ground, count)
     found = _slab_columns(hertz, np.einsum("dfaa->dfa", moved[..., : len(AXES)]))
     if floor:
@@ -244,20 +245,21 @@ def _floor_columns(own: HeldMachine, stack: Stack, count: int, floor: bool) -> d
     return found
 
 
-def _ground(floor: FloorSpectrum | None, mounts: int) -> tuple[Array, ComplexArray]:
-    """Frequencies and columns: a slab along x, y, z; then those of the floor."""
+def _ground(floor: FloorSpectrum | None, mounts: int, highest: float) -> tuple[Array, ComplexArray]:
+    """Frequencies, of bands below the ``highest`` [Hz], and columns: a slab along x, y, z; then those of the floor."""
     slab = np.tile(np.eye(len(AXES), dtype=complex), (1, mounts, 1, 1))
     if floor is None:
-        return hertz_of(BANDS), slab
+        return hertz_of([band for band in BANDS if band.edges[1] < highest]), slab
     slabs = np.broadcast_to(slab, (floor.hertz.size, *slab.shape[1:]))
     return floor.hertz, np.concatenate([slabs, floor.columns], axis=-1)
 
 
 def _slab_columns(hertz: Array, moved: ComplexArray) -> dict[str, Array]:
-    """Attenuation and peak from the motion over that of a slab, (design, f, axis)."""
-    first = int(np.argmin(np.abs(hertz - hertz_of(BANDS)[0])))
+    """Attenuation and peak from the motion over that of a slab, (design, f, axis); NaN in bands that are not there."""
+    first, found = int(np.argmin(np.abs(hertz - hertz_of(BANDS)[0]))), {}
     squares = np.abs(moved[:, first : first + len(hertz_of(BANDS))]) ** 2
-    levels, found = attenuations(squares), {}
+    levels, known = np.full((len(squares), len(BANDS), len(AXES)), np.nan), attenuations(squares)
+    levels[:, : known.shape[1]] = known
     for k, axis in enumerate(AXES):
         found[f"peak.{axis}"] = 10.0 * np.log10(squares[..., k].max(axis=1))
         found |= {f"attenuation.{axis}.{band.name}": levels[:, b, k] for b, band in enumerate(BANDS)}
@@ -282,7 +284,7 @@ def _supply_columns(hertz: Array, commands: ComplexArray, values: Values, oil: A
 
 
 def _floor_alone(scenario: Scenario, model: LinearModel, loop: Loop, floor: FloorSpectrum | None) -> dict[str, Array]:
-    hertz, ground = _ground(floor, len(scenario.plant.mounts))
+    hertz, ground = _ground(floor, len(scenario.plant.mounts), _highest(loop.law))
     flat = np.broadcast_to(ground, (hertz.size, *ground.shape[1:])).reshape(hertz.size, -1, ground.shape[-1])
     moved = ground_response(model, hertz, machine_channels()[: len(AXES)], loop) @ flat[..., : len(AXES)]
     found = _slab_columns(hertz, np.einsum("faa->fa", moved)[None])

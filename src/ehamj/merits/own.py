@@ -6,6 +6,7 @@ import marshal
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar, Final
 
 from ehamj.errors import InputError
@@ -27,12 +28,23 @@ class Own:
 
     def digest(self) -> str:
         """What tells the function from one that computes something else: a hash of its source."""
-        code = getattr(self.function, "__code__", None)
-        try:
-            told = inspect.getsource(self.function).encode()
-        except (OSError, TypeError):  # typed into a console, or no function but an object that is called
-            told = repr(self.function).encode() if code is None else marshal.dumps(code)
-        return hashlib.sha256(told).hexdigest()[:16]
+        return hashlib.sha256(_told(self.function)).hexdigest()[:16]
+
+
+def _told(function: Any) -> bytes:
+    """What a function computes: its source, with what it closes over and has by default."""
+    if isinstance(function, partial):
+        return _told(function.func) + repr((function.args, sorted(function.keywords.items()))).encode()
+    code = getattr(function, "__code__", None)
+    try:
+        told = inspect.getsource(function).encode()
+    except (OSError, TypeError):  # typed into a console, or no function but an object that is called
+        told = repr(function).encode() if code is None else marshal.dumps(code)
+    if code is None:
+        return told
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    inner = b"".join(_told(one) if callable(one) else repr(one).encode() for one in cells)
+    return told + inner + repr((function.__defaults__, function.__kwdefaults__)).encode()
 
 
 @dataclass(frozen=True)

@@ -120,7 +120,7 @@ class _Numbers:
             summary = simulate(self.scenario.model_copy(update={"duration": short, "compare": ()})).summary
         except Incomplete as error:  # its designs may hold
             summary = error.result.summary
-        found = [path for path in _leaves(type(summary), summary) if path not in CHANCE]
+        found = [path for path in _leaves(type(summary), summary) if path not in CHANCE and not _of_norm(path)]
         return {one.name: path for path, one in BESIDE.items()} | {".".join((FIRST, *path)): path for path in found}
 
     @cached_property
@@ -130,6 +130,11 @@ class _Numbers:
             name: BESIDE.get(path) or Merit(name, _unit(path), f"{' → '.join(path)} in the run's summary")
             for name, path in self.paths.items()
         }
+
+
+def _of_norm(path: Path) -> bool:
+    """Whether a number is a level of a norm, whose unit is that of whatever decided."""
+    return path[0] in ("criterion", "criteria") and path[-1] in ("level", "limit", "peak")
 
 
 def _failed(_: int, error: Exception) -> Failed:
@@ -173,8 +178,8 @@ def _unit(path: Path) -> str:
         return VARIABLES[path[1]][1]
     if path[0].startswith("third_octave_"):
         return QUANTITIES[path[0].removeprefix("third_octave_")]
-    if path[0] == "levels" and path[1] in QUANTITIES:
-        return QUANTITIES[path[1]]
+    if path[0] == "levels" and (path[1] in QUANTITIES or path[1] == "peak"):
+        return QUANTITIES.get(path[1], "m/s")
     for key in reversed(path):
         for end, unit in UNITS.items():
             if key.endswith(end):

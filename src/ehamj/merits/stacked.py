@@ -12,7 +12,6 @@ from ehamj.designs.designs import Designs
 from ehamj.designs.parameters import check, mount_of, quantity_of
 from ehamj.errors import InputError
 from ehamj.estimate.bands import Band
-from ehamj.judge.levels import BANDS
 from ehamj.merits.applied import designs_of, scenario_of
 from ehamj.merits.merit import Design, Failed, Found, Machine, Source
 from ehamj.scenario.model import Scenario
@@ -23,6 +22,8 @@ PER_BAND: Final = 8
 OF_MACHINES: Final = ("machine", "mount", "actuators", "supply", "gravity", "footprint", "part", "slide")
 """First words of keys that change a machine; all others leave its own linear figures as they are."""
 
+FITTED: Final = ("footprint.", "machine.cg", "machine.inertia")
+"""Keys of values that must fit the machine's outline, or each other, as positions of mounts must."""
 RATED: Final = ("rated_flow", "rated_drop", "spool_stroke", "flow_gain")
 """Values of an actuator that have to do with its flow gain where it is stated by rated-flow data."""
 
@@ -52,9 +53,9 @@ def hertz_of(bands: Sequence[Band]) -> Array:
 
 
 def attenuations(squares: Array) -> Array:
-    """Attenuation per band [dB] from |T|² at `hertz_of` `BANDS` along the last axis but one, (…, f, axis): a floor that
+    """Attenuation per band [dB] from |T|² at `hertz_of` bands along the last axis but one, (…, f, axis): a floor that
     moves with the same velocity at each of the frequencies over the machine (`ehamj.estimate.bands`)."""
-    split = squares.reshape(*squares.shape[:-2], len(BANDS), PER_BAND, squares.shape[-1])
+    split = squares.reshape(*squares.shape[:-2], -1, PER_BAND, squares.shape[-1])
     with np.errstate(divide="ignore"):
         return np.asarray(-10.0 * np.log10(split.mean(axis=-2)))
 
@@ -182,7 +183,18 @@ class _Keys:
         for k in np.flatnonzero(~(high > low)).tolist():
             said = f"supply.pressure = {high[k]:g} Pa must be above tank_pressure = {low[k]:g} Pa"
             found[k] = found[k] or said
+        if any(key.startswith(FITTED) or ".position." in key for key in designs[0]):
+            for k, one in enumerate(designs):
+                found[k] = found[k] or self._unfit(one)
         return found
+
+    def _unfit(self, values: Mapping[str, Any]) -> str | None:
+        """Why values that must fit each other make no machine, which its scenario says."""
+        try:
+            scenario_of(Machine(self.scenario), values)
+        except InputError as error:
+            return " ".join(str(error).split())
+        return None
 
     def _refused(self, key: str, values: Array) -> str | None:
         try:

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from ehamj.arrays import Array
+from ehamj.campaign.best import ENDLESS
 from ehamj.campaign.correlations import check_independent
 from ehamj.campaign.plans.coding import Coding
 from ehamj.campaign.plans.plan import Batches, Goals, Plan, Told
@@ -103,8 +104,8 @@ def as_numbers(told: Told, goals: Goals) -> tuple[Array, Array]:
 
     Each violation counts in shares of its bound, as they are added up.
     """
-    objectives, violations = np.array(told.objectives, float), np.array(told.violations, float)
-    failed = ~(np.isfinite(objectives).all(axis=1) & ~np.isnan(violations).any(axis=1))
+    objectives, violations = np.clip(told.objectives, -ENDLESS, ENDLESS), np.array(told.violations, float)
+    failed = np.isnan(objectives).any(axis=1) | np.isnan(violations).any(axis=1)
     for k, (_, low, high) in enumerate(goals.constraints):
         violations[:, k] /= max(abs(low or 0.0), abs(high or 0.0)) or 1.0
     objectives[failed], violations[failed] = 0.0, 0.0

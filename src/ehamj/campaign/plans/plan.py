@@ -5,6 +5,8 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from ehamj.arrays import Array
 from ehamj.settings import Settings
 
@@ -31,6 +33,16 @@ class Told:
 
     objectives: Array
     violations: Array
+
+
+def excess(values: Array, at_least: float | None, at_most: float | None) -> Array:
+    """By how much values miss bounds, 0 or less where they keep them; NaN of values that are not known."""
+    beyond = np.full(np.shape(values), -np.inf)
+    if at_least is not None:
+        beyond = np.maximum(beyond, at_least - values)
+    if at_most is not None:
+        beyond = np.maximum(beyond, values - at_most)
+    return np.where(np.isnan(values), np.nan, beyond)
 
 
 Batches = Generator[Array, Told, None]
