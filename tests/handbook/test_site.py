@@ -1,0 +1,1 @@
+"""The built site: it holds together by itself, and a reader finds what he came for."""
