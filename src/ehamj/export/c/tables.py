@@ -73,7 +73,7 @@ def laws_of(parts: Sequence[Controller], loop: DigitalLoop) -> tuple[list[dict[s
     tables: list[Table] = []
     for k, (part, row) in enumerate(zip(parts, loop.laws.table, strict=False)):
         at, count = int(row["inputs_at"]), int(row["inputs"])
-        entry = {name: int(row[name]) for name in ("states", "inputs", "lines")}
+        entry: dict[str, Any] = {name: int(row[name]) for name in ("states", "inputs", "lines")}
         entry |= {"first": int(row["states_at"]), "line": int(row["line_at"]), "reading": f"READING_{k}", "L": "NULL"}
         read = loop.laws.inputs_of[at : at + count]
         tables.append(_whole("uint16_t", f"READING_{k}", read))

@@ -92,8 +92,8 @@ def clock_of(laws: Laws, timestep: float) -> Clock:
         places = 0 if at_once else delay // every + 1
         rows.append(Row(every, delay, first, places, at_once, said))
         first += places
-    said = {0.0: "as soon as it returns", 1.0: "at the next tick, not before (EHAMJ_LAW_REST)"}
-    later = said.get(rest, f"{float(late)!r} s after the tick (EHAMJ_LAW_REST), neither before nor later")
+    known = {0.0: "as soon as it returns", 1.0: "at the next tick, not before (EHAMJ_LAW_REST)"}
+    later = known.get(rest, f"{float(late)!r} s after the tick (EHAMJ_LAW_REST), neither before nor later")
     return Clock(float(tick), float(late), rest == 0.0, later, tuple(rows), base)
 
 
