@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from ehamj.folders import SAVING
 
 if TYPE_CHECKING:
+    __version__: str
     from ehamj.campaign.run import run_study as run_study
     from ehamj.control import (
         Controller as Controller,
@@ -76,6 +77,10 @@ SAVING.append(_save)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("ehamj")
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     found = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
@@ -84,4 +89,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOME})
+    return sorted({*globals(), *_HOME, "__version__"})
