@@ -1,6 +1,6 @@
 """Packages that only some of ehamj needs: which extra of it brings each, and what is said where one is missing."""
 
-from importlib.util import find_spec
+import importlib.util
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -35,6 +35,6 @@ def check_extra(package: str, key: str) -> None:
     Raises:
         InputError: which says how it is installed.
     """
-    if find_spec(package) is None:
+    if importlib.util.find_spec(package) is None:
         name, extra = EXTRAS[package]
         raise InputError(f"{key}: needs {name}, which is not installed here: pip install 'ehamj[{extra}]'")
