@@ -47,7 +47,7 @@ RANKS = (
     ("evaluation", "paper"),
     ("merits",),
     ("report", "studies"),
-    ("design", "verify", "store", "campaign"),
+    ("design", "export", "verify", "store", "campaign"),
     ("bench",),
     ("cli", "__init__"),
 )

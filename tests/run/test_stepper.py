@@ -95,9 +95,9 @@ def test_it_is_the_run_of_simulate_to_the_bit(active: Scenario) -> None:
                 np.testing.assert_array_equal(again[name], now[name], err_msg=name)
 
 
-@pytest.mark.parametrize(("plates", "within"), [("tied", 1e-12), ("sliding", 1e-7)])
+@pytest.mark.parametrize(("plates", "within"), [("tied", 1e-12), ("sliding", 1e-6)])
 def test_what_is_held_does_what_the_same_inputs_of_a_whole_run_do(active: Scenario, plates: str, within: float) -> None:
-    """Sums that round otherwise in the last digit show at 1e-8 where plates slide: the engine's solver ends there."""
+    """Sums that round otherwise in the last digit show at 1e-7 where plates slide: the engine's solver ends there."""
     active = active.model_copy(update={"plates": plates})
     rng = np.random.default_rng(5)
     commands, ground = rng.normal(0.0, 0.3, (10, 4)), rng.normal(0.0, 0.02, (10, 4, 3))

@@ -38,7 +38,9 @@ class Held(NamedTuple):
             InputError: if a value is not finite, or they are not as many as they must be.
         """
         stated = {name: value for name, value in given.items() if value is not None}
-        return self._replace(**{name: _checked(name, value, getattr(self, name), mounts) for name, value in stated.items()})
+        return self._replace(
+            **{name: _checked(name, value, getattr(self, name), mounts) for name, value in stated.items()}
+        )
 
 
 def _checked(name: str, given: Any, like: Array, mounts: Sequence[str]) -> Array:
@@ -70,12 +72,10 @@ class Moved(NamedTuple):
         """Nowhere."""
         return cls(*np.zeros((2, mounts, len(AXES))))
 
-    def after(self, seconds: float, acceleration: Array) -> Self:
-        """After so many seconds under an acceleration (mount, axis) [m/s²]: exact."""
+    def after(self, seconds: float | Array, acceleration: Array) -> Self:
+        """After so many seconds, (…, 1, 1) or one number, under an acceleration (mount, axis) [m/s²]: exact."""
         gained = acceleration * seconds
-        return type(self)(
-            self.displacement + self.velocity * seconds + 0.5 * gained * seconds, self.velocity + gained
-        )
+        return type(self)(self.displacement + self.velocity * seconds + 0.5 * gained * seconds, self.velocity + gained)
 
 
 def about_carrier(plant: Plant) -> Array:

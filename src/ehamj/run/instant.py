@@ -48,7 +48,7 @@ class Instant(Observing):
         return float(self.times[0])
 
     @property
-    def _sampled(self) -> GroundSample:  # type: ignore[override]
+    def _sampled(self) -> GroundSample:
         return self._ground_now
 
     @property

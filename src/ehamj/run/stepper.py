@@ -9,17 +9,15 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ehamj.arrays import Array
 from ehamj.control import LinearController, PythonController, as_controller
 from ehamj.control.law import silent
-from ehamj.control.loop import DigitalLoop
-from ehamj.control.noise import ReadingNoise
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.interruption import check
 from ehamj.mujoco import hydraulics
 from ehamj.mujoco.advance import advance
 from ehamj.mujoco.rows import Recording
 from ehamj.mujoco.warned import warned
+from ehamj.run.ahead import NoiseAhead, remember, twin_of
 from ehamj.run.drive import STRETCH, Driving, Faults, driving
 from ehamj.run.faults import plants
 from ehamj.run.held import Held, Moved, about_carrier, add
@@ -45,8 +43,8 @@ class Stepper:
             now.value("measured", "foot_velocity front-left z")  # through the scenario's instrument
             machine.step(0.002, force=[0.0, 0.0, 50.0, 0.0, 0.0, 0.0])
 
-    It is the run that `ehamj.simulate` makes: the same floor, law, instruments, faults and step, and what is held beside
-    them. Commands [V] add to the law's. Ground is given as acceleration [m/s²]: held, it is integrated exactly to
+    It is the run that `ehamj.simulate` makes: the same floor, law, instruments, faults and step, and beside them what
+    is held. Commands [V] add to the law's. Ground is given as acceleration [m/s²]: held, it is integrated exactly to
     velocity and displacement, since a displacement that is held would be a blow. Force and moment [N, N m] act at the
     centre of gravity, in the axes of the ground. All of them stay until others are given.
 
@@ -73,8 +71,8 @@ class Stepper:
         self._lock, self._within = threading.RLock(), ExitStack()
         with hydraulics():
             self._prepared = _prepared(given, law, tuple(reads), reads_every)
-        self._loop, self._peeked = self._prepared.loop, _twin(self._prepared.loop)
-        self._noise, self._faults = _Ahead(self._prepared), Faults(self._prepared)
+        self._loop, self._peeked = self._prepared.loop, twin_of(self._prepared.loop)
+        self._noise, self._faults = NoiseAhead(self._prepared), Faults(self._prepared)
         model, mounts = self._prepared.model, self.mounts
         self._unseen = Recording.of(model, self._loop, NEVER, 1)
         self._held, self._moved = Held.nothing(len(mounts)), Moved.at_rest(len(mounts))
@@ -213,7 +211,7 @@ class Stepper:
         own = self._prepared
         self._faults.strike(self._done)
         steps = min(STRETCH, steps, self._faults.steps_left(self._done))
-        driven, noise = self._driving(steps), self._noise.take(*self._loop.samples(self._done, steps))
+        driven, noise = self._driving(steps), self._noise.take(self._loop.samples(self._done, steps)[1])
         given = (driven.inputs, self._unseen, False, self._loop, noise, driven.load)
         stopped, _ = advance(own.model, own.data, self._done, steps, *given)
         self._done, self._now = self._done + stopped.steps, None
@@ -223,8 +221,8 @@ class Stepper:
     def _seen(self) -> Instant:
         """The present instant, without a trace of having looked: law and instruments are as they were."""
         own = self._prepared
-        _copy(self._loop, self._peeked)
-        driven, noise = self._driving(1), self._noise.ahead(*self._loop.samples(self._done, 1))
+        remember(self._loop, self._peeked)
+        driven, noise = self._driving(1), self._noise.ahead(self._loop.samples(self._done, 1)[1])
         recording = Recording.of(own.model, self._loop, 1, 1)
         before = own.data.ctrl.copy(), own.data.qacc_warmstart.copy()
         with hydraulics():
@@ -263,43 +261,7 @@ def _prepared(scenario: Scenario, law: Any, reads: tuple[str, ...], every: float
         found = prepare(scenario, law)
     if scenario.timestep != "auto" and not all(follows(plant, found.timestep) for plant in plants(scenario)):
         raise InputError(
-            f"timestep = {found.timestep:g} s: is beyond the integrator's stability for the fastest mode; use 'auto' or "
-            "a shorter one"
+            f"timestep = {found.timestep:g} s: is beyond the integrator's stability for the fastest mode; use 'auto' "
+            "or a shorter one"
         )
     return found
-
-
-def _twin(loop: DigitalLoop) -> DigitalLoop:
-    """A loop that remembers for itself."""
-    law, readings = ([part.copy() for part in memory] for memory in (loop.law_memory, loop.readings))
-    return replace(loop, law_memory=type(loop.law_memory)(*law), readings=type(loop.readings)(*readings))
-
-
-def _copy(loop: DigitalLoop, twin: DigitalLoop) -> None:
-    """Let a twin remember what a loop does."""
-    for own, its in ((loop.law_memory, twin.law_memory), (loop.readings, twin.readings)):
-        for source, target in zip(own, its, strict=True):
-            target[:] = source
-
-
-class _Ahead:
-    """Noise of readings, of which that of the next sample may be heard before it is taken."""
-
-    def __init__(self, prepared: Prepared) -> None:
-        self._noise: ReadingNoise | None = prepared.noise
-        self._next: Array | None = None
-
-    def take(self, _: int, samples: int) -> Array | None:
-        """That of the next samples."""
-        if self._noise is None or samples == 0:
-            return None
-        ahead, self._next = self._next, None
-        if ahead is None:
-            return self._noise.take(samples)
-        return np.concatenate([ahead, self._noise.take(samples - 1)]) if samples > 1 else ahead
-
-    def ahead(self, _: int, samples: int) -> Array | None:
-        """That of the next sample, which is still to be taken."""
-        if self._noise is not None and samples and self._next is None:
-            self._next = self._noise.take(1)
-        return self._next if samples else None
