@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ehamj.result import load_result as load_result
     from ehamj.run.many import simulate_many as simulate_many
     from ehamj.run.simulate import simulate as simulate
+    from ehamj.run.stepper import Stepper as Stepper
     from ehamj.scenario.load import load_scenario as load_scenario
     from ehamj.scenario.load import parse_scenario as parse_scenario
     from ehamj.scenario.model import Scenario as Scenario
@@ -50,6 +51,7 @@ _HOME: Final = {
     "Result": "result",
     "Scenario": "scenario.model",
     "SimulationFailed": "errors",
+    "Stepper": "run.stepper",
     "linearise": "views.linear",
     "load_controller": "control",
     "load_result": "result",
