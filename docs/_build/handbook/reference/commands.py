@@ -60,18 +60,18 @@ def _page(name: str, command: Any, shown: list[dict[str, Any]]) -> str:
     parts = [f"# ehamj {name}\n", f"{_words(command.help)}\n", _usage(f"ehamj {name}", command)]
     if shown:
         parts.append("## Examples\n")
-        parts += [f"{one['text']}\n\n```console\n$ {one['line']}\n```\n" for one in shown]
+        parts += [f"{one['text']}\n\n```sh\n{one['line']}\n```\n" for one in shown]
     parts += ["## Options\n", _options(command)]
     if isinstance(command, TyperGroup):
         for below, one in command.commands.items():
-            title = f"ehamj {name} {below}"
-            parts += [f"## {title}\n", f"{_words(one.help)}\n", _usage(title, one), _options(one)]
+            title = f"ehamj {name}" if below == "FILE" else f"ehamj {name} {below}"
+            parts += [f"## ehamj {name} {below}\n", f"{_words(one.help)}\n", _usage(title, one), _options(one)]
     return "\n".join(parts)
 
 
 def _usage(title: str, command: Any) -> str:
     words = [_word(one) for one in command.params if one.param_type_name == "argument"]
-    return f"```console\n$ {' '.join([title, *words, '[OPTIONS]'])}\n```\n"
+    return f"```text\n{' '.join([title, *words, '[OPTIONS]'])}\n```\n"
 
 
 def _word(argument: Any) -> str:

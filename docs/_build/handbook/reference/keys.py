@@ -1,6 +1,7 @@
 """Every key of a scenario: one page for each kind of table."""
 
 import json
+import re
 from typing import Final, NamedTuple
 
 from ehamj.scenario.load import scenario_schema
@@ -16,6 +17,9 @@ class Topic(NamedTuple):
     intro: str
     keys: tuple[str, ...]
 
+
+FIRST: Final = re.compile(r"[.;] ")
+"""Where the first words of an intro end."""
 
 TOPICS: Final = (
     Topic("machine.md", "Machine, parts and slides", "What stands on the mounts.", ("machine", "part", "slide")),
@@ -52,7 +56,7 @@ def key_pages() -> dict[str, str]:
 def _index(tables: Tables) -> str:
     """Keys of the top level."""
     properties = tables.schema["properties"]
-    listed = "\n".join(f"- [{one.title}]({one.file}): {one.intro}" for one in TOPICS)
+    listed = "\n".join(f"- [{one.title}]({one.file}): {FIRST.split(one.intro)[0]}" for one in TOPICS)
     parts = [tables.key(name, node, name, False) for name, node in properties.items()]
     told = (
         "A scenario is TOML in SI units; every key is checked. `ehamj schema` prints the same as a JSON schema, for an "

@@ -1,1 +1,0 @@
-"""The built site: it holds together by itself, and a reader finds what he came for."""
