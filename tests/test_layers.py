@@ -18,6 +18,7 @@ RANKS = (
     (
         "settings",
         "registry",
+        "extras",
         "findings",
         "scenario_files",
         "folders",
@@ -47,7 +48,7 @@ RANKS = (
     ("evaluation", "paper"),
     ("merits",),
     ("report", "studies"),
-    ("design", "verify", "store", "campaign"),
+    ("design", "export", "verify", "store", "campaign"),
     ("bench",),
     ("cli", "__init__"),
 )

@@ -30,6 +30,7 @@ PRINTED: dict[str, tuple[str, ...]] = {
     "modes that are measured": ("modes", "benchmark", *QUICK, "--measured", "ring-down"),
     "statics": ("workshop", "--shims", "level"),
     "transmissibility": ("benchmark", *QUICK, "--dofs", "z", "--lines", "2", "--from", "20", "--to", "50"),
+    "export": ("benchmark", "--mjcf", "model.xml"),
     "paper": (),
     "bench": (),
     "the parts of a bench": ("bench", "--list"),

@@ -8,7 +8,7 @@ from typing import Final
 from ehamj.errors import InputError
 from ehamj.scenario_files import is_study_file, scenario_path
 
-TAKING: Final = ("run", "design", "modes", "statics", "transmissibility", "study")
+TAKING: Final = ("run", "design", "modes", "statics", "transmissibility", "study", "export")
 """Commands that take a scenario, by default *recorded*, and ``--set``."""
 
 FLAGS: Final = ("--json", "--overwrite", "--no-replay", "--no-report", "--sensitivity", "--all")

@@ -26,6 +26,7 @@ COMMANDS: Final = {
     "statics": "statics",
     "paper": "paper",
     "transmissibility": "transmissibility",
+    "export": "export",
     "study": "study",
     "merits": "merits",
     "replay": "stored",

@@ -1,0 +1,103 @@
+"""Exports that appear all together, or not at all."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from ehamj.errors import InputError
+from ehamj.export.formats import FORMATS, Format
+from ehamj.export.subject import Subject
+from ehamj.folders import check_file, check_out, new_folder
+from ehamj.unfinished import HELD, beside, clear_leftovers, remove
+
+
+class Exported(NamedTuple):
+    """What was exported."""
+
+    files: Mapping[Path, str]
+    """What each file is and how to open it."""
+    notes: tuple[str, ...]
+
+
+def check_targets(chosen: Mapping[str, Path], overwrite: bool) -> None:
+    """Refuse what cannot be written; called before anything is computed.
+
+    Args:
+        chosen: where to, by the format's name.
+        overwrite: whether files, and folders of the same kind, may be replaced.
+
+    Raises:
+        InputError: which names the option.
+    """
+    if not chosen:
+        lines = "; ".join(f"{one.option} {one.takes} ({one.what})" for one in FORMATS.values())
+        raise InputError(f"export: no format is named; name one or more of: {lines}")
+    taken: dict[Path, str] = {}
+    for name, target in chosen.items():
+        one = FORMATS[name]
+        if one.suffix:
+            _check_files(one, target, overwrite)
+        else:
+            check_out(target, overwrite, one.marks, one.option)
+        for path in (target, *one.beside(target)):
+            if other := taken.get(path.resolve()):
+                raise InputError(f"{one.option} {str(target)!r}: {other} writes {str(path)!r} too; name another file")
+            taken[path.resolve()] = one.option
+
+
+def _check_files(one: Format, target: Path, overwrite: bool) -> None:
+    """Raise InputError unless a file, and what stands next to it, may be written."""
+    if target.suffix != one.suffix:
+        raise InputError(f"{one.option} {str(target)!r}: must end in {one.suffix}")
+    for path in (target, *one.beside(target)):
+        if path.exists() and not (overwrite and path.is_file()):
+            raise InputError(f"{one.option} {str(path)!r}: exists already; name another file or add --overwrite")
+        check_file(path, one.option)
+
+
+def export_to(
+    subject: Subject, chosen: Mapping[str, Path], overwrite: bool, progress: Callable[[str], None]
+) -> Exported:
+    """Write a subject in some formats, which take their places when all are whole.
+
+    Args:
+        subject: what is exported.
+        chosen: where to, by the format's name; checked (`check_targets`).
+        overwrite: whether what is there may be replaced.
+        progress: called with what is being written.
+
+    Raises:
+        InputError: if the subject has nothing for a format, or cannot be computed.
+    """
+    files: dict[Path, str] = {}
+    notes: list[str] = []
+    with ExitStack() as places:
+        for name, target in chosen.items():
+            one = FORMATS[name]
+            progress(f"writing {target}")
+            if one.suffix:
+                written = one.write(subject, places.enter_context(_new_files(target)))
+                within = target.parent
+            else:
+                place = places.enter_context(new_folder(target, overwrite))
+                written = one.write(subject, place.target)
+                within = target
+            files |= {within / file: said.replace("{path}", str(within / file)) for file, said in written.files.items()}
+            notes += [f"{one.option}: {note}" for note in written.notes]
+    return Exported(files, tuple(notes))
+
+
+@contextmanager
+def _new_files(target: Path) -> Iterator[Path]:
+    """The path of a file's name in a folder beside its own, of which all files go to where it belongs in the end."""
+    clear_leftovers(target.parent)
+    temporary = beside(target.absolute())
+    HELD.add(temporary)
+    temporary.mkdir()
+    try:
+        yield temporary / target.name
+        for path in temporary.iterdir():
+            path.replace(target.parent / path.name)
+    finally:
+        remove(temporary)
