@@ -101,7 +101,9 @@ def photograph(taken: Taken, folder: Path, picture: Path) -> None:
     page = folder / taken.file
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
     size = [f"--window-size={taken.window[0]},{taken.window[1]}", f"--force-device-scale-factor={taken.scale}"]
-    subprocess.run([program, *options, *size, f"--screenshot={picture}", page.as_uri()], check=True, capture_output=True)
+    subprocess.run(
+        [program, *options, *size, f"--screenshot={picture}", page.as_uri()], check=True, capture_output=True
+    )
     cut(picture)
     if picture.stat().st_size > LARGEST:
         raise SystemExit(f"{picture}: {picture.stat().st_size} B, more than {LARGEST}")
