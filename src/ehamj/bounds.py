@@ -88,7 +88,7 @@ def check_magnitude(value: Any, unit: str | None, endless: bool = False, signed:
         ValueError: if one has a magnitude that nothing of its ``unit`` has. Infinity and zero pass, however much where
             infinity is usual, ``endless``, and however little where it may be the rest of a sum, ``signed``.
     """
-    for number in _numbers(value):
+    for number in (value,) if type(value) is float else _numbers(value):
         if isinstance(number, int) and abs(number) > INTEGER:
             raise ValueError("an integer must fit into 64 bits")
         least, largest = BOUNDS.get(unit, NOISE) if unit is not None else (0.0, math.inf)

@@ -114,6 +114,8 @@ def fingerprint(samples: Samples) -> tuple[tuple[int, ...], bytes]:
 
 
 def _known_by(samples: Samples) -> bytes:
+    if samples.shape[0] <= ROWS and not isinstance(samples, Picked):
+        return digest(np.asarray(samples[:]))
     return blake2b(b"".join(map(digest, columns(samples)))).digest()
 
 

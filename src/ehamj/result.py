@@ -4,6 +4,7 @@ import contextlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from html import escape
 from pathlib import Path
 from types import MappingProxyType
@@ -229,7 +230,13 @@ def make_dataset(
     for name, array in values.items():
         dimensions, units, long_name = VARIABLES[name]
         data[name] = (("time", *dimensions), array, {"units": units, "long_name": long_name})
-    coordinates: dict[str, Any] = {"time": ("time", time, {"units": "s", "long_name": "time"})}
-    for name, along in {**labels, **FIXED}.items():
-        coordinates[name] = (name, list(along), {"long_name": DIMENSIONS[name]})
-    return xr.Dataset(data, coordinates, attributes)
+    clock = xr.Coordinates({"time": ("time", time, {"units": "s", "long_name": "time"})})
+    others = _labelled(tuple((name, tuple(along)) for name, along in {**labels, **FIXED}.items()))
+    return xr.Dataset(data, clock.merge(others).coords, attributes)
+
+
+@lru_cache(maxsize=16)
+def _labelled(labels: tuple[tuple[str, tuple[Any, ...]], ...]) -> xr.Coordinates:
+    """What lies along dimensions, by name. Many runs have the same, and an index takes as long as some judge a run."""
+    named = {name: (name, list(along), {"long_name": DIMENSIONS[name]}) for name, along in labels}
+    return xr.Dataset(coords=named).coords

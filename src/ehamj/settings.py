@@ -101,10 +101,17 @@ class Settings(BaseModel):
                 if _holds_many(field.annotation):
                     field.metadata.append(BeforeValidator(check_count))
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with other values, not checked; what the settings have computed of themselves stays behind."""
+        made = super().model_copy(update=update, deep=deep)
+        for name in made.__dict__.keys() - type(self).model_fields.keys():
+            del made.__dict__[name]
+        return made
+
     @model_validator(mode="before")
     @classmethod
     def _lists_are_tuples(cls, table: Any) -> Any:
-        return {key: _tuples(value) for key, value in table.items()} if isinstance(table, Mapping) else table
+        return _tuples(dict(table)) if isinstance(table, Mapping) and type(table) is not _Listless else table
 
     @classmethod
     def stated(cls, **values: Any) -> Self:
@@ -113,9 +120,13 @@ class Settings(BaseModel):
         return cls.model_construct(**values)  # type: ignore[return-value]
 
 
+class _Listless(dict[str, Any]):
+    """A table in which all lists are tuples, so that tables within it are not looked through once more."""
+
+
 def _tuples(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _tuples(entry) for key, entry in value.items()}
+        return _Listless((key, _tuples(entry)) for key, entry in value.items())
     return tuple(_tuples(entry) for entry in value) if isinstance(value, list) else value
 
 

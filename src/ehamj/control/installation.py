@@ -102,7 +102,7 @@ class Installation(Settings):
         """The actuators with the values that they run with, which is what is to be shown of them."""
         return {name: actuator.running_on(self.supply) for name, actuator in self.actuators.items()}
 
-    @property
+    @cached_property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
         return Plant(

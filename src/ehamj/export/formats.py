@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from ehamj.export.law_c import MARKS, write_c
 from ehamj.export.matlab import script_of, write_matlab
 from ehamj.export.mjcf import write_mjcf
 from ehamj.export.python_control import write_python_control
@@ -56,3 +57,4 @@ FORMATS.add(
 FORMATS.add(
     "mjcf", Format("--mjcf", "FILE.xml", "the machine as a MuJoCo model, to look at or to build on", write_mjcf)
 )
+FORMATS.add("c", Format("--c", "FOLDER", "the law in C99, with a run's readings to replay", write_c, MARKS))

@@ -112,7 +112,7 @@ def follows(plant: Plant, timestep: float) -> bool:
 
 def _modes(plant: Plant) -> NDArray[np.complex128]:
     """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
-    stiff = tuple(actuator.with_values({"air_fraction": 0.0}) for actuator in plant.actuators)
+    stiff = tuple(one.with_values({"air_fraction": 0.0}) if one.air_fraction else one for one in plant.actuators)
     model = build_model(reduced(replace(plant.locked(), actuators=stiff)), 1e-4)
     data = mujoco.MjData(model)
     with hydraulics():

@@ -55,6 +55,8 @@ def written(text: str) -> Any:
 def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str) -> None:
     """Set the value of a dotted key, or of one in parts; ``said`` is what messages begin with.
 
+    Tables and lists within ``table`` are replaced, not changed: others may hold them too.
+
     A table as a result holds it states its values' sources. The source of a replaced value goes; so do values that
     came from the preset, oil or valve that is replaced, and an inertia that nobody gave with the mass or size that is.
     """
@@ -63,14 +65,18 @@ def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str
         table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
     at: Any = table
     for depth, part in enumerate(parents):
-        at = at[_index(at, part, said)] if isinstance(at, list) else at.setdefault(part, {})
-        if not isinstance(at, dict | list):
+        of: Any = _index(at, part, said) if isinstance(at, list) else part
+        inner = at[of] if isinstance(at, list) else at.get(of, {})
+        if not isinstance(inner, dict | list):
             raise InputError(f"{said}: {'.'.join(parents[: depth + 1])} is a value, not a table")
+        at[of] = inner.copy()
+        at = at[of]
     if isinstance(at, list):
         at[_index(at, last, said)] = value
         return
     sources = at.get("sources")
     if isinstance(sources, dict):
+        at["sources"] = sources = sources.copy()
         _follow(at, sources, (*parents, last), value)
         sources.pop(last, None)
     at[last] = value

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, Literal, Self, get_args
 
@@ -130,7 +131,13 @@ class Scenario(Installation, Course):
         merge(own, plain(other), "control.designed_for")
         return {**table, "control": {**control, "designed_for": own}}
 
-    @property
+    @cached_property
+    def table(self) -> Mapping[str, Any]:
+        """The scenario as nested tables and lists, to be read only."""
+        found: dict[str, Any] = plain(self)
+        return found
+
+    @cached_property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
         return replace(super().plant, bookkeeping=self.output.bookkeeping)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from ehamj.control.installation import Installation
+from ehamj.control.installation import PARTS, Installation
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.scenario.explain import checked
@@ -35,7 +35,7 @@ def changed(scenario: "Scenario", values: Mapping[Any, Any]) -> "Scenario":
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
     """
-    table = plain(scenario)
+    table = dict(scenario.table)
     if "points" not in scenario.model_fields_set:
         del table["points"]  # they follow the machine's size
     for key, value in values.items():
@@ -69,7 +69,9 @@ def varied(scenario: "Scenario", values: Mapping[str, Any], law: LawChoice = "he
 
 def unlike(one: Installation, other: Installation) -> dict[str, tuple[Any, Any]]:
     """Values in which two machines with their instruments differ, by dotted key."""
-    return differences(plain(one), plain(other))
+    named = [name for name in PARTS if getattr(one, name) != getattr(other, name)]
+    ours, theirs = (plain({name: getattr(whose, name) for name in named}) for whose in (one, other))
+    return differences(ours, theirs)
 
 
 def derived_anew(control: ControlSettings, one: Installation, other: Installation) -> bool:

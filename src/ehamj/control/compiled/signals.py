@@ -3,6 +3,7 @@
 Arrays are flat, the lanes of a block of machines last: entry i of a lane is at ``i * len(lanes) + lane``.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 from ehamj.compiled import kernel
@@ -35,6 +36,7 @@ class Layout(NamedTuple):
     size: int
 
     @classmethod
+    @cache
     def of(cls, mounts: int) -> "Layout":
         """The layout for so many mounts."""
         machine = (len(DOFS),) * 3 + (mounts * len(AXES),) * 3 + (mounts * size(ISOLATOR_STATE),) + (mounts,) * 3
