@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test fuzz check docs verified format clean
+.PHONY: run test fuzz check docs pictures verified format clean
 
 run: .venv/.ready
 	$(BIN)/ehamj run
@@ -23,6 +23,9 @@ docs: .venv/.ready
 
 verified: .venv/.ready
 	PYTHONPATH=docs/_build $(BIN)/python -m handbook.verified
+
+pictures: .venv/.ready
+	$(BIN)/python docs/_build/pictures.py $(PICTURES)
 
 format: .venv/.ready
 	$(BIN)/ruff check --fix .

@@ -104,9 +104,9 @@ def _cell(text: str) -> str:
     return re.sub(r"(?<!\\)\|", r"\\|", text)
 
 
-def _words(text: str) -> str:
+def _words(text: str | None) -> str:
     """Help as Markdown: its lines joined to paragraphs."""
-    lines = [line.strip() for line in text.replace("\b", "").strip().splitlines()]
+    lines = [line.strip() for line in (text or "").replace("\b", "").strip().splitlines()]
     return re.sub(r"\n(?=[^\n])(?<!\n\n)", " ", "\n".join(lines))
 
 

@@ -14,7 +14,7 @@ from ehamj.judge.summary import Summary
 def summary_pages() -> dict[str, str]:
     """Markdown by path within the site."""
     met: dict[type[Finding], None] = {Summary: None}
-    queue = [Summary]
+    queue: list[type[Finding]] = [Summary]
     while queue:
         one = queue.pop(0)
         for kind in _findings(one):

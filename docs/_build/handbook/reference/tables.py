@@ -96,9 +96,9 @@ class Tables:
         for key, (_, kinds) in shared.items():
             groups.setdefault(tuple(kinds), []).append(key)
         parts = []
-        for number, (kinds, keys) in enumerate(groups.items(), 1):
-            title = f"## Keys of {len(kinds)} kinds {{ #{path}.shared-{number} }}\n"
-            parts += [title, f"{', '.join(f'`{kind}`' for kind in kinds)}\n"]
+        for number, (having, keys) in enumerate(groups.items(), 1):
+            title = f"## Keys of {len(having)} kinds {{ #{path}.shared-{number} }}\n"
+            parts += [title, f"{', '.join(f'`{kind}`' for kind in having)}\n"]
             parts += [self.key(key, shared[key][0], f"{path}.{key}", False) for key in keys]
         return "\n".join(parts)
 

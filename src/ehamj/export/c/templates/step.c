@@ -2,7 +2,6 @@
 static void sample(ehamj_law_t *law, real_t share)
 {
     bool any = false;
-    uint32_t i;
     uint32_t k;
     for (k = 0U; k < (uint32_t)LAWS; k++) {
         if (law->until[k] == 0U) {
@@ -11,6 +10,7 @@ static void sample(ehamj_law_t *law, real_t share)
         }
     }
     if (any) {
+        uint32_t i;
         for (i = 0U; i < (uint32_t)VALVES; i++) {
             law->total[i] = R(0.0);
             for (k = 0U; k < (uint32_t)LAWS; k++) {
