@@ -18,6 +18,7 @@ RANKS = (
     (
         "settings",
         "registry",
+        "extras",
         "findings",
         "scenario_files",
         "folders",

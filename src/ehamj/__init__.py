@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from ehamj.folders import SAVING
 
 if TYPE_CHECKING:
+    __version__: str
     from ehamj.campaign.run import run_study as run_study
     from ehamj.control import (
         Controller as Controller,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from ehamj.result import load_result as load_result
     from ehamj.run.many import simulate_many as simulate_many
     from ehamj.run.simulate import simulate as simulate
+    from ehamj.run.stepper import Stepper as Stepper
     from ehamj.scenario.load import load_scenario as load_scenario
     from ehamj.scenario.load import parse_scenario as parse_scenario
     from ehamj.scenario.model import Scenario as Scenario
@@ -49,6 +51,7 @@ _HOME: Final = {
     "Result": "result",
     "Scenario": "scenario.model",
     "SimulationFailed": "errors",
+    "Stepper": "run.stepper",
     "linearise": "views.linear",
     "load_controller": "control",
     "load_result": "result",
@@ -76,6 +79,10 @@ SAVING.append(_save)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("ehamj")
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     found = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
@@ -84,4 +91,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOME})
+    return sorted({*globals(), *_HOME, "__version__"})

@@ -11,6 +11,7 @@ from ehamj.bench.parts import Effort, Figures, part
 from ehamj.bench.reading import BARE, BARE_IS, HIGHER, LOWER, RATE, Table
 from ehamj.bench.runs import medians
 from ehamj.errors import InputError
+from ehamj.extras import check_extra
 from ehamj.plots.timings import Bars, Panel
 
 PEER: Final = "Exudyn"
@@ -42,12 +43,13 @@ def check_peer() -> Any:
     """The peer's package.
 
     Raises:
-        InputError: if it is not installed.
+        InputError: if it is not installed, or is of another system.
     """
+    check_extra("exudyn", "peer")
     try:
         return import_module("exudyn")
     except ImportError as error:
-        raise InputError(f"peer: needs Exudyn, which is not installed ({error}): pip install 'ehamj[peer]'") from None
+        raise InputError(f"peer: Exudyn cannot be imported ({error})") from None
 
 
 @part(

@@ -1,6 +1,5 @@
 """Blocks of designs on a cluster that Dask runs: each task is one block."""
 
-import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any, Final
 from ehamj.campaign.schedulers import AHEAD, Computed, Losses, Rows, Say, Scheduler
 from ehamj.campaign.work import Block, Work, evaluate
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.extras import check_extra
 
 PATIENCE: Final = 10.0
 """How long a scheduler may take to answer [s]."""
@@ -35,10 +35,7 @@ class Dask(Scheduler):
     @contextmanager
     def running(self, say: Say) -> Iterator[Computed]:
         """A client, which is closed if it is ours."""
-        if importlib.util.find_spec("distributed") is None:
-            raise InputError(
-                f"scheduler {self.given!r}: needs Dask, which is not installed here: pip install 'ehamj[dask]'"
-            )
+        check_extra("distributed", f"scheduler {self.given!r}")
         from distributed import Client
 
         if isinstance(self.given, Client):

@@ -13,6 +13,7 @@ from ehamj.campaign.rows import Column
 from ehamj.campaign.stages import Again, Around, Parent, Search, Stage, Values, columns_of
 from ehamj.campaign.studied import CONFIRM, NAMED, SEARCH, TOLERANCE, excess
 from ehamj.errors import InputError
+from ehamj.extras import check_extra
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.merit import Machine
 from ehamj.scenario.load import changed
@@ -25,8 +26,11 @@ def stages_of(file: StudyFile) -> list[Stage]:
     """Named designs, search, tolerances and confirmation, those that the file has; designs have numbers in this order.
 
     Raises:
-        InputError: if a value is none of the scenario's, or there are more designs than the budget allows.
+        InputError: if a value is none of the scenario's, the plan needs a package that is not installed, or there are
+            more designs than the budget allows.
     """
+    if file.plan.package:
+        check_extra(file.plan.package, f"plan.kind = {file.plan.kind!r}")
     machine = file.machine
     space = file.space(machine)
     named: list[Values] = [{}, *file.values_of_named.values()]

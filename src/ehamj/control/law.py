@@ -247,6 +247,13 @@ def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
     return matrix
 
 
+def silent(channels: Sequence[str], mounts: Sequence[str], period: float, delay: float | None = None) -> Controller:
+    """A law that reads channels every ``period`` [s] and commands nothing: 0 V at every mount."""
+    n, valves = len(channels), len(mounts)
+    matrices = np.zeros((0, 0)), np.zeros((0, n)), np.zeros((valves, 0)), np.zeros((valves, n))
+    return Controller(*matrices, tuple(channels), period, delay, mounts=tuple(mounts))
+
+
 def stack(laws: Sequence[Controller]) -> Controller:
     """Laws that run side by side and add up, as one; they must share rate, delay, range and resolution.
 

@@ -3,6 +3,7 @@
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         InputError: if the rows do not fit in memory.
     """
     compile_loop()
-    loop, load, timestep, plant = prepared.loop, prepared.load, prepared.timestep, prepared.scenario.plant
+    loop = prepared.loop
     count = rows_of(prepared)
     stream = Stream(prepared) if streams(prepared.scenario) else None
     places = count if stream is None else min(count, room(STRETCH))
@@ -72,11 +73,8 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
         struck.strike(done)
         steps = min(STRETCH, prepared.steps - done, struck.steps_left(done))
         last = done + steps == prepared.steps
-        driven = sample_inputs(prepared.motion, prepared.commands, done, steps + last, timestep)
+        driven, pushed = driving(prepared, done, steps + last)
         noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
-        pushed = NOT_LOADED if load.absent else sample_load(load, done, steps + last, timestep)
-        if plant.slides:
-            pushed = (*pushed[:2], drives(plant, prepared.courses, done, steps + last, timestep))
         began = clock.perf_counter()
         stopped, rows_done = advance(
             prepared.model, prepared.data, done, steps, driven, recording.after(recorded), last, loop, noise, pushed
@@ -129,6 +127,23 @@ class Faults:
     def steps_left(self, done: int) -> int:
         """Steps until the next."""
         return self._due[0][0] - done if self._due else self._prepared.steps
+
+
+class Driving(NamedTuple):
+    """What drives a machine in some steps, as `ehamj.mujoco.advance.advance` takes it."""
+
+    inputs: tuple[Array, Array]
+    load: tuple[Array, Array, Array]
+
+
+def driving(prepared: Prepared, first: int, steps: int) -> Driving:
+    """What drives a machine in so many steps from step number ``first``: ground, open-loop commands, forces, slides."""
+    load, timestep, plant = prepared.load, prepared.timestep, prepared.scenario.plant
+    driven = sample_inputs(prepared.motion, prepared.commands, first, steps, timestep)
+    pushed = NOT_LOADED if load.absent else sample_load(load, first, steps, timestep)
+    if plant.slides:
+        pushed = (*pushed[:2], drives(plant, prepared.courses, first, steps, timestep))
+    return Driving(driven, pushed)
 
 
 def sample_inputs(

@@ -64,21 +64,26 @@ def not_finite(dataset: xr.Dataset) -> str | None:
 
 def _stopped(prepared: Prepared, stopped: Stopped, recorded: float) -> str:
     """Of a run that broke off, after ``recorded`` [s]."""
-    at, kept = stopped.steps * prepared.timestep, f"Kept until {recorded:.6g} s, marked incomplete"
+    what, way_out = broken_off(prepared, stopped)
+    kept = f"Kept until {recorded:.6g} s, marked incomplete"
+    return f"{what}. {kept}. {way_out}" if way_out else f"{what}. {kept}"
+
+
+def broken_off(prepared: Prepared, stopped: Stopped) -> tuple[str, str]:
+    """What broke off the stepping, where and when, and the way out, in words."""
+    at = f"simulation failed at {stopped.steps * prepared.timestep:.6g} s"
     if stopped.status == LAW_FAILED:
         error = prepared.loop.failures[0]
-        return f"simulation failed at {at:.6g} s, in the Python controller: {type(error).__name__}: {error}. {kept}"
+        return f"{at}, in the Python controller: {type(error).__name__}: {error}", ""
     if stopped.status == TOO_LARGE:
         return (
-            f"simulation failed at {at:.6g} s, at the machine: it turned by more than {1e3 * LARGEST_TURN:g} mrad, "
-            f"which is no small motion. {kept}. engine = 'mujoco' follows any turn"
+            f"{at}, at the machine: it turned by more than {1e3 * LARGEST_TURN:g} mrad, which is no small motion",
+            "engine = 'mujoco' follows any turn",
         )
     where = prepared.scenario.plant.mounts[stopped.mount] if stopped.mount >= 0 else "the machine"
     what = "a state is no longer finite"
     if stopped.status in EMPTY:
         chamber = EMPTY[stopped.status]
         what = f"chamber {chamber} ran empty: the stroke left its range, or the step is too long to follow the oil"
-    return (
-        f"simulation failed at {at:.6g} s, at {where}: {what}; step {prepared.timestep:.3g} s. "
-        f"{kept}. A shorter timestep or smaller commands may help"
-    )
+    found = f"{at}, at {where}: {what}; step {prepared.timestep:.3g} s"
+    return found, "A shorter timestep or smaller commands may help"

@@ -121,8 +121,8 @@ class Observing(Mapping[str, Array]):
             yield "oil_energy", lambda: self._chambers.energy.sum(axis=(1, 2))
         for motion in MOTIONS[:2] if scenario.relative else ():
             yield f"relative_{motion}", partial(self._relative, motion)
-        if scenario.force:
-            yield "external_force", lambda: scenario.load().sample(self.times)[0]
+        if self._pushed:
+            yield "external_force", self._load
         if plant.slides:
             begins = [slide.begins for slide in plant.slides]
             yield "slide", lambda: rows.qpos[:, FIRST : FIRST + len(begins)] + begins
@@ -130,6 +130,14 @@ class Observing(Mapping[str, Array]):
             yield "measured", lambda: rows.readings
         if law is not None:
             yield from ((name, partial(_of_the_law, law, rows)) for name in _names_of(law, rows))
+
+    @property
+    def _pushed(self) -> bool:
+        """Whether forces act on the machine itself."""
+        return bool(self._scenario.force)
+
+    def _load(self) -> Array:
+        return self._scenario.load().sample(self.times)[0]
 
     def _machine(self, order: int) -> Array:
         """The machine's motion or a derivative of it, (time, dof)."""

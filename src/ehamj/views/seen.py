@@ -4,10 +4,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ehamj.control import Controller
 from ehamj.control.channels import MountChannels
+from ehamj.control.law import silent
 from ehamj.control.settings import SampledSettings
 from ehamj.errors import InputError
 from ehamj.linear.loop import Loop, linear_under
@@ -60,11 +59,7 @@ def sampled_plant(
     if unknown:
         raise InputError(f"disturbances: {unknown[0]!r} is none; there are {', '.join(model.ground_inputs)} and forces")
     names = tuple(outputs) if outputs is not None else _standard(scenario) if own is None else own.inputs
-    valves = len(scenario.plant.mounts)
-    seen = Controller(
-        np.zeros((0, 0)), np.zeros((0, len(names))), np.zeros((valves, 0)), np.zeros((valves, len(names))), names,
-        period, delay, mounts=scenario.plant.mounts,
-    )  # fmt: skip
+    seen = silent(names, scenario.plant.mounts, period, delay)
     if closed:
         _check_closed(laws, period)
     plant = sampled_machine(model, Loop.of(scenario, seen), disturbances, laws if closed else ())

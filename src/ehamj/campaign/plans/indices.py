@@ -1,6 +1,6 @@
 """Plans of which a global sensitivity analysis makes its measures (SALib): paths of Morris, groups of Saltelli."""
 
-from typing import TYPE_CHECKING, Any, Final, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -26,6 +26,7 @@ class Morris(Plan):
     few designs. A distribution without limits is walked from −3 to 3 standard deviations."""
 
     kind: Literal["morris"]
+    package: ClassVar[str] = "SALib"
     paths: int = Field(20, ge=2, le=MOST_PATHS, description="paths; each has one design more than there are parameters")
     levels: int = Field(4, ge=2, le=100, description="values of each parameter, an even number")
     seed: int = Field(0, ge=0, description="seed of the draws")
@@ -58,6 +59,7 @@ class Sobol(Plan):
     has, alone and with the others."""
 
     kind: Literal["sobol"]
+    package: ClassVar[str] = "SALib"
     groups: int = Field(
         512, ge=2, le=LONGEST, description="groups, a power of two; each has two designs more than parameters"
     )

@@ -8,7 +8,7 @@ Differential evolution and not CMA-ES, which has no constraints there.
 
 from functools import partial
 from math import comb
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import numpy as np
 from pydantic import Field
@@ -34,6 +34,7 @@ class Optimise(Plan):
     parameter is a list or an integer; for two or three by NSGA-II, for more by NSGA-III."""
 
     kind: Literal["optimise"]
+    package: ClassVar[str] = "pymoo"
     population: int = Field(64, ge=8, le=100_000, description="designs of a generation")
     generations: int = Field(50, ge=1, le=100_000, description="generations, the first, random one among them")
     seed: int = Field(0, ge=0, description="seed of all draws")

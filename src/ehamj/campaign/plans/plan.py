@@ -57,6 +57,8 @@ class Plan(Settings, ABC):
     drawn: ClassVar[bool] = False
     """Whether its designs stand for machines that will be built, so that shares and correlations of them mean
     something."""
+    package: ClassVar[str] = ""
+    """What it needs of the packages that are extras of ehamj (`ehamj.extras.EXTRAS`)."""
 
     @abstractmethod
     def count(self, space: "Space") -> int:

@@ -1,0 +1,1 @@
+"""The reference, made from the program: what can be written, asked and read."""
