@@ -56,7 +56,7 @@ def write_law(scenario: Scenario, controller: Any, timestep: float, name: str, f
     loop = make_loop(law, scenario.plant, timestep, scenario.sensors, scenario.seed)
     clock = clock_of(loop.laws, timestep)
     found = vectors(scenario, law, clock, ticks_for(scenario, law, clock))
-    filled = tables.shortened(_filled(law, loop, clock, timestep, name), _sources())
+    filled = tables.shortened(_filled(law, loop, clock, name), _sources())
     filled["vectors"] = _said(found, clock)
     for page in PAGES:
         made = _environment().get_template(page).render(filled)
@@ -78,7 +78,7 @@ def _exportable(controller: Any, scenario: Scenario) -> LinearController:
     return own
 
 
-def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, timestep: float, name: str) -> dict[str, Any]:
+def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, name: str) -> dict[str, Any]:
     """What the templates are filled with."""
     own = law.converter
     parts = law.parts
@@ -107,7 +107,7 @@ def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, timestep: fl
         "table_sizes": [f"sizeof({one})" for one in kept],
         "rows": clock.rows,
         "sizes": sizes,
-        "fade": fade_of(own.switch_on, own.fade, clock, timestep),
+        "fade": fade_of(own.switch_on, own.fade, clock),
         "counted_from_rest": rested,
         "ranges": [min(float(volts), own.voltage_limit) for volts in loop.laws.ranges],
         "contents": _contents(law, lines, staged, spools),
