@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
-    ("errors", "arrays", "bounds", "interruption", "labels", "opened", "plain", "stopped", "unfinished"),
+    ("errors", "arrays", "bounds", "caches", "interruption", "labels", "opened", "plain", "stopped", "unfinished"),
     (
         "settings",
         "registry",
