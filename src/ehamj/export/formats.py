@@ -4,7 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from ehamj.export.law_c import MARKS, write_c
+from ehamj.export.matlab import script_of, write_matlab
 from ehamj.export.mjcf import write_mjcf
+from ehamj.export.python_control import write_python_control
 from ehamj.export.subject import Subject
 from ehamj.export.written import Written
 from ehamj.registry import Registry
@@ -44,5 +47,14 @@ class Format(NamedTuple):
 
 FORMATS: Final[Registry[Format]] = Registry("format")
 FORMATS.add(
+    "matlab",
+    Format("--matlab", "FILE.mat", "plant and law as structs for MATLAB and Octave", write_matlab, beside=script_of),
+)
+FORMATS.add(
+    "python-control",
+    Format("--python-control", "FILE.json", "plant and law as arguments of control.ss, in JSON", write_python_control),
+)
+FORMATS.add(
     "mjcf", Format("--mjcf", "FILE.xml", "the machine as a MuJoCo model, to look at or to build on", write_mjcf)
 )
+FORMATS.add("c", Format("--c", "FOLDER", "the law in C99, with a run's readings to replay", write_c, MARKS))
