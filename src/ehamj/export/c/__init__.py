@@ -1,0 +1,1 @@
+"""A law as C99: all that happens between readings and valves' commands, from the tables of the stepping loop."""

@@ -1,0 +1,193 @@
+"""The C of a law does what the stepping loop does: compiled, and fed with what the sensors of nonlinear runs read."""
+
+import ctypes
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from harness import Cli
+
+import ehamj
+from ehamj.arrays import Array
+from ehamj.control import ControllerBank, PythonController
+from ehamj.export.c.vectors import Vectors
+from ehamj.export.c.write import write_law
+from ehamj.mujoco import hydraulics
+from ehamj.run.timestep import choose_timestep
+from ehamj.scenario.load import load_scenario
+from ehamj.scenario.model import Scenario
+
+STRICT = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off")
+needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler on this machine")
+SHORT = "duration=0.08"
+LINE = '{ kind = "adaptive", lines = [24.5] }'
+
+
+@dataclass
+class Law:
+    """A law that was exported and compiled, and the run that it is held against."""
+
+    folder: Path
+    found: Vectors
+    library: ctypes.CDLL
+    memory: Any
+
+    @classmethod
+    def of(cls, folder: Path, scenario: Scenario, controller: Any, *flags: str) -> "Law":
+        """Export a law and compile it, with every warning an error."""
+        with hydraulics():
+            step = choose_timestep(scenario, controller)
+        _, found = write_law(scenario, controller, step, "a law", folder)
+        made = folder / "law.so"
+        subprocess.run(
+            ["cc", *STRICT, *flags, "-shared", "-fPIC", "-o", made, folder / "ehamj_law.c", "-lm"], check=True
+        )
+        return cls(folder, found, ctypes.CDLL(str(made)), ctypes.create_string_buffer(2**16))
+
+    def begin(self) -> None:
+        self.library.ehamj_law_init(self.memory)
+
+    def rest(self, readings: Array) -> None:
+        self.library.ehamj_law_rest(self.memory, np.ascontiguousarray(readings).ctypes.data_as(ctypes.c_void_p))
+
+    def commands(self, readings: Array) -> tuple[Array, Array]:
+        """Of each tick before and after range and rounding [V]."""
+        given, count = np.ascontiguousarray(readings), self.found.volts.shape[1]
+        volts, commands = np.zeros((len(given), count)), np.zeros((len(given), count))
+        first = (ctypes.c_double * count).from_buffer(self.memory)  # volts come first
+        for k, row in enumerate(given):
+            self.library.ehamj_law_step(
+                *(ctypes.c_void_p(x) for x in (self._at, row.ctypes.data, commands[k].ctypes.data))
+            )
+            volts[k] = first
+        return volts, commands
+
+    @property
+    def _at(self) -> int:
+        return ctypes.addressof(self.memory)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Law:
+    """All stages at once: the valves made good, learning, a line that is followed, spools fed back, fade."""
+    changes = [
+        SHORT, "control.switch_on=0.01", "control.fade=0.02", "control.learning=true", "control.spool_feedback=true",
+        f'control.parts=[{{ kind = "feedforward" }}, {{ kind = "modal" }}, {LINE}]', "sensors.spool={}",
+    ]  # fmt: skip
+    scenario = load_scenario("real-valves", changes)
+    return Law.of(tmp_path_factory.mktemp("whole"), scenario, scenario.controller())
+
+
+def bank(delay: float, staged: bool = False) -> tuple[Scenario, ControllerBank]:
+    """A law at 10 kHz that its floor drives beyond the range, and one at 2.5 kHz that waits longer."""
+    scenario = load_scenario("shock", [SHORT, "ground.begin=0.0"])
+    fast = scenario.varied({"control": {"kind": "combined", "delay": delay, "linearisation": staged}}).controller()
+    slower = {"kind": "skyhook", "linearisation": staged}
+    slow = scenario.varied({"control": {**slower, "rate": 2500.0, "delay": 4e-4 + delay}}).controller()
+    parts = tuple(replace(one, voltage_limit=1.0, bits=8) for one in (fast, slow))
+    return scenario, ControllerBank(parts)
+
+
+@needs_compiler
+def test_every_stage_is_the_loops_own(whole: Law) -> None:
+    whole.begin()
+    volts, commands = whole.commands(whole.found.readings)
+    assert np.abs(whole.found.volts[-400:]).max() > 1e-3
+    assert not whole.found.volts[:200].any()  # switched off
+    np.testing.assert_allclose(volts, whole.found.volts, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(commands, whole.found.commands)
+
+
+@needs_compiler
+def test_begun_anew_it_does_the_same_again(whole: Law) -> None:
+    whole.begin()
+    first = whole.commands(whole.found.readings)[0]
+    whole.begin()
+    np.testing.assert_array_equal(whole.commands(whole.found.readings)[0], first)
+
+
+@needs_compiler
+@pytest.mark.parametrize(("delay", "staged"), [(0.0, False), (1e-4, False), (1.3e-4, True)])
+def test_several_rates_their_delays_and_the_range_are_the_loops_own(delay: float, staged: bool, tmp_path: Path) -> None:
+    law = Law.of(tmp_path, *bank(delay, staged))
+    law.begin()
+    volts, commands = law.commands(law.found.readings)
+    beyond = np.abs(law.found.volts) > 1.0
+    assert 0.05 < beyond.any(axis=1).mean() < 0.95  # it is limited, and comes back
+    np.testing.assert_allclose(volts, law.found.volts, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(commands, law.found.commands)
+
+
+@needs_compiler
+def test_readings_may_count_from_rest_in_the_c(tmp_path: Path) -> None:
+    """A machine whose strokes stand somewhere at rest: what is handed over as rest is taken from them, and no more."""
+    law = Law.of(tmp_path, *bank(1e-4))
+    header = (tmp_path / "ehamj_law.h").read_text()
+    lines = [
+        line for line in header.splitlines() if line.startswith("    EHAMJ_LAW_") and " = " in line and "[" in line
+    ]
+    rests = np.array([", from rest" in line for line in lines])[: law.found.readings.shape[1]]
+    assert 0 < rests.sum() < rests.size
+    offset = np.where(rests, 0.001, 0.5)
+    law.begin()
+    law.rest(offset)
+    volts, _ = law.commands(law.found.readings + np.where(rests, offset, 0.0))
+    np.testing.assert_allclose(volts, law.found.volts, rtol=0, atol=1e-9)
+
+
+@needs_compiler
+def test_what_is_written_judges_itself(cli: Cli) -> None:
+    """make and ./replay as the folder says; a command that is off by 1 nV is found."""
+    said = cli("export", "recorded", "--set", SHORT, "--c", "law", "--json")
+    assert {Path(name).name for name in said.json["files"]} >= {"ehamj_law.c", "vectors.csv", "README.txt"}
+    subprocess.run(["make", "-s", "-C", "law", "CC=cc"], check=True)
+
+    def replayed() -> subprocess.CompletedProcess[str]:
+        return subprocess.run(["./replay"], cwd="law", capture_output=True, text=True, check=False)
+
+    right = replayed()
+    assert right.returncode == 0, right.stdout
+    assert "steps 800\n" in right.stdout
+    assert "worst step" in right.stdout
+    vectors = Path("law/vectors.csv")
+    lines = vectors.read_text().splitlines()
+    *most, last = lines[-1].split(",")
+    vectors.write_text("\n".join([*lines[:-1], ",".join([*most, repr(float(last) + 1e-9)])]) + "\n")
+    assert replayed().returncode == 1
+    vectors.write_text("no number\n")
+    assert replayed().returncode == 2
+
+
+@needs_compiler
+def test_in_single_precision_it_compiles_and_is_near(tmp_path: Path) -> None:
+    scenario = load_scenario("recorded", [SHORT])
+    law = Law.of(tmp_path, scenario, scenario.controller(), "-DEHAMJ_LAW_FLOAT")
+    law.begin()
+    given = law.found.readings.astype(np.float32)
+    commands = np.zeros(4, np.float32)
+    off = []
+    for row, volts in zip(given, law.found.volts, strict=True):
+        law.library.ehamj_law_step(law.memory, ctypes.c_void_p(row.ctypes.data), ctypes.c_void_p(commands.ctypes.data))
+        off.append(np.abs(np.frombuffer(law.memory, np.float32, 4) - volts).max())
+    assert 0.0 < max(off) < 0.02 * np.abs(law.found.volts).max()
+
+
+def test_what_has_no_law_is_refused(cli: Cli, tmp_path: Path) -> None:
+    assert "has no law, control.kind = 'open-loop'" in cli("export", "benchmark", "--c", "law").message
+    assert not Path("law").exists()
+    scenario = load_scenario("recorded", [SHORT])
+    law = PythonController(lambda *_: np.zeros(4), ("cg_velocity z",))
+    with pytest.raises(ehamj.InputError, match="is a Python function"):
+        write_law(scenario, law, 1e-4, "a law", tmp_path)
+
+
+def test_delays_that_leave_different_parts_of_a_tick_are_refused(tmp_path: Path) -> None:
+    scenario, laws = bank(1e-4)
+    parts = (laws.parts[0], replace(laws.parts[1], delay=5.3e-4))
+    with pytest.raises(ehamj.InputError, match=r"end at different times after a tick, .* choose delays"):
+        write_law(scenario, ControllerBank(parts), 1e-4, "a law", tmp_path)
+    assert not list(tmp_path.iterdir())
