@@ -16,8 +16,8 @@ from ehamj.scenario.model import Scenario
 from ehamj.variables import FIXED, MOTIONS, VARIABLES, labels_of, variables_of
 
 TABLES: Final = (
-    "gravity", "seed", "machine", "part", "slide", "mount", "actuators", "supply", "sensors", "ground", "force", "fault",
-    "control",
+    *("gravity", "seed", "machine", "part", "slide", "mount", "actuators", "supply", "sensors", "ground", "force"),
+    *("fault", "control"),
 )  # fmt: skip
 """Of a scenario, whose numbers are parameters; the others say how a run is recorded, judged and shown."""
 LONGEST: Final = 16
@@ -120,9 +120,11 @@ def _within(keys: tuple[str, ...], value: Any, description: str) -> Iterator[tup
     elif isinstance(value, tuple | list) and len(value) <= LONGEST:
         for number, entry in enumerate(value):
             yield from _within((*keys, str(number)), entry, description)
-    elif isinstance(value, bool) or (isinstance(value, int) and abs(value) <= INT):
-        yield keys, value, description
-    elif isinstance(value, float) and math.isfinite(value):
+    elif (
+        isinstance(value, bool)
+        or (isinstance(value, int) and abs(value) <= INT)
+        or (isinstance(value, float) and math.isfinite(value))
+    ):
         yield keys, value, description
 
 

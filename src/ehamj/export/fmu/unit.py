@@ -8,6 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.control import LinearController, load_controller
+from ehamj.control.channels import ALONG
+from ehamj.control.law import silent
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.export.fmu.interface import (
     CONTROL,
@@ -19,8 +21,6 @@ from ehamj.export.fmu.interface import (
     outputs,
     parameters,
 )
-from ehamj.control.channels import ALONG
-from ehamj.control.law import silent
 from ehamj.plant.axes import AXES
 from ehamj.plant.mounts import UPRIGHT
 from ehamj.run.instant import Instant
@@ -56,6 +56,8 @@ class Unit:
         self._held, self._new = np.zeros(len(self.inputs)), False
         self._start, self._stop = 0.0, 0.0
         self._machine: Stepper | None = None
+        self._seen: Instant | None = None
+        self._places = [(one.keys[0], (0, *one.place)) for one in self.outputs]
         self._begun = False
 
     def value(self, name: str) -> Any:
@@ -84,8 +86,11 @@ class Unit:
 
     def output(self, number: int) -> float:
         """Of an output at the present instant, under what is held now [SI, V, mA]."""
-        one = self.outputs[number]
-        return float(self.now[one.keys[0]][(0, *one.place)])
+        if self._seen is None or self._new:
+            self._hold()
+            self._seen = self.machine.now
+        name, place = self._places[number]
+        return float(self._seen[name][place])
 
     def experiment(self, start: float, stop: float | None) -> None:
         """When it begins, and ends where that is known [s]."""
@@ -95,14 +100,8 @@ class Unit:
     def machine(self) -> Stepper:
         """Prepared under the parameters as they are."""
         if self._machine is None:
-            self._machine, self._new = self._prepared(), True
+            self._machine, self._new, self._seen = self._prepared(), True, None
         return self._machine
-
-    @property
-    def now(self) -> Instant:
-        """The present instant."""
-        self._hold()
-        return self.machine.now
 
     def begin(self) -> None:
         """End the initialisation.
@@ -122,8 +121,8 @@ class Unit:
         machine, since = self.machine, time - self._start
         if abs(since - machine.time) > ON_A_STEP * machine.timestep:
             raise InputError(
-                f"communication point {time:.9g} s: the machine stands at {self._start + machine.time:.9g} s, and steps "
-                "on from there only"
+                f"communication point {time:.9g} s: the machine stands at {self._start + machine.time:.9g} s, and "
+                "steps on from there only"
             )
         steps = seconds / machine.timestep
         if not np.isfinite(steps) or round(steps) < 1 or abs(steps - round(steps)) > ON_A_STEP:
@@ -133,7 +132,7 @@ class Unit:
                 f"such as {near * machine.timestep:.9g} s"
             )
         self._hold()
-        machine.step(machine.time + round(steps) * machine.timestep)
+        self._seen = machine.step(machine.time + round(steps) * machine.timestep)
 
     def close(self) -> None:
         """Let go of the machine."""

@@ -22,12 +22,12 @@ from ehamj.extras import check_extra
 
 OPENS: Final = "open it in Simulink, Dymola, OpenModelica, or with: fmpy simulate {path}"
 NEEDS: Final = (
-    "the host must find Python {python} with ehamj {ehamj}; on Windows that Python on the PATH, on Linux, in a host that "
-    "is no Python itself, LD_PRELOAD=libpython{python}.so.1.0"
+    "the host must find Python {python} with ehamj {ehamj}; on Windows that Python on the PATH, on Linux, in a host "
+    "that is no Python itself, LD_PRELOAD=libpython{python}.so.1.0"
 )
 HELD: Final = (
-    "inputs are held between communication points, which are multiples of the timestep; the ground's is an acceleration, "
-    "integrated to velocity and displacement"
+    "inputs are held between communication points, which are multiples of the timestep; the ground's is an "
+    "acceleration, integrated to velocity and displacement"
 )
 SCRIPT: Final = '''\
 """{title}: a unit for co-simulation, written by ehamj {ehamj}."""
