@@ -1,10 +1,10 @@
 """What the README shows of Python runs as it stands, and gives what it says."""
 
-import re
 from pathlib import Path
 from typing import Any
 
 import pytest
+from blocks import blocks
 
 import ehamj
 from ehamj.campaign.file import load_study
@@ -20,8 +20,8 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]
     folder, left = tmp_path_factory.mktemp("reader"), dict[str, Any]()
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for block in re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL):
-            exec(block, left)
+        for block in blocks(README, "python"):
+            exec(block.body, left)
     return folder, left
 
 
@@ -52,9 +52,7 @@ def test_the_compiled_law_is_the_same_one(ran: tuple[Path, dict[str, Any]]) -> N
 
 
 def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
-    (block,) = (
-        one for one in re.findall(r"^```toml\n(.*?)^```", README, re.MULTILINE | re.DOTALL) if "[machine]" in one
-    )
+    (block,) = (one.body for one in blocks(README, "toml") if "[machine]" in one.body)
     (tmp_path / "mine.toml").write_text(block, encoding="utf-8")
     scenario = load_scenario(tmp_path / "mine.toml")
     assert (scenario.machine.mass, scenario.nominal.machine.mass) == (5200.0, 5000.0)
@@ -63,7 +61,7 @@ def test_the_scenario_of_the_readme_is_read(tmp_path: Path) -> None:
 def test_the_study_of_the_readme_is_one(
     ran: tuple[Path, dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (block,) = (one for one in re.findall(r"^```toml\n(.*?)^```", README, re.MULTILINE | re.DOTALL) if "[plan]" in one)
+    (block,) = (one.body for one in blocks(README, "toml") if "[plan]" in one.body)
     (tmp_path / "stiffer.toml").write_text(block, encoding="utf-8")
     file = load_study(tmp_path / "stiffer.toml")
     assert sum(stage.count() for stage in stages_of(file)) == 1 + 64 + 4 * 50

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.belonging import RUN
 from ehamj.control.clock import common_divisor, exact
 from ehamj.control.converter import Converter, difference, reads
+from ehamj.control.foreign import is_foreign, own_table
 from ehamj.control.law import UNSTABLE, Controller, stack
 from ehamj.control.lines import Line
 from ehamj.control.tables import check_keys, law_in
@@ -165,9 +166,19 @@ class ControllerBank:
 
 
 def load_controller(path: str | Path) -> Controller | ControllerBank:
-    """Read a law or a bank of laws written by ``save``.
+    """Read a law or a bank of laws: JSON as ``save`` wrote it, or a discrete system as other tools write it, a struct
+    in a MATLAB file (``.mat``) or python-control's arguments in JSON (`ehamj.control.foreign`).
 
     Raises:
         InputError: if the file cannot be read, and as the classes.
     """
-    return law_in(path, lambda table: (ControllerBank if "parts" in table else Controller).from_dict(table))
+    if Path(path).suffix.lower() == ".mat":
+        from ehamj.control.matlab_law import matlab_table
+
+        return law_in(path, _made, matlab_table)
+    return law_in(path, _made)
+
+
+def _made(table: dict[str, Any]) -> Controller | ControllerBank:
+    table = own_table(table) if is_foreign(table) else table
+    return (ControllerBank if "parts" in table else Controller).from_dict(table)

@@ -77,13 +77,15 @@ def read_table(path: str | Path) -> dict[str, Any]:
     return table
 
 
-def law_in(path: str | Path, made: Callable[[dict[str, Any]], T]) -> T:
-    """What is ``made`` of the table in a law's file.
+def law_in(
+    path: str | Path, made: Callable[[dict[str, Any]], T], read: Callable[[Path], dict[str, Any]] = read_table
+) -> T:
+    """What is ``made`` of the table in a law's file, as it is ``read``.
 
     Raises:
         InputError: which names the file too.
     """
-    table = read_table(path)
+    table = read(Path(path))
     try:
         return made(table)
     except InputError as error:

@@ -6,7 +6,9 @@ from typing import Final, NamedTuple
 
 from ehamj.export.fmu.write import write_fmu
 from ehamj.export.law_c import MARKS, write_c
+from ehamj.export.matlab import script_of, write_matlab
 from ehamj.export.mjcf import write_mjcf
+from ehamj.export.python_control import write_python_control
 from ehamj.export.subject import Subject
 from ehamj.export.written import Written
 from ehamj.registry import Registry
@@ -45,6 +47,14 @@ class Format(NamedTuple):
 
 
 FORMATS: Final[Registry[Format]] = Registry("format")
+FORMATS.add(
+    "matlab",
+    Format("--matlab", "FILE.mat", "plant and law as structs for MATLAB and Octave", write_matlab, beside=script_of),
+)
+FORMATS.add(
+    "python-control",
+    Format("--python-control", "FILE.json", "plant and law as arguments of control.ss, in JSON", write_python_control),
+)
 FORMATS.add(
     "mjcf", Format("--mjcf", "FILE.xml", "the machine as a MuJoCo model, to look at or to build on", write_mjcf)
 )

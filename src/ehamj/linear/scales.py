@@ -11,21 +11,14 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.control.channels import quantity_of
+from ehamj.control.units import UNITS, turning
 from ehamj.memory import PLACES
-from ehamj.plant.axes import DOFS
 
 SIZES: Final = {
     "displacement": 2.0**-20, "velocity": 2.0**-13, "acceleration": 2.0**-7, "spool": 1.0, "spool_rate": 2.0**10,
     "pressure": 2.0**13, "line_flow": 2.0**-17,
 }  # fmt: skip
 """Sizes in a moderate motion: about 1 µm (µrad), 0.1 mm/s, 10 mm/s², 1 mA, 1 A/s, 10 kPa and 0.01 l/s."""
-
-UNITS: Final = {
-    "displacement": "m", "velocity": "m/s", "acceleration": "m/s²", "spool": "mA", "spool_rate": "mA/s",
-    "pressure": "Pa", "line_flow": "m³/s",
-}  # fmt: skip
-
-TURNS: Final = DOFS[3:]
 
 OWN: Final = {
     state: 2.0 ** round(np.log2(100.0 * size))
@@ -56,6 +49,5 @@ def state_units(states: tuple[str, ...]) -> tuple[str, ...]:
     found = []
     for state in states:
         unit = "" if state.startswith("controller") else UNITS.get(_kind(state), "")
-        turning = unit in ("m", "m/s") and state.split(" ")[-1] in TURNS
-        found.append(unit.replace("m", "rad", 1) if turning else unit)
+        found.append(turning(unit, state.split(" ")[-1]))
     return tuple(found)

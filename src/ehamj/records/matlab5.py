@@ -48,16 +48,18 @@ class Element(NamedTuple):
         return bytes(self.data).decode(code + ending, "replace")
 
 
-def variables(content: bytes) -> dict[str, Value]:
-    """The variables of a file; raises ValueError where it is not laid out as it must be."""
-    return Level5("<" if content[126:128] == b"IM" else ">").variables(content)
+def variables(content: bytes, most: int = LARGEST) -> dict[str, Value]:
+    """The variables of a file; raises ValueError where it is not laid out as it must be, or unfolds to ``most`` bytes
+    or more."""
+    return Level5("<" if content[126:128] == b"IM" else ">", most).variables(content)
 
 
 class Level5:
     """Reads the elements of a file, which have one byte order."""
 
-    def __init__(self, order: str) -> None:
+    def __init__(self, order: str, most: int) -> None:
         self.order = order
+        self.most = most
         self.parts = 0
         self.inflated = 0
 
@@ -90,12 +92,12 @@ class Level5:
         """The matrix in a compressed element."""
         inflater = zlib.decompressobj()
         try:
-            inner = inflater.decompress(data, LARGEST - self.inflated)
+            inner = inflater.decompress(data, self.most - self.inflated)
         except zlib.error as error:
             raise ValueError(f"it is damaged: {error}") from None
         self.inflated += len(inner)
-        if inflater.unconsumed_tail or self.inflated >= LARGEST:
-            raise ValueError(f"its variables unfold to more than {LARGEST / 2**30:g} GiB; cut it into parts")
+        if inflater.unconsumed_tail or self.inflated >= self.most:
+            raise ValueError(f"its variables unfold to more than {self.most / 2**30:.3g} GiB; cut it into parts")
         return self.elements(memoryview(inner))
 
     def matrix(self, element: Element, path: str, depth: int) -> tuple[str, Value]:

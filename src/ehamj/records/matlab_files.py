@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ehamj.plain.hdf5 import LARGEST as LARGEST_HDF5
 from ehamj.plain.hdf5 import check_hdf5
 from ehamj.records.files import existing, reading
-from ehamj.records.matlab5 import HEADER, variables
+from ehamj.records.matlab5 import HEADER, LARGEST, variables
 from ehamj.records.matlab73 import Hdf5
 from ehamj.records.matlab_values import Numbers, Opaque, Value
 
@@ -21,25 +22,37 @@ HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[dict[str, Value]]:
-    """The file's variables. Raises ValueError where it cannot be read, or holds what MATLAB never writes."""
-    existing(path)
+def opened(path: Path, key: str = "ground.file", most: int | None = None) -> Iterator[dict[str, Value]]:
+    """The file's variables.
+
+    Args:
+        path: of the file.
+        key: that messages name.
+        most: bytes that it may have, and unfold to; without, as many as records may.
+
+    Raises:
+        ValueError: where it cannot be read, or holds what MATLAB never writes.
+    """
+    existing(path, key)
+    if most is not None and path.stat().st_size > most:
+        raise ValueError(f"{key} = {path.name!r}: has {path.stat().st_size} bytes, {most} are allowed")
     with path.open("rb") as file:
         head = file.read(1024)
     if head[:10] == b"MATLAB 7.3" or HDF5 in head:
         import h5py
 
-        with reading(path, " as a MATLAB file"):
-            check_hdf5(path)
+        with reading(path, " as a MATLAB file", key):
+            check_hdf5(path, most or LARGEST_HDF5)
             content = h5py.File(path, "r")
         with content:
-            with reading(path, " as a MATLAB file"):
+            with reading(path, " as a MATLAB file", key):
                 tree = Hdf5(path, content).variables()
             yield tree
         return
-    with reading(path, " as a MATLAB file"):
+    with reading(path, " as a MATLAB file", key):
         known = len(head) >= HEADER and head[126:128] in (b"IM", b"MI")
-        tree = (variables if known else _version4)(path.read_bytes())
+        content = path.read_bytes()
+        tree = variables(content, most or LARGEST) if known else _version4(content)
     yield tree
 
 

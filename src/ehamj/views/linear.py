@@ -46,7 +46,7 @@ def linearise(
     scenario = as_scenario(scenario)
     model = linear_model(scenario.plant, commands, load)
     if outputs is None:
-        outputs = [name for name in channel_names() if not name.startswith("ground_")]
+        outputs = [name for name in channel_names(scenario.plant.mounts) if not name.startswith("ground_")]
         outputs += [
             f"{name}_{what} {axis}"
             for name in points or {}

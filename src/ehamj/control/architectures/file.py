@@ -14,10 +14,13 @@ from ehamj.settings import FileName
 
 
 class Law(ControlSettings):
-    """A control law from a file that `ehamj.Controller.save` or `ehamj design` wrote."""
+    """A control law from a file that `ehamj.Controller.save`, `ehamj design` or another tool wrote."""
 
     kind: Literal["law"]
-    file: FileName = Field(description="JSON file of the law, relative to the scenario", min_length=1)
+    file: FileName = Field(
+        description="file of the law, relative to the scenario: JSON, ehamj's or for python-control, or MATLAB's .mat",
+        min_length=1,
+    )
 
     def controller(self, plant: Plant, sensors: Sensors) -> Controller | ControllerBank:
         """Read the law, or the bank of laws."""

@@ -20,7 +20,7 @@ from ehamj.control.loop import DigitalLoop
 from ehamj.control.spools import KnownSpool
 from ehamj.control.stage import AT_START
 from ehamj.control.valves import Known
-from ehamj.export.c.text import enumerators, fields_of, table
+from ehamj.export.c.text import enumerators, fields_of, table, used_in
 from ehamj.isolator.flow_curve import POINTS
 
 DENSE: Final = 0.5
@@ -156,8 +156,25 @@ def spools_of(loop: DigitalLoop, laws: int) -> dict[str, Any]:
     return {"fed": True, "fed_row": laws, **own}
 
 
-def types() -> dict[str, list[tuple[str, str]]]:
-    """Fields of the structures of C that are named tuples here, with what is said of each."""
-    kinds = (Known, Moves, Remembered, Learner, Paced, Learnt, KnownSpool, Paces)
-    found = {kind.__name__: fields_of(kind) for kind in kinds}
-    return {**found, "Followed": fields_of(FollowedSpool), "Line": fields_of(Followed)}
+KINDS: Final = {
+    **{kind.__name__: kind for kind in (Known, Moves, Remembered, Learner, Paced, Learnt, KnownSpool, Paces)},
+    "Followed": FollowedSpool,
+    "Line": Followed,
+}
+"""Named tuples that are structures of the C."""
+NUMBERS: Final = {
+    "Known": "known", "Learner": "learner", "Paced": "paced", "KnownSpool": "spool",
+}  # fmt: skip
+"""Tables of those of which the C does not ask for all fields, by what holds their rows."""
+
+
+def shortened(filled: dict[str, Any], sources: str) -> dict[str, Any]:
+    """What templates are filled with, with the structures' fields, but for those that no C asks for."""
+    types = {name: fields_of(kind) for name, kind in KINDS.items()}
+    rows = {}
+    for name, place in NUMBERS.items():
+        kept = used_in(sources, types[name])
+        types[name] = [types[name][k] for k in kept]
+        if place in filled:
+            rows[place] = filled[place][:, kept]
+    return filled | rows | {"types": types}

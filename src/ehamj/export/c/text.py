@@ -71,3 +71,8 @@ def fields_of(kind: Any) -> list[tuple[str, str]]:
         else:
             last = ""
     return [(name, said[name]) for name in kind._fields]
+
+
+def used_in(sources: str, fields: Sequence[tuple[str, str]]) -> list[int]:
+    """Numbers of those fields of a structure that some C asks for."""
+    return [k for k, (name, _) in enumerate(fields) if re.search(rf"(->|\.){name}\b", sources)]

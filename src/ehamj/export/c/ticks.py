@@ -43,6 +43,8 @@ class Clock(NamedTuple):
     rows: tuple[Row, ...]
     steps: int
     """Of the integrator in a tick."""
+    timestep: float
+    """Of the integrator [s]."""
 
     @property
     def behind(self) -> int:
@@ -94,20 +96,20 @@ def clock_of(laws: Laws, timestep: float) -> Clock:
         first += places
     known = {0.0: "as soon as it returns", 1.0: "at the next tick, not before (EHAMJ_LAW_REST)"}
     later = known.get(rest, f"{float(late)!r} s after the tick (EHAMJ_LAW_REST), neither before nor later")
-    return Clock(float(tick), float(late), rest == 0.0, later, tuple(rows), base)
+    return Clock(float(tick), float(late), rest == 0.0, later, tuple(rows), base, timestep)
 
 
 def _called(laws: Laws) -> list[str]:
     """What each row is."""
     beside = [
-        *(["the loops about the spools"] if laws.spools.size else []),
+        *(["the loop about each spool"] if laws.spools.size else []),
         *(["the stage"] if laws.valves.size else []),
     ]
     count = len(laws.table) - len(beside)
     return [*(["the law"] if count == 1 else [f"law {k + 1}" for k in range(count)]), *beside]
 
 
-def fade_of(switch_on: float, fade: float, clock: Clock, timestep: float) -> dict[str, Any]:
+def fade_of(switch_on: float, fade: float, clock: Clock) -> dict[str, Any]:
     """When commands set in and have faded in [s], as numbers of ticks, and what the time of a tick is made of.
 
     Raises:
@@ -119,5 +121,5 @@ def fade_of(switch_on: float, fade: float, clock: Clock, timestep: float) -> dic
             f"--c: control.switch_on = {switch_on:g} s and control.fade = {fade:g} s end after {ends:.3g} ticks; at "
             f"most {MOST_TICKS} are counted"
         )
-    times = {"switch_on": switch_on, "fade": fade, "timestep": timestep, "steps": float(clock.steps)}
+    times = {"switch_on": switch_on, "fade": fade, "timestep": clock.timestep, "steps": float(clock.steps)}
     return {"begins": begins, "ends": ends, **times}

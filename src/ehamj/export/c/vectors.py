@@ -10,7 +10,7 @@ from ehamj.control import AnyController
 from ehamj.export.c.ticks import Clock
 from ehamj.scenario.model import Scenario
 
-LENGTH: Final = 0.5
+LENGTH: Final = 1.0
 """How long they go on once the commands have faded in [s]."""
 MOST: Final = 20_000
 """Ticks at most."""
@@ -50,6 +50,7 @@ def vectors(scenario: Scenario, controller: AnyController, clock: Clock, ticks: 
     with hydraulics():
         prepared = prepare(scenario.model_copy(update={"engine": "mujoco"}), controller)
         loop = prepared.loop
+        assert (int(loop.laws.base), prepared.timestep) == (clock.steps, clock.timestep), "the run has another clock"
         short = prepared.scenario.model_copy(update={"duration": ticks * clock.period, "record_rate": 1.0})
         run = replace(
             prepared,

@@ -16,6 +16,8 @@ from ehamj.export.c.ticks import Clock, clock_of, fade_of
 from ehamj.export.c.vectors import Vectors, ticks_for, vectors
 from ehamj.scenario.model import Scenario
 
+FUNCTIONS = ("laws", "lines", "opening", "learning", "stage", "spools", "step")
+"""Parts of the C that compute."""
 PAGES = ("ehamj_law.h", "ehamj_law.c", "main.c", "Makefile", "README.txt")
 
 
@@ -28,6 +30,13 @@ def _environment() -> Environment:
     made.filters |= {"number": text.number, "comment": text.comment, "beside": text.beside}
     made.globals["zip"] = zip
     return made
+
+
+def _sources() -> str:
+    """The functions of the C, as their templates have them."""
+    loader = _environment().loader
+    assert loader is not None
+    return "".join(loader.get_source(_environment(), f"{part}.c")[0] for part in FUNCTIONS)
 
 
 def write_law(scenario: Scenario, controller: Any, timestep: float, name: str, folder: Path) -> tuple[Clock, Vectors]:
@@ -47,7 +56,8 @@ def write_law(scenario: Scenario, controller: Any, timestep: float, name: str, f
     loop = make_loop(law, scenario.plant, timestep, scenario.sensors, scenario.seed)
     clock = clock_of(loop.laws, timestep)
     found = vectors(scenario, law, clock, ticks_for(scenario, law, clock))
-    filled = _filled(law, loop, clock, timestep, name) | {"vectors": _said(found, clock)}
+    filled = tables.shortened(_filled(law, loop, clock, name), _sources())
+    filled["vectors"] = _said(found, clock)
     for page in PAGES:
         made = _environment().get_template(page).render(filled)
         (folder / page).write_text(made, encoding="utf-8")
@@ -68,7 +78,7 @@ def _exportable(controller: Any, scenario: Scenario) -> LinearController:
     return own
 
 
-def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, timestep: float, name: str) -> dict[str, Any]:
+def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, name: str) -> dict[str, Any]:
     """What the templates are filled with."""
     own = law.converter
     parts = law.parts
@@ -94,12 +104,11 @@ def _filled(law: LinearController, loop: DigitalLoop, clock: Clock, timestep: fl
         "valves": tables.valves_of(law),
         "laws": entries,
         "tables": matrices,
-        "table_sizes": [f"sizeof {one}" for one in kept],
+        "table_sizes": [f"sizeof({one})" for one in kept],
         "rows": clock.rows,
         "sizes": sizes,
-        "fade": fade_of(own.switch_on, own.fade, clock, timestep),
+        "fade": fade_of(own.switch_on, own.fade, clock),
         "counted_from_rest": rested,
-        "types": tables.types(),
         "ranges": [min(float(volts), own.voltage_limit) for volts in loop.laws.ranges],
         "contents": _contents(law, lines, staged, spools),
         **lines,

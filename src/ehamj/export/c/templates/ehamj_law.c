@@ -11,20 +11,27 @@
 
 typedef ehamj_real_t real_t;
 
+/* A constant in the precision of all others. */
+#define R(number) ((real_t)(number))
+#define LIMIT R(EHAMJ_LAW_LIMIT)
+#define RESOLUTION R(EHAMJ_LAW_RESOLUTION)
+
 #ifdef EHAMJ_LAW_FLOAT
-#define R(number) number##f
 #define FLOOR floorf
+{% if staged %}
 #define SQRT sqrtf
 #define ABS fabsf
 #define COPYSIGN copysignf
-#define TINY 1e-37f
+#define TINY R(1e-37) /* keeps 0/0 away */
+{% endif %}
 #else
-#define R(number) number
 #define FLOOR floor
+{% if staged %}
 #define SQRT sqrt
 #define ABS fabs
 #define COPYSIGN copysign
-#define TINY 1e-300
+#define TINY R(1e-300) /* keeps 0/0 away */
+{% endif %}
 #endif
 
 enum { LAWS = EHAMJ_LAW_LAWS, ROWS = EHAMJ_LAW_ROWS, VALVES = EHAMJ_LAW_VALVES, READINGS = EHAMJ_LAW_READINGS };

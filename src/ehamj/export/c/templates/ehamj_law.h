@@ -11,6 +11,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #ifdef EHAMJ_LAW_FLOAT
 typedef float ehamj_real_t;
 #else
@@ -156,7 +160,8 @@ typedef struct {
 void ehamj_law_init(ehamj_law_t *law);
 
 /*
- * Take the readings of a machine at rest: from now on those that count from rest (see the enumeration) do so from these.
+ * Take the readings of a machine at rest, best a mean of many: from now on those that count from rest (see the
+ * enumeration) do so from these.
  * Call it between ehamj_law_init() and the first step; without, these readings must count from rest already.
  */
 void ehamj_law_rest(ehamj_law_t *law, const ehamj_real_t readings[EHAMJ_LAW_READINGS]);
@@ -170,5 +175,9 @@ void ehamj_law_step(ehamj_law_t *law, const ehamj_real_t readings[EHAMJ_LAW_READ
 
 /* Bytes of the constant tables. */
 uint32_t ehamj_law_tables(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

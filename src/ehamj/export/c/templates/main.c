@@ -20,7 +20,7 @@
 #endif
 #endif
 
-enum { COLUMNS = EHAMJ_LAW_READINGS + EHAMJ_LAW_VALVES, LONGEST = (32 * COLUMNS) + 4096 };
+enum { COLUMNS = EHAMJ_LAW_READINGS + EHAMJ_LAW_VALVES, LONGEST = (128 * COLUMNS) + 4096 };
 enum { PASSES = 10 };
 
 static double seconds(void)

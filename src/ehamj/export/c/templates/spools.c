@@ -6,7 +6,7 @@ static real_t fed_back(real_t share, real_t volts, real_t position, uint32_t val
 {
     const spool_t *own = &SPOOL[valve];
     const paces_t *step = &PACES[valve];
-    const real_t limit = least(EHAMJ_LAW_LIMIT, RANGE[valve]);
+    const real_t limit = least(LIMIT, RANGE[valve]);
     const real_t away = (own->valve_gain * least(most(volts, -limit), limit)) - state->spool;
     const real_t far = own->drive_limit / (own->valve_frequency * own->valve_frequency);
     const real_t target = state->spool + least(most(away, -far), far);

@@ -79,7 +79,7 @@ static void linearised(ehamj_law_t *law, real_t share, bool samples)
             const real_t more = added(applied, share, &edges, own, i, &law->stage[i]);
             volts[i] = more + (share * (wanted - total));
 {% if learns %}
-            learn(law, i, spool, ABS(more + (share * wanted)) > least(EHAMJ_LAW_LIMIT, RANGE[i]), &edges);
+            learn(law, i, spool, ABS(more + (share * wanted)) > least(LIMIT, RANGE[i]), &edges);
 {% endif %}
         }
     }

@@ -2,7 +2,6 @@
 static void sample(ehamj_law_t *law, real_t share)
 {
     bool any = false;
-    uint32_t i;
     uint32_t k;
     for (k = 0U; k < (uint32_t)LAWS; k++) {
         if (law->until[k] == 0U) {
@@ -11,13 +10,14 @@ static void sample(ehamj_law_t *law, real_t share)
         }
     }
     if (any) {
+        uint32_t i;
         for (i = 0U; i < (uint32_t)VALVES; i++) {
             law->total[i] = R(0.0);
             for (k = 0U; k < (uint32_t)LAWS; k++) {
                 law->total[i] += law->latest[k][i];
             }
 {% if not staged %}
-            law->lost[i] = converted(share * law->total[i], EHAMJ_LAW_LIMIT, R(0.0)) - law->total[i];
+            law->lost[i] = converted(share * law->total[i], LIMIT, R(0.0)) - law->total[i];
 {% endif %}
         }
 {% if staged %}
@@ -110,7 +110,7 @@ void ehamj_law_step(ehamj_law_t *law, const ehamj_real_t readings[EHAMJ_LAW_READ
         for (k = 0U; k < (uint32_t)ROWS; k++) {
             law->volts[i] += law->held[k][i];
         }
-        commands[i] = converted(law->volts[i], EHAMJ_LAW_LIMIT, EHAMJ_LAW_RESOLUTION);
+        commands[i] = converted(law->volts[i], LIMIT, RESOLUTION);
     }
     for (k = 0U; k < (uint32_t)ROWS; k++) {
         law->until[k] = (law->until[k] == 0U) ? (ROW[k].every - 1U) : (law->until[k] - 1U);

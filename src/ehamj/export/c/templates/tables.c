@@ -18,8 +18,10 @@ typedef struct {
     const matrix_t *C;
     const matrix_t *D;
     const matrix_t *L; /* anti-windup; NULL: none */
+{% if lines %}
     uint32_t lines;
     uint32_t line; /* the first of them */
+{% endif %}
 } law_t;
 
 /* When outputs are computed and held: every so many ticks, so many ticks later (0: at once), by a ring of places. */
@@ -40,8 +42,8 @@ static const {{ table.kind }} {{ table.name }}[{{ table.size }}] = {
 static const law_t LAW[LAWS] = {
 {% for law in laws %}
     {.states = {{ law.states }}U, .inputs = {{ law.inputs }}U, .first = {{ law.first }}U, .reading = {{ law.reading }},
-     .A = {{ law.A }}, .B = {{ law.B }}, .C = {{ law.C }}, .D = {{ law.D }}, .L = {{ law.L }},
-     .lines = {{ law.lines }}U, .line = {{ law.line }}U},
+     .A = {{ law.A }}, .B = {{ law.B }}, .C = {{ law.C }}, .D = {{ law.D }}, .L = {{ law.L }}{% if lines %},
+     .lines = {{ law.lines }}U, .line = {{ law.line }}U{% endif %}},
 {% endfor %}
 };
 
@@ -144,5 +146,5 @@ static const real_t RANGE[VALVES] = {{ "{" }}{% for one in ranges %}R({{ one | n
 
 uint32_t ehamj_law_tables(void)
 {
-    return (uint32_t)({{ table_sizes | join(" + ") }});
+    return (uint32_t)({{ table_sizes | join(" +\n                      ") }});
 }
