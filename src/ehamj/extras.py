@@ -20,6 +20,7 @@ EXTRAS: Final = MappingProxyType(
         "pymoo": Package("pymoo", "studies"),
         "distributed": Package("Dask", "dask"),
         "pythonfmu": Package("PythonFMU", "export"),
+        "rerun_notebook": Package("Rerun's notebook viewer", "notebook"),
         "exudyn": Package("Exudyn", "peer"),
     }
 )
