@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test fuzz check docs pictures format clean
+.PHONY: run test fuzz check docs pictures verified format clean
 
 run: .venv/.ready
 	$(BIN)/ehamj run
@@ -20,6 +20,9 @@ check: .venv/.ready
 docs: .venv/.ready
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 	@echo "The site is in site/; open site/index.html, with no server and no network."
+
+verified: .venv/.ready
+	PYTHONPATH=docs/_build $(BIN)/python -m handbook.verified
 
 pictures: .venv/.ready
 	$(BIN)/python docs/_build/pictures.py $(PICTURES)

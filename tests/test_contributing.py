@@ -156,6 +156,7 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A plan of designs",
         "A spread of values",
         "A report section",
+        "A format to export to",
         "A verification case",
         "A timing",
     }

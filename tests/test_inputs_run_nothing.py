@@ -246,9 +246,10 @@ def test_records(cli: Cli, folder: Path, ending: str) -> None:
         ("ground={{kind='record', file='example:BW.RJOB', inventory='{}'}}", "x.pz"),
         ("ground={{kind='broadband', target={{kind='file', file='{}'}}}}", "x.csv"),
         ("control={{kind='law', file='{}'}}", "x.json"),
+        ("control={{kind='law', file='{}'}}", "x.mat"),
         ("criteria={{norms=['{}']}}", "x.csv"),
     ],
-    ids=["inventory", "poles and zeros", "target", "law", "limits"],
+    ids=["inventory", "poles and zeros", "target", "law", "law of MATLAB", "limits"],
 )
 def test_files_that_a_scenario_names(cli: Cli, folder: Path, key: str, name: str) -> None:
     for what in HOSTILE if "inventory" in key else TEXTS:
@@ -281,6 +282,7 @@ def test_scenarios_and_settings(cli: Cli, folder: Path, command: tuple[str, ...]
         "ground={kind='record', file='example:BW.RJOB', inventory='x.'}",
         "ground={kind='broadband', target={kind='file', file='x.csv'}}",
         "control={kind='law', file='x.json'}",
+        "control={kind='law', file='x.mat'}",
         "criteria={norms=['x.csv']}",
     ],
 )

@@ -14,7 +14,20 @@ PACKAGE = Path(__file__).parents[1] / "src" / "ehamj"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 RANKS = (
-    ("errors", "arrays", "bounds", "interruption", "labels", "opened", "plain", "stopped", "unfinished"),
+    (
+        "errors",
+        "above",
+        "arrays",
+        "bounds",
+        "caches",
+        "interruption",
+        "labels",
+        "notebook",
+        "opened",
+        "plain",
+        "stopped",
+        "unfinished",
+    ),
     (
         "settings",
         "registry",

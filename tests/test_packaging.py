@@ -29,7 +29,7 @@ def test_there_is_one_version() -> None:
 @pytest.mark.parametrize("package", EXTRAS)
 def test_an_extra_brings_what_a_message_says_it_brings(package: str) -> None:
     """Its requirement stands in that extra, and is none of those of the base."""
-    name = re.compile(rf"{package}\b", re.IGNORECASE)
+    name = re.compile(rf"{package.replace('_', '-')}\b", re.IGNORECASE)
     assert any(name.match(one) for one in PROJECT["optional-dependencies"][EXTRAS[package].extra])
     assert not any(name.match(one) for one in PROJECT["dependencies"])
 

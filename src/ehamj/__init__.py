@@ -6,10 +6,11 @@ print(result)
 result.dataset["cg_velocity"]
 """
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
-from ehamj.folders import SAVING
+from ehamj.above import ABOVE
 
 if TYPE_CHECKING:
     __version__: str
@@ -69,13 +70,16 @@ _HOME: Final = {
 __all__ = list(_HOME)
 
 
-def _save(*given: Any) -> None:
-    from ehamj.store import save
+def _above(module: str, name: str) -> Callable[..., Any]:
+    """A function of a module that is imported when it is called."""
+    return lambda *given: getattr(import_module(f"{__name__}.{module}"), name)(*given)
 
-    save(*given)
 
-
-SAVING.append(_save)
+ABOVE |= {
+    "save": _above("store", "save"),
+    "plot": _above("report.alone", "Plots"),
+    "replay": _above("replay.shown", "shown"),
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -5,7 +5,7 @@ import itertools
 import os
 import re
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
@@ -27,9 +27,6 @@ DEEP: Final = 400
 """What paths within a result's folder have more than its own [byte]."""
 TAKEN: Final = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR)
 """What a system answers where another process was quicker."""
-
-SAVING: list[Callable[..., None]] = []
-"""How a result is saved with all that shows it: what does it stands far above, and `ehamj` puts it here."""
 
 
 def check_out(

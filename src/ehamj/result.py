@@ -5,15 +5,15 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from html import escape
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import xarray as xr
 
 from ehamj import growing
+from ehamj.above import ABOVE
 from ehamj.belonging import (
     HISTORIES,
     RUN,
@@ -32,11 +32,11 @@ from ehamj.belonging import (
 from ehamj.control import LinearController, load_controller
 from ehamj.control.converter import check_mounts
 from ehamj.errors import InputError
-from ehamj.folders import SAVING
 from ehamj.growing import Kept
 from ehamj.interruption import pool_of
 from ehamj.judge.brief import brief
 from ehamj.judge.summary import Summary
+from ehamj.notebook import html_table
 from ehamj.plain.hdf5 import LARGEST, check_hdf5
 from ehamj.plain.text import text_of
 from ehamj.plain.xml import check_xml
@@ -44,6 +44,9 @@ from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove
 from ehamj.variables import DIMENSIONS, FIXED, VARIABLES, check_histories
+
+if TYPE_CHECKING:
+    from ehamj.report.alone import Plots
 
 CONTROLLER_FILE = "controller.json"
 
@@ -85,11 +88,21 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The same ten lines, as a notebook shows them."""
-        rows = (
-            f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">{escape(text)}</td></tr>'
-            for name, text in brief(self.summary).items()
-        )
-        return f"<table>{''.join(rows)}</table>"
+        return html_table(brief(self.summary).items())
+
+    @property
+    def plot(self) -> "Plots":
+        """The report's figures, one by one: ``result.plot.attenuation()`` gives its axes, which a notebook shows."""
+        found: Plots = ABOVE["plot"](self)
+        return found
+
+    def replay(self, *beside: "Result") -> Any:
+        """The machine in 3-D, beside other results: in a notebook within it, elsewhere in the Rerun viewer.
+
+        Raises:
+            InputError: if there is neither, which says what makes one.
+        """
+        return ABOVE["replay"](self, beside)
 
     def save(self, folder: str | Path, overwrite: bool = False, variants: "Iterable[Result]" = ()) -> None:
         """Write the folder that ``ehamj run`` writes, with report and replay as the scenario's ``output`` asks.
@@ -103,8 +116,7 @@ class Result:
         Raises:
             InputError: if the folder cannot be written, or a variant is none of the scenario's.
         """
-        for saving in SAVING:
-            saving(self, folder, overwrite, variants)
+        ABOVE["save"](self, folder, overwrite, variants)
 
     @property
     def identity(self) -> str:

@@ -42,7 +42,7 @@ def test_another_copy_of_the_sources_with_other_comments_compiles_nothing_anew(t
         (copy / file).write_text(
             text.replace('"""\n', '"""\n\n# A comment, which moves every line.\n', 1), encoding="utf-8"
         )
-    cache = kept.folder()
+    cache = kept.cache_folder()
     assert cache is not None
     compilations(package, cache)  # unless an earlier test has
     assert compilations(copy, cache) == 0
@@ -102,7 +102,7 @@ def _doubled(number: float) -> float:
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of its own for compiled code."""
-    monkeypatch.setattr(kept, "folder", lambda: tmp_path)
+    monkeypatch.setattr(kept, "cache_folder", lambda: tmp_path)
     return tmp_path
 
 
@@ -110,7 +110,7 @@ def doubling() -> dict[str, list[Path]]:
     """Double a number by compiled code, taken or made; and the files that it is kept in."""
     one = kept.compiled(_doubled, numba.float64(numba.float64))
     assert one(1.5) == 3.0
-    found = (kept.folder() or Path()).rglob("*.nb?")
+    found = (kept.cache_folder() or Path()).rglob("*.nb?")
     return {"taken": list(one.stats.cache_hits), "files": sorted(found)}
 
 

@@ -60,7 +60,7 @@ def run() -> xr.Dataset:
 def from_mat(folder: Path) -> dict[str, Any]:
     """What SciPy's own reader makes of the file: systems as python-control has them, names taken from the structs."""
     content = loadmat(folder / "real.mat", simplify_cells=True)
-    return {name: content[name] for name in ("plant", "plant_sampled", "law")} | {"ehamj": content["ehamj"]}
+    return {name: one for name, one in content.items() if not name.startswith("__")}
 
 
 def from_json(folder: Path) -> dict[str, Any]:
@@ -122,6 +122,12 @@ def test_law_and_plant_as_it_sees_it_close_the_loop_that_runs(subject: Subject, 
     apart = np.abs(closed[:, None] - expected)
     assert closed.size == expected.size
     assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-6  # equal instruments: double eigenvalues
+    behind = mat["plant_linearised"]
+    assert not mat["plant"]["B"][:, :4].any()  # within threshold and overlap valves pass nothing
+    expected = linear_under(scenario.plant, law)
+    np.testing.assert_array_equal(behind["A"], expected.A)
+    np.testing.assert_array_equal(behind["B"], expected.B)
+    assert any("in plant their commands do nothing" in note for note in mat["ehamj"]["notes"])
     for key in "ABCD":
         np.testing.assert_array_equal(mat["law"][key], getattr(law, key))
         np.testing.assert_array_equal(mat["plant_sampled"][key], plain["plant_sampled"][key])
@@ -132,7 +138,7 @@ def test_law_and_plant_as_it_sees_it_close_the_loop_that_runs(subject: Subject, 
 
 def test_the_operating_point_is_where_a_run_begins(run: xr.Dataset, folder: Path) -> None:
     run = run.isel(time=0)
-    for rest in (from_mat(folder)["plant"]["operating_point"], from_json(folder)["operating_point"]):
+    for rest in (from_mat(folder)["plant"]["operating_point"], from_json(folder)["operating_point"]["plant"]):
         assert list(rest["mounts"]) == run["mount"].values.tolist()
         np.testing.assert_allclose(rest["strokes"]["values"], run["stroke"], rtol=1e-9)
         np.testing.assert_allclose(rest["pressure_2"]["values"], run["chamber_pressure"][:, 1], rtol=1e-9)
@@ -164,6 +170,10 @@ def test_several_rates_and_a_law_without_states_come_back_too(tmp_path: Path) ->
     for name in ("bank.mat", "bank.json"):
         assert ehamj.load_controller(tmp_path / name).to_dict() == bank.to_dict()
     content = loadmat(tmp_path / "bank.mat", simplify_cells=True)
+    seen = ehamj.sampled_plant(subject.scenario, rate=2000.0)
+    slower = content["plant_sampled"][1]
+    np.testing.assert_array_equal(slower["A"] * seen.scales / seen.scales[:, None], seen.A)
+    assert (list(slower["InputName"]), list(slower["OutputName"])) == (seen.input_labels, seen.output_labels)
     assert [one["dt"] for one in content["law"]] == [one["dt"] for one in content["plant_sampled"]] == [1e-4, 5e-4]
 
 

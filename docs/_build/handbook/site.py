@@ -5,16 +5,19 @@ from typing import Any, Final
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
+from mkdocs.plugins import get_plugin_logger
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from mkdocs.utils import get_relative_url
 
 from handbook.generated import generated_pages
+from handbook.links import faults
 from handbook.maths import typeset
 from handbook.nav import filled
 from handbook.sections import link_sections
 from handbook.theory import Theory
 
+LOG: Final = get_plugin_logger(__name__)
 ROOT: Final = Path(__file__).parents[3]
 
 
@@ -55,3 +58,9 @@ def on_page_content(html: str, page: Page, **_: Any) -> str:
     except ValueError as error:
         raise PluginError(f"{page.file.src_uri}: {error}") from error
     return link_sections(made, chapter_url, page.file.src_uri.startswith("theory/"))
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Warn of links, anchors and pictures that are not there, and of what would be loaded from elsewhere."""
+    for fault in faults(Path(config.site_dir)):
+        LOG.warning(fault)

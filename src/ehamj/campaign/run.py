@@ -46,6 +46,10 @@ class Study:
     complete: bool
     """Whether all its designs are there; else the time that it may take is used up."""
 
+    def _repr_html_(self) -> str:
+        """Its answers, as a notebook shows them."""
+        return self.outcome._repr_html_()
+
     @property
     def designs(self) -> "DataFrame":
         """All designs, as `ehamj.campaign.tables.frame` reads them."""

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from rich.markup import escape
 
+from ehamj.caches import let_matplotlib_keep_its_fonts
 from ehamj.cli.folding import fitted
 from ehamj.cli.frame import app, log
 from ehamj.cli.letters import write_any_letter
@@ -32,6 +33,7 @@ TOLD: Final = (DerivedAnew, PutElsewhere, Recompiled)
 def exit_code() -> int:
     """Run the command that the command line asks for; what it ends with."""
     write_any_letter()
+    let_matplotlib_keep_its_fonts()
     try:
         with warnings.catch_warnings():
             for kind in TOLD:

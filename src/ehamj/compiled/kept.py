@@ -9,19 +9,16 @@ import contextlib
 import gc
 import hashlib
 import io
-import os
-import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 import numba
 from numba.core import caching
-from platformdirs import user_cache_path
 
+from ehamj.caches import cache_folder
 from ehamj.compiled import OPTIONS
 from ehamj.compiled.identity import identity
 from ehamj.compiled.told import as_one
@@ -35,18 +32,6 @@ FORMAT = 2
 """Of the files: 2 with a digest at their end."""
 
 
-@cache
-def folder() -> Path | None:
-    """The cache folder, or None if none can be written. ``EHAMJ_CACHE_DIR`` overrides the user's cache folder."""
-    path = Path(os.environ.get("EHAMJ_CACHE_DIR") or user_cache_path("ehamj"))
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=path):
-            return path
-    except OSError:
-        return None
-
-
 class Locator(caching._CacheLocator):
     """Tells Numba where the code of a function is kept: by what the function is, not by its file."""
 
@@ -58,7 +43,7 @@ class Locator(caching._CacheLocator):
         return cls(py_func)
 
     def get_cache_path(self) -> str:
-        return str((folder() or Path()) / self._stamp)
+        return str((cache_folder() or Path()) / self._stamp)
 
     def get_source_stamp(self) -> str:
         return self._stamp
@@ -113,14 +98,14 @@ def _sound(path: Path) -> bool:
 
 @contextlib.contextmanager
 def _located(function: Any) -> Iterator[bool]:
-    """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `folder`."""
+    """Within, functions decorated with ``cache=`` the yielded value keep their compiled code in `cache_folder`."""
     with _one_at_a_time:
         before = numba.config.CACHE_LOCATOR_CLASSES, caching.IndexDataCacheFile
         try:
             numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"
             caching.IndexDataCacheFile = _Checked
             with uncollected(), as_one(function):
-                yield folder() is not None
+                yield cache_folder() is not None
         finally:
             numba.config.CACHE_LOCATOR_CLASSES, caching.IndexDataCacheFile = before
 

@@ -44,6 +44,10 @@ class Designed:
     """What is left on machines of which the law believes all wrongly at once (`Variations.all`)."""
     outcome: Outcome
 
+    def _repr_html_(self) -> str:
+        """Its answers, as a notebook shows them."""
+        return self.outcome._repr_html_()
+
 
 def design_controller(
     source: str,

@@ -19,7 +19,7 @@ from ehamj.export.systems import (
     System,
     laws_of,
     parts_of,
-    plant_of,
+    plants_of,
     rest_of,
     seen_by,
     settings_of,
@@ -48,9 +48,8 @@ def write_matlab(subject: Subject, path: Path) -> Written:
     """
     from scipy.io import savemat
 
-    plant, seen, laws, parts = plant_of(subject), seen_by(subject), laws_of(subject), parts_of(subject)
+    plants, seen, laws, parts = plants_of(subject), seen_by(subject), laws_of(subject), parts_of(subject)
     notes = what_to_know(subject)
-    rest = rest_of(subject, plant)
     content: dict[str, Any] = {
         "ehamj": {
             "version": version("ehamj"),
@@ -58,7 +57,10 @@ def write_matlab(subject: Subject, path: Path) -> Written:
             "toml": subject.scenario.to_toml(),
             "notes": _cells(notes),
         },
-        "plant": _struct(plant, ABOUT["plant"]) | {"operating_point": _rest(rest)},
+        **{
+            name: _struct(one, ABOUT[name]) | {"operating_point": _rest(rest_of(subject, one))}
+            for name, one in plants.items()
+        },
     }
     if laws:
         content["plant_sampled"] = _array([_struct(one, ABOUT["plant_sampled"]) for one in seen])
@@ -69,8 +71,8 @@ def write_matlab(subject: Subject, path: Path) -> Written:
     with path.open("r+b") as file:  # SciPy's own text holds the time: the same export would be another file
         file.write(f"MATLAB 5.0 MAT-file, ehamj {version('ehamj')}".encode().ljust(HEADER))
     script = script_of(path)[0]
-    script.write_text(_script(path.name, script.stem, subject, bool(laws)), encoding="utf-8")
-    variables = "plant, plant_sampled, law" if laws else "plant"
+    script.write_text(_script(path.name, script.stem, subject, content), encoding="utf-8")
+    variables = ", ".join(name for name in content if name != "ehamj")
     return Written(
         {
             path.name: f"structs {variables} and ehamj; in MATLAB or Octave: load('{{path}}')",
@@ -138,12 +140,11 @@ def _array(structs: Sequence[Mapping[str, Any]]) -> Array:
     return found
 
 
-def _script(file: str, name: str, subject: Subject, with_law: bool) -> str:
+def _script(file: str, name: str, subject: Subject, content: Mapping[str, Any]) -> str:
     """The script beside a file."""
     quoted = file.replace("'", "''")
-    return (SCRIPT + (WITH_LAW if with_law else "")).format(
-        name=name, file=quoted, scenario=subject.name, version=version("ehamj")
-    )
+    parts = (SCRIPT, LINEARISED if "plant_linearised" in content else "", WITH_LAW if "law" in content else "")
+    return "".join(parts).format(name=name, file=quoted, scenario=subject.name, version=version("ehamj"))
 
 
 SCRIPT: Final = """\
@@ -167,6 +168,11 @@ end
 made = @(s) united(named(ss(s.A, s.B, s.C, s.D, s.dt), s), s);
 plant = made(data.plant);
 """
+LINEARISED: Final = """\
+
+%   plant_linearised  the same behind what the law makes good of its valves
+plant_linearised = made(data.plant_linearised);
+"""
 WITH_LAW: Final = """\
 
 %   plant_sampled  the machine as the law sees it: delay, hold, valves, machine, instruments, from sample to sample
@@ -178,8 +184,11 @@ WITH_LAW: Final = """\
 % +-data.law.voltage_limit_v and a "Quantizer" of 2*voltage_limit_v/2^bits, then plant's first inputs.
 % What data.law.beyond says in JSON (a stage that makes the valves linear, learning, lines, spools) is in no matrix;
 % data.law.anti_windup (L) belongs into x+ = A x + B u + L (applied - wanted).
-% A changed law runs in ehamj: save it as a struct with these fields, save law.mat law, and in the scenario
-% [control] kind = "law", file = "law.mat".
+% A changed law runs in ehamj. With all else as it was (channels, delay, limits, readings from rest, what is beyond):
+%   s = data.law; s.A = law.A; s.B = law.B; s.C = law.C; s.D = law.D; save('law.mat', 's', '-v7')
+% (s.anti_windup = [] if its states are others); then in the scenario: [control] kind = "law", file = "law.mat".
+% A struct of A, B, C, D, Ts, InputName and OutputName alone acts one period after its sample (delay_s), within 10 V
+% (voltage_limit_v), and reads strokes from unloaded membranes (from_rest = false).
 plant_sampled = arrayfun(made, data.plant_sampled, 'UniformOutput', false);
 law = arrayfun(made, data.law, 'UniformOutput', false);
 if numel(law) == 1

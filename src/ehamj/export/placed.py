@@ -71,7 +71,7 @@ def export_to(
         InputError: if the subject has nothing for a format, or cannot be computed.
     """
     files: dict[Path, str] = {}
-    notes: list[str] = []
+    notes: dict[str, list[str]] = {}
     with ExitStack() as places:
         for name, target in chosen.items():
             one = FORMATS[name]
@@ -84,8 +84,9 @@ def export_to(
                 written = one.write(subject, place.target)
                 within = target
             files |= {within / file: said.replace("{path}", str(within / file)) for file, said in written.files.items()}
-            notes += [f"{one.option}: {note}" for note in written.notes]
-    return Exported(files, tuple(notes))
+            for note in written.notes:
+                notes.setdefault(note, []).append(one.option)
+    return Exported(files, tuple(f"{', '.join(options)}: {note}" for note, options in notes.items()))
 
 
 @contextmanager

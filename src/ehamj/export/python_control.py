@@ -11,7 +11,7 @@ from ehamj.export.systems import (
     System,
     laws_of,
     parts_of,
-    plant_of,
+    plants_of,
     rest_of,
     seen_by,
     settings_of,
@@ -25,7 +25,7 @@ LOAD: Final = "s = json.load(open('{path}'))['plant']; plant = control.ss(*[s.po
 def write_python_control(subject: Subject, path: Path) -> Written:
     """Write objects ``plant``, ``plant_sampled`` and ``law``, each the arguments of ``control.ss``; of a law of several
     rates lists, ``law[k]`` beside the plant as it sees it."""
-    plant, systems = plant_of(subject), {"plant_sampled": seen_by(subject), "law": laws_of(subject)}
+    plants, systems = plants_of(subject), {"plant_sampled": seen_by(subject), "law": laws_of(subject)}
     parts, notes = parts_of(subject), what_to_know(subject)
     content: dict[str, Any] = {
         "ehamj": version("ehamj"),
@@ -34,10 +34,10 @@ def write_python_control(subject: Subject, path: Path) -> Written:
         "load": LOAD.replace("{path}", path.name),
         "notes": list(notes),
         "about": ABOUT,
-        "plant": _arguments(plant),
-        "units": {"plant": plant.units},
-        "scales": plant.scales.tolist(),
-        "operating_point": rest_of(subject, plant),
+        **{name: _arguments(one) for name, one in plants.items()},
+        "units": {name: one.units for name, one in plants.items()},
+        "scales": {name: one.scales.tolist() for name, one in plants.items()},
+        "operating_point": {name: rest_of(subject, one) for name, one in plants.items()},
     }
     if parts:
         content |= {name: _single([_arguments(one) for one in some]) for name, some in systems.items()}

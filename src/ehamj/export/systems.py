@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.control import Controller
+from ehamj.control import Controller, LinearController
 from ehamj.control.law import KEYS
 from ehamj.control.units import plain_unit, signal_units
 from ehamj.export.subject import Subject
@@ -14,7 +14,7 @@ from ehamj.linear.loop import Loop, closed_at_rest, linear_under
 from ehamj.linear.machine import linear_model
 from ehamj.linear.sampled import sampled_machine
 from ehamj.plant.axes import CHAMBERS
-from ehamj.views.linear import linearise
+from ehamj.views.linear import named_plant
 from ehamj.views.statics import static_loads
 
 ABOUT: Final = {
@@ -22,6 +22,7 @@ ABOUT: Final = {
     "is in physical units, over scales its parts are all about one. Displacement and velocity of the ground at each "
     "mount are inputs of their own: feed both, one the integral of the other. Valves, oil, membranes and machine; no "
     "sensor, no delay.",
+    "plant_linearised": "The same behind what the law makes good of its valves: its stage, and the loops about spools.",
     "plant_sampled": "The machine as the law sees it, from the commands that it computes at a sample to its readings "
     "at the samples: delay, hold, valves, machine, instruments, behind what the law makes good of its valves. Noise, "
     "range and resolution play no part; what the ground adds to readings is left out. feedback(plant_sampled, law, "
@@ -56,6 +57,8 @@ class System:
     state_units: tuple[str, ...]
     scales: Array
     """Size of each state in a moderate motion, (state,): powers of two."""
+    rest: Array
+    """Of what the states are deviations, (state,)."""
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -69,12 +72,25 @@ class System:
         up, down = plant.scales[:, None], 1.0 / plant.scales
         matrices = (plant.A * up * down, plant.B * up, plant.C * down, plant.D)
         names = (tuple(plant.state_labels), tuple(plant.input_labels), tuple(plant.output_labels))
-        return cls(name, matrices, float(plant.dt), *names, plant.state_units, plant.scales)
+        return cls(name, matrices, float(plant.dt), *names, plant.state_units, plant.scales, plant.operating_point)
 
 
-def plant_of(subject: Subject) -> System:
-    """The machine, continuous, from all inputs to all channels and to the scenario's points."""
-    return System.of(linearise(subject.scenario, points=subject.scenario.points), subject.name)
+def plant_of(subject: Subject, law: LinearController | None = None) -> System:
+    """The machine, continuous, from all inputs to all channels and to the scenario's points; where a ``law`` is given,
+    behind what it makes good of its valves."""
+    scenario = subject.scenario
+    model = linear_under(scenario.plant, law)
+    name = subject.name if law is None else f"{subject.name}-linearised"
+    return System.of(named_plant(model, scenario.name, points=scenario.points), name)
+
+
+def plants_of(subject: Subject) -> dict[str, System]:
+    """``plant``, and ``plant_linearised`` where a law makes good what it knows of the valves."""
+    law = subject.controller
+    found = {"plant": plant_of(subject)}
+    if law is not None and (law.converter.valves or law.converter.spools):
+        found["plant_linearised"] = plant_of(subject, law)
+    return found
 
 
 def parts_of(subject: Subject) -> tuple[Controller, ...]:
@@ -98,9 +114,10 @@ def laws_of(subject: Subject) -> tuple[System, ...]:
     parts, found = parts_of(subject), []
     for part, name in zip(parts, _numbered(f"{subject.name}-law", len(parts)), strict=True):
         states = tuple(f"law {k}" for k in range(part.states))
-        matrices, sizes = (part.A, part.B, part.C, part.D), np.ones(part.states)
+        matrices = (part.A, part.B, part.C, part.D)
+        sizes = (np.ones(part.states), np.zeros(part.states))
         names = (states, part.inputs, part.outputs)
-        found.append(System(name, matrices, part.period, *names, ("",) * part.states, sizes))
+        found.append(System(name, matrices, part.period, *names, ("",) * part.states, *sizes))
     return tuple(found)
 
 
@@ -120,15 +137,14 @@ def rest_of(subject: Subject, plant: System) -> dict[str, Any]:
     Raises:
         InputError: if the machine cannot stand.
     """
-    rest = linearise(subject.scenario, outputs=()).operating_point
-    states = dict(zip(plant.states, rest.tolist(), strict=True))
+    states = dict(zip(plant.states, plant.rest.tolist(), strict=True))
     mounts = subject.scenario.plant.mounts
     chambers = {
         f"pressure_{one}": [states[f"pressure_{one} {mount}"] for mount in mounts] for one in CHAMBERS
     }  # of which no mount lacks one
     return {
         "states": list(plant.states),
-        "values": rest.tolist(),
+        "values": plant.rest.tolist(),
         "units": list(map(plain_unit, plant.state_units)),
         "mounts": list(mounts),
         "strokes": {"values": static_loads(subject.scenario).stroke.tolist(), "unit": "m"},
@@ -147,7 +163,7 @@ def what_to_know(subject: Subject) -> tuple[str, ...]:
     if closed := closed_at_rest(linear_model(scenario.plant)):
         notes.append(
             f"the valves of {', '.join(closed)} pass nothing of a small command as they are (overlap, hysteresis, "
-            "threshold), so that in the continuous plant their commands do nothing"
+            "threshold), so that in plant their commands do nothing"
         )
     if len(parts) > 1:
         rates = ", ".join(f"{1.0 / part.period:g}" for part in parts)

@@ -23,7 +23,9 @@ class Flows(NamedTuple):
 class Edges(Component):
     """The valve from its opening to the flows."""
 
-    flow_gain: float = quantity(1.94e-6, "m³/s/mA", "K_Q", "flow gain at null", "paper", gt=0)
+    flow_gain: float = quantity(
+        1.94e-6, "m³/s/mA", "K_Q", "flow gain at null: oil to the piston per spool position", "paper", gt=0
+    )
     flow_pressure: float = quantity(6.6e-11, "m³/s/Pa", "K_C", "flow-pressure coefficient at null", "paper", ge=0)
     edge_leakage_share: float = quantity(
         0.05,

@@ -13,10 +13,14 @@ from ehamj.linear.machine import LinearModel, Point
 from ehamj.linear.names import group_of, motion_name, named_together, pattern_name
 from ehamj.linear.sampled import SampledLoop, sampled_loop
 from ehamj.linear.shapes import Axis, Energies, at_cg, at_point, centre_of_rotation, energies, in_phase, weights
+from ehamj.notebook import html_table
 from ehamj.plant.axes import AXES, DOF_OF_JOINT, DOFS
 
 FORGOTTEN = 1e-2
 """Magnitude of a sampled eigenvalue below which it is a delay, gone after a sample, and no mode."""
+
+LEAST_SHARE = 0.01
+"""Share of a mode from which on a table names what takes part."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +92,29 @@ class Mode:
         return self.energies is not None
 
 
+class Modes(tuple[Mode, ...]):
+    """Modes by frequency, which a notebook shows as a table."""
+
+    def _repr_html_(self) -> str:
+        """Name, frequency, damping, and what moves."""
+        rows = (
+            (
+                mode.name,
+                f"{mode.frequency:.4g}",
+                f"{mode.damping_ratio:.3g}",
+                ", ".join(f"{name} {share:.0%}" for name, share in mode.shares.items() if share >= LEAST_SHARE),
+            )
+            for mode in self
+        )
+        return html_table(rows, ("mode", "frequency [Hz]", "damping ratio [-]", "what takes part"))
+
+
 def modes(
     model: LinearModel,
     loop: Loop | None = None,
     bypassed: bool = False,
     points: Mapping[str, Point] | None = None,
-) -> tuple[Mode, ...]:
+) -> Modes:
     """Oscillatory modes by frequency: of the machine with held commands, or under a digital controller.
 
     Args:
@@ -110,7 +131,7 @@ def modes(
     eigen, states = eigen_of(model, loop, bypassed)
     found = [_mode(model, states, eigen, k, points or {}) for k in oscillations(eigen)]
     names = named_together(model.plant.machine, [mode.name for mode in found], [mode.shape for mode in found])
-    return tuple(replace(mode, name=name) for mode, name in zip(found, names, strict=True))
+    return Modes(replace(mode, name=name) for mode, name in zip(found, names, strict=True))
 
 
 def eigen_of(model: LinearModel, loop: Loop | None = None, bypassed: bool = False) -> tuple[Eigen, tuple[str, ...]]:

@@ -1,8 +1,11 @@
 """Axes that draw grid, ticks and numbers at once: Matplotlib's five objects for each tick cost more than all lines.
 
-A module of its own, since its classes need Matplotlib: `ehamj.plots.style.new_figure` imports it with the first figure.
+A module of its own, since its classes need Matplotlib: `ehamj.plots.style.new_figure` imports it with the first figure,
+which is of a class that stands here for that reason too.
 """
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -10,6 +13,7 @@ from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
+from matplotlib.figure import Figure
 from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.ticker import NullFormatter, NullLocator
@@ -185,9 +189,15 @@ class _AtOnce(Base):
         gc, font = renderer.new_gc(), one.get_fontproperties()
         gc.set_foreground(one.get_color())
         height = renderer.get_canvas_width_height()[1]
+        # An SVG's text is anchored as the Text says; who draws letters begins where he is told.
+        svg = type(getattr(renderer, "_renderer", renderer)).__name__ == "RendererSVG"
+        anchored = svg and RC["svg.fonttype"] == "none"
+        before = 0.0 if anchored else {"left": 0.0, "center": 0.5, "right": 1.0}[one.get_horizontalalignment()]
         for number, (x, y) in zip(numbers, places, strict=True):
             if number:
                 one.set_position((x, y))  # which says where it is anchored
+                if before:
+                    x -= before * self._widest(renderer, one, [number])
                 renderer.draw_text(gc, x, height - y if renderer.flipy() else y, number, font, 0.0, mtext=one)
         gc.restore()
 
@@ -224,3 +234,19 @@ class SwiftAxes(Axes):
         super().clear()
         for spine in self.spines.values():
             spine.set_position(("outward", 0.0))
+
+
+class StyledFigure(Figure):
+    """A figure that is drawn in its own style by whoever draws it: a notebook, or a user who saves it."""
+
+    within: Callable[[], AbstractContextManager[None]] = staticmethod(nullcontext)
+
+    def draw(self, renderer: Any) -> None:
+        """As Matplotlib's, within the style."""
+        with self.within():
+            super().draw(renderer)
+
+    def get_tightbbox(self, *given: Any, **more: Any) -> Any:
+        """As Matplotlib's, within the style."""
+        with self.within():
+            return super().get_tightbbox(*given, **more)

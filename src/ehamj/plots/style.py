@@ -102,11 +102,10 @@ def new_figure(title: str, panels: int = 1, **look: Any) -> tuple[Figure, list[A
 
 def new_grid(title: str, rows: int, columns: int, **look: Any) -> tuple[Figure, Any]:
     """A figure, and its axes as an array (rows, columns); ``look`` as `Figure.subplots` takes it."""
-    from matplotlib.figure import Figure
+    from ehamj.plots.axis import StyledFigure, SwiftAxes
 
-    from ehamj.plots.axis import SwiftAxes
-
-    figure = Figure(figsize=(WIDTH / INCH, WIDTH / INCH))
+    figure = StyledFigure(figsize=(WIDTH / INCH, WIDTH / INCH))
+    figure.within = styled
     figure.suptitle(title)
     return figure, figure.subplots(rows, columns, squeeze=False, **{"subplot_kw": {"axes_class": SwiftAxes}} | look)
 

@@ -82,8 +82,8 @@ def simulate_many(
     Raises:
         InputError: if there are not as many controllers as scenarios, ``threads`` is less than one, or there is no such
             engine.
-        As `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further one begins.
-            None of these with ``on_failure``.
+        Exception: as `simulate` or ``reduce``, for the first scenario that fails, which the message names; no further
+            one begins. None of these with ``on_failure``.
     """
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads}: must be at least 1")

@@ -23,8 +23,10 @@ from ehamj.forces.kinds import Force, check_forces, load_of
 from ehamj.ground.kinds import Ground, RestGround
 from ehamj.ground.motion import Motion, Start
 from ehamj.ground.shared import Floors
+from ehamj.notebook import html_table
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Relative, check_points, check_relatives, default_points
+from ehamj.scenario import brief
 from ehamj.scenario.keys import merge, plain
 from ehamj.scenario.named import check_named
 from ehamj.scenario.variants import Variants, check_variants, variant
@@ -161,6 +163,10 @@ class Scenario(Installation, Course):
             return self.ground.motion(start) if floors is None else floors.motion(self.ground, start)
         except ValueError as error:
             raise InputError(str(error)) from error
+
+    def _repr_html_(self) -> str:
+        """What it is, and what it states, as a notebook shows it."""
+        return html_table(brief.rows(self))
 
     def commands(self) -> tuple[Signal, ...]:
         """The open-loop command of each mount [V]."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ehamj.notebook import html_list
 from ehamj.plots import Figure, Line
 from ehamj.plots.charts import DASHES
 from ehamj.run.progress import Progress, counted, silent
@@ -41,6 +42,11 @@ class Outcome:
     """The few numbers that a script asks for, as plain data."""
     settings: Mapping[str, Any] = field(default_factory=dict)
     """What the study was asked with, as plain data."""
+
+    def _repr_html_(self) -> str:
+        """Question and answers, as a notebook shows them, and what else there is."""
+        kept = f"drawings: {', '.join(self.drawings) or 'none'}; tables: {', '.join(self.tables) or 'none'}"
+        return html_list(f"{self.title}: {self.question}", self.answers, kept)
 
 
 def curves(values: xr.DataArray, of: str, dashes: int = len(DASHES), name: str = "{}") -> list[Line]:

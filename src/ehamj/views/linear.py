@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ehamj.control.channels import channel_names
-from ehamj.linear.machine import Point, linear_model
+from ehamj.linear.machine import LinearModel, Point, linear_model
 from ehamj.linear.plants import LinearPlant
 from ehamj.linear.scales import sizes, state_units
 from ehamj.plant.axes import AXES
@@ -44,18 +44,23 @@ def linearise(
         InputError: if a channel is unknown, or the operating point does not exist.
     """
     scenario = as_scenario(scenario)
-    model = linear_model(scenario.plant, commands, load)
+    return named_plant(linear_model(scenario.plant, commands, load), scenario.name, outputs, points)
+
+
+def named_plant(
+    model: LinearModel, name: str, outputs: Sequence[str] | None = None, points: Mapping[str, Point] | None = None
+) -> Any:
+    """A linearised machine as `linearise` hands it out; arguments and errors as there."""
     if outputs is None:
-        outputs = [name for name in channel_names(scenario.plant.mounts) if not name.startswith("ground_")]
+        outputs = [one for one in channel_names(model.plant.mounts) if not one.startswith("ground_")]
         outputs += [
-            f"{name}_{what} {axis}"
-            for name in points or {}
+            f"{point}_{what} {axis}"
+            for point in points or {}
             for what in ("displacement", "velocity", "acceleration")
             for axis in AXES
         ]
     C, D = model.rows(outputs, points)
     return LinearPlant.scaled(
         (model.A, model.B, C, D), sizes(model.states), model.equilibrium, state_units(model.states),
-        states=list(model.states), inputs=list(model.inputs), outputs=list(outputs),
-        name=scenario.name.replace(".", "-"),
+        states=list(model.states), inputs=list(model.inputs), outputs=list(outputs), name=name.replace(".", "-"),
     )  # fmt: skip

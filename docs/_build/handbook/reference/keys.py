@@ -1,9 +1,11 @@
 """Every key of a scenario: one page for each kind of table."""
 
 import json
+import re
 from typing import Final, NamedTuple
 
 from ehamj.scenario.load import scenario_schema
+from handbook.reference.presets import preset_section
 from handbook.reference.tables import Tables, summary_table
 
 
@@ -16,17 +18,27 @@ class Topic(NamedTuple):
     keys: tuple[str, ...]
 
 
+FIRST: Final = re.compile(r"[.;] ")
+"""Where the first words of an intro end."""
+
 TOPICS: Final = (
     Topic("machine.md", "Machine, parts and slides", "What stands on the mounts.", ("machine", "part", "slide")),
     Topic("mounts.md", "Mounts", "Where isolators stand, and along what they act.", ("mount",)),
-    Topic("isolators.md", "Isolators", "Valve, cylinder, oil, membrane and foot of an isolator.", ("actuators",)),
+    Topic(
+        "isolators.md",
+        "Isolators",
+        "Valve, cylinder, oil, membrane and foot of an isolator. Defaults are the paper's first prototype. Equations: "
+        "docs/physics.md, section 1 (linear, Table I), docs/physics.md, section 2 (nonlinear), and docs/physics.md, "
+        "section 4 (options). What [presets, oils and valves](#presets) set stands at the end.",
+        ("actuators",),
+    ),
     Topic("supply.md", "Supply", "Pump, accumulator and lines that all isolators share.", ("supply",)),
-    Topic("ground.md", "Ground", "How the floor moves below the mounts.", ("ground",)),
+    Topic("ground.md", "Ground", "How the floor moves below the mounts; docs/physics.md, section 5.", ("ground",)),
     Topic("forces.md", "Forces", "What shakes the machine itself.", ("force",)),
-    Topic("control.md", "Control", "The law, and how it runs.", ("control",)),
+    Topic("control.md", "Control", "The law, and how it runs; docs/physics.md, section 6.", ("control",)),
     Topic("sensors.md", "Sensors", "What the law measures with.", ("sensors",)),
     Topic("faults.md", "Faults", "What fails in the course of a run.", ("fault",)),
-    Topic("criteria.md", "Criteria", "By what a run is judged.", ("criteria", "relative")),
+    Topic("criteria.md", "Criteria", "By what a run is judged; docs/physics.md, section 7.", ("criteria", "relative")),
     Topic("output.md", "Output", "What a run writes beside its numbers.", ("output",)),
 )
 
@@ -34,14 +46,17 @@ TOPICS: Final = (
 def key_pages() -> dict[str, str]:
     """Markdown by path within the site."""
     tables = Tables(json.loads(scenario_schema()))
-    pages = {topic.file: tables.page(topic.title, topic.intro, topic.file, list(topic.keys)) for topic in TOPICS}
-    return {f"reference/keys/{name}": text for name, text in {"index.md": _index(tables), **pages}.items()}
+    order = sorted(TOPICS, key=lambda topic: topic.file == "control.md")  # it holds tables of all others
+    made = {one.file: tables.page(one.title, one.intro, one.file, list(one.keys)) for one in order}
+    made["isolators.md"] += preset_section()
+    pages = {"index.md": _index(tables), **{one.file: made[one.file] for one in TOPICS}}
+    return {f"reference/keys/{name}": text for name, text in pages.items()}
 
 
 def _index(tables: Tables) -> str:
     """Keys of the top level."""
     properties = tables.schema["properties"]
-    listed = "\n".join(f"- [{one.title}]({one.file}): {one.intro}" for one in TOPICS)
+    listed = "\n".join(f"- [{one.title}]({one.file}): {FIRST.split(one.intro)[0]}" for one in TOPICS)
     parts = [tables.key(name, node, name, False) for name, node in properties.items()]
     told = (
         "A scenario is TOML in SI units; every key is checked. `ehamj schema` prints the same as a JSON schema, for an "

@@ -70,41 +70,47 @@ class Tables:
             sections += self.below(key, self.schema["properties"][key])
         self.home.update({name: file for name, _ in sections})
         shared = self._shared([name for name, place in sections if place.kind])
-        parts = [f"# {title}\n\n{intro}\n"]
-        if shared:
-            parts.append(self._shared_section(keys[0], shared))
+        parts = [f"# {title}\n\n{intro}\n", self._kinds(sections), self._shared_sections(keys[0], shared)]
         parts += [self._section(name, place, shared, keys[0]) for name, place in sections]
         return "\n".join(parts)
+
+    def _kinds(self, sections: list[tuple[str, Place]]) -> str:
+        """The kinds that there are, where there are any."""
+        kinds = [(place, self._told(name)) for name, place in sections if place.kind]
+        lines = [f"| [`{place.kind}`](#{place.anchor}) | `[{place.path}]` | {first(told)} |" for place, told in kinds]
+        return "\n".join(["| kind | of | what it is |", "|---|---|---|", *lines, ""]) if lines else ""
 
     def _shared(self, names: list[str]) -> dict[str, tuple[Node, list[str]]]:
         """Keys that several kinds have alike, with the kinds."""
         found: dict[str, list[tuple[Node, str]]] = {}
         for name in names:
             for key, node in self.definitions[name]["properties"].items():
-                if key not in ("kind", "name"):
+                if key not in ("kind", "name", "sources"):
                     found.setdefault(key, []).append((node, self.places[name][0].kind or ""))
         alike = {key: [kind for node, kind in have if node == have[0][0]] for key, have in found.items()}
         return {key: (found[key][0][0], kinds) for key, kinds in alike.items() if len(kinds) >= SHARED_BY}
 
-    def _shared_section(self, key: str, shared: dict[str, tuple[Node, list[str]]]) -> str:
-        parts = ["## Keys that several kinds have { #shared }\n"]
-        for name, (node, kinds) in shared.items():
-            told = f"Kinds: {', '.join(f'`{kind}`' for kind in kinds)}."
-            parts.append(self.key(name, node, f"{key}.{name}", False) + f"\n{told}\n")
+    def _shared_sections(self, path: str, shared: dict[str, tuple[Node, list[str]]]) -> str:
+        """Such keys, those of the same kinds together."""
+        groups: dict[tuple[str, ...], list[str]] = {}
+        for key, (_, kinds) in shared.items():
+            groups.setdefault(tuple(kinds), []).append(key)
+        parts = []
+        for number, (having, keys) in enumerate(groups.items(), 1):
+            title = f"## Keys of {len(having)} kinds {{ #{path}.shared-{number} }}\n"
+            parts += [title, f"{', '.join(f'`{kind}`' for kind in having)}\n"]
+            parts += [self.key(key, shared[key][0], f"{path}.{key}", False) for key in keys]
         return "\n".join(parts)
 
     def _section(self, name: str, place: Place, shared: dict[str, Any], key: str) -> str:
         definition = self.definitions[name]
-        said = (definition.get("description") or "").strip()
-        parts = [f"## {place.heading} {{ #{place.anchor} }}\n", f"{said}\n"]
+        parts = [f"## {place.heading} {{ #{place.anchor} }}\n", f"{self._said(name)}\n"]
         others = [one.heading for one in self.places[name][1:]]
         if others:
             parts.append(f"The same keys: {', '.join(others)}.\n")
         elsewhere = [one for one, (_, kinds) in shared.items() if place.kind in kinds]
-        properties = definition.get("properties", {})
-        here = {
-            one: node for one, node in properties.items() if one not in elsewhere and one not in ("kind", "sources")
-        }
+        left = {*elsewhere, "kind", "sources"}
+        here = {one: node for one, node in definition.get("properties", {}).items() if one not in left}
         required = definition.get("required", ())
         if len(here) > 3:
             parts.append(summary_table({f"{place.anchor}.{one}": (one, node) for one, node in here.items()}))
@@ -114,60 +120,66 @@ class Tables:
         parts += [self.key(one, node, f"{place.anchor}.{one}", one in required) for one, node in here.items()]
         return "\n".join(parts)
 
+    def _said(self, name: str) -> str:
+        """What a table is, in the words of the settings."""
+        return literal((self.definitions[name].get("description") or "").strip())
+
     def key(self, name: str, node: Node, anchor: str, required: bool) -> str:
         """One key: a heading that search finds, what it means, and its facts."""
         known = unit(node)
         text = (node.get("description") or "").strip()
-        text = text.removesuffix(f"[{known}]").rstrip() if known else text
-        text = text or self._told(node)
-        facts = list(_facts(node, known, required))
-        listed = "".join(f"<li>{one}</li>" for one in facts)
-        inside = self._inside(node)
-        told = f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}{inside}"
-        return f'### `{name}` {{ #{anchor} }}\n\n{told}\n\n<ul class="facts" markdown="1">{listed}</ul>\n'
+        text = literal(text.removesuffix(f"[{known}]").rstrip() if known else text) or self._told(node)
+        told = f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}{self._inside(node)}"
+        facts = " · ".join(_facts(node, known, required))
+        return f"### `{name}` {{ #{anchor} }}\n\n{told}\n\n{facts}\n{{ .facts }}\n"
 
-    def _told(self, node: Node) -> str:
-        names = list(referred(node))
-        return (self.definitions[names[0]].get("description") or "").strip() if names else ""
+    def _told(self, node: Node | str) -> str:
+        names = [node] if isinstance(node, str) else list(referred(node))
+        return self._said(names[0]) if names else ""
 
     def _inside(self, node: Node) -> str:
         """Where the tables that a key holds are described."""
         links = []
         for name in referred(node):
             if name in self.places:
-                first = self.places[name][0]
-                links.append(f"[{first.kind or first.path}]({self.home.get(name, '')}#{first.anchor})")
-        return f" Keys: {', '.join(links)}." if links else ""
+                at = self.places[name][0]
+                links.append(f"[`{at.kind or at.path}`]({self.home.get(name, '')}#{at.anchor})")
+        return f" Keys of it: {', '.join(links)}." if links else ""
+
+
+def literal(text: str) -> str:
+    """Words of the settings, none of which is meant as Markdown."""
+    return re.sub(r"([*_\[\]<>|$])", r"\\\1", text.replace("``", "`")) if "`" not in text else text.replace("``", "`")
+
+
+def first(text: str) -> str:
+    """The first sentence."""
+    return re.split(r"(?<=[a-z)])\. |\n\n|: ", text)[0].rstrip(".").replace("\n", " ")
 
 
 def _facts(node: Node, known: str | None, required: bool) -> Iterator[str]:
+    default = node.get("default")
+    endless = "default" not in node and node.get("type") == "number"  # infinity, for which JSON has no number
+    of = f" {known}" if known and known != "-" else ""
     if required:
-        yield "<b>must be given</b>"
-    elif node.get("default") is not None:
-        yield f"default <b>{_code(value(node['default']))}</b>{f' {known}' if known and known != '-' else ''}"
-    elif "default" in node:
-        yield "left out by default"
+        yield f"**must be given**{of and f', in{of}'}"
+    elif default is not None or endless:
+        yield f"default **`{'inf' if default is None else value(default)}`**{of}"
     else:
-        yield "default: see the text"
-    if known and known != "-" and node.get("default") is None:
-        yield f"unit {known}"
+        yield f"may be left out{of and f'; in{of}'}"
     if "symbol" in node:
         yield f"symbol {symbol(node['symbol'])}"
     if "source" in node:
         yield f'source <span class="badge {node["source"]}">{node["source"]}</span>'
-    yield f"allowed: {allowed(node)}".replace("`", "")
+    yield f"allowed: {allowed(node)}"
     slip = magnitude(node)
     if slip:
         yield f"magnitude {slip}"
 
 
-def _code(text: str) -> str:
-    return f"<code>{text}</code>"
-
-
 def symbol(text: str) -> str:
     """A symbol such as A_p as an equation."""
-    return "$" + re.sub(r"_(\w+)", r"_{\1}", text) + "$"
+    return "$" + re.sub(r"_(\w+)", r"_{\1}", text.replace("−", "^{-}").replace("+", "^{+}")) + "$"
 
 
 def summary_table(rows: dict[str, tuple[str, Node]]) -> str:
@@ -176,7 +188,9 @@ def summary_table(rows: dict[str, tuple[str, Node]]) -> str:
     lines = [f"| key | default | unit |{' source |' if sourced else ''}", f"|---|---|---|{'---|' if sourced else ''}"]
     for anchor, (name, node) in rows.items():
         given = node.get("default")
-        shown = "" if given is None else f"`{value(given)}`" if len(value(given)) < 40 else "…"
+        endless = "default" not in node and node.get("type") == "number"
+        text = value(given) if given is not None else "inf" if endless else ""
+        shown = f"`{text}`" if 0 < len(text) < 40 else "…" if text else ""
         known = unit(node)
         source = f" {node.get('source', '')} |" if sourced else ""
         lines.append(f"| [`{name}`](#{anchor}) | {shown} | {known if known and known != '-' else ''} |{source}")

@@ -1,6 +1,6 @@
 """What a JSON schema says of one key, in words: what is allowed, and by default."""
 
-import math
+import re
 from collections.abc import Iterator
 from typing import Any, Final
 
@@ -61,7 +61,7 @@ def allowed(node: Node) -> str:
     if node.get("type") == "object":
         below = node.get("additionalProperties")
         return f"a table of names, each {allowed(below)}" if isinstance(below, dict) and below else "a table"
-    limits = " and ".join(f"{sign} {node[name]:g}" for name, sign in LIMITS.items() if name in node)
+    limits = " and ".join(f"{sign} {number(node[name])}" for name, sign in LIMITS.items() if name in node)
     words = TYPES.get(node.get("type", ""), "any value")
     return f"{words} {limits}".rstrip()
 
@@ -79,19 +79,26 @@ def _list(node: Node) -> str:
 def magnitude(node: Node) -> str | None:
     """The magnitudes beyond which a value is refused as a slip of unit or decimal point."""
     known = unit(node)
-    if known not in BOUNDS:
+    if known not in BOUNDS or known == "-":
         return None
     least, largest = BOUNDS[known]
     least = least if "exclusiveMinimum" in str(node) else 0.0
-    return f"at most {largest:g}" if least == 0.0 else f"{least:g} to {largest:g}"
+    return f"at most {number(largest)}" if least == 0.0 else f"{number(least)} to {number(largest)}"
+
+
+def number(given: float) -> str:
+    """A number as a person writes it, every digit that it has."""
+    short = f"{given:g}"
+    text = short if float(short) == given else repr(given)
+    return re.sub(r"e\+?(-?)0*(\d)", r"e\1\2", text)
 
 
 def value(given: Any) -> str:
     """A value as TOML has it, in one line."""
     if isinstance(given, bool):
         return str(given).lower()
-    if isinstance(given, float) and math.isfinite(given):
-        return f"{given!r}"
+    if isinstance(given, float):
+        return number(given)
     if isinstance(given, str):
         return f'"{given}"'
     if isinstance(given, list | tuple):

@@ -1,6 +1,6 @@
 """Figures over time: velocities, strokes, commands, spools, flows and pressures against their limits."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,8 @@ from ehamj.result import Result
 
 Window = tuple[float, float] | None
 
+HISTORIES: Final = ("velocity", "stroke", "command", "spool", "flow", "pressure")
+"""What is drawn over time: floor and machines, and what the mounts of the first result have."""
 LINES: Final = 8
 """Mounts up to which each has a line."""
 LOUDEST: Final = 4
@@ -27,7 +29,7 @@ ZOOM: Final = 1.0
 
 def histories(shown: Shown) -> Section:
     """What belongs to single mounts is that of the first result."""
-    figures, notes = list(_figures(shown)), list(_notes(shown))
+    figures, notes = list(figures_of(shown)), list(_notes(shown))
     return Section("histories", "Time histories", figures, notes=[" ".join(notes)])
 
 
@@ -43,19 +45,22 @@ def _notes(shown: Shown) -> Iterator[str]:
         yield "There is no command: the valves stay centred."
 
 
-def _figures(shown: Shown) -> Iterator[Picture]:
+def figures_of(shown: Shown, wanted: Collection[str] = HISTORIES) -> Iterator[Picture]:
+    """Some of the `HISTORIES`, those in which anything moves."""
     data = shown.first.dataset
     if data.time.size < 2:
         return
     window, time = characteristic_part(shown.first), data.time.values
-    yield _velocity_history(shown, window)
+    if "velocity" in wanted:
+        yield _velocity_history(shown, window)
     for name, title, quantity, values, bound, caption in _quantities(shown.first):
-        if np.any(values):
+        if name in wanted and np.any(values):
             whole = [Trace("all mounts", time, values, shown.colors[shown.label])]
             detail = _per_mount(data, values)
             figure = plots.history(title, quantity, whole, detail, [bound], window, (), moments_of(shown.first))
             yield Picture(f"history-{name}", figure, caption)
-    yield _pressure_history(shown.first, window)
+    if "pressure" in wanted:
+        yield _pressure_history(shown.first, window)
 
 
 def _quantities(result: Result) -> Iterator[tuple[str, str, str, Array, Limit, str]]:

@@ -1,6 +1,6 @@
 """Transmissibility of the floor that a run had: linear, and measured from the run."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Final
 
 from ehamj import plots
@@ -21,16 +21,19 @@ NOTE: Final = (
 
 def transmissibility(shown: Shown) -> Section:
     """The vertical, and what else the floor of a run excites; a run that is too short shows the linear one alone."""
-    return Section("transmissibility", "Transmissibility", list(_figures(shown)), notes=[NOTE])
+    return Section("transmissibility", "Transmissibility", list(figures_of(shown)), notes=[NOTE])
 
 
-def _figures(shown: Shown) -> Iterator[Picture]:
+def figures_of(shown: Shown, motions: Collection[str] = tuple(AXIS_NAMES)) -> Iterator[Picture]:
+    """Transmissibility of some motions: the vertical, and those that the floor excites."""
     evaluations = {label: one for label, one in shown.evaluations.items() if one.machine.model is not None}
     if not evaluations:
         return
     passive = any(result.scenario.control.kind == "passive" for result in shown.results.values())
     held = None if passive else next(iter(evaluations.values())).machine.transfer
     for dof, words in AXIS_NAMES.items():
+        if dof not in motions:
+            continue
         output = own_output(machine_channels(), dof)
         curves = [] if held is None else [linear("valves held", held, output, dof, plots.GREY)]
         curves += [

@@ -1,0 +1,47 @@
+"""The errors that `ehamj verify` measured, kept for the site; `make verified` measures anew, in minutes."""
+
+import json
+import math
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Final
+
+from ehamj.result import written_whole
+from ehamj.verify import CASES, verify
+
+KEPT: Final = Path(__file__).parents[1] / "verified.json"
+
+
+def measured() -> dict[str, Any]:
+    """Errors by case, and with what they were measured."""
+    errors = {one.case.name: _short(one.error) for one in verify(progress=lambda one: print(one.case.name, one.error))}
+    versions = {name: version(name) for name in ("ehamj", "mujoco", "numpy", "scipy")}
+    return {"errors": errors, "versions": {"python": platform.python_version(), **versions}}
+
+
+def _short(error: float) -> float | None:
+    return float(f"{error:.2g}") if math.isfinite(error) else None
+
+
+def verified_pages() -> dict[str, str]:
+    """Markdown by path within the site: every case with its error and its tolerance, which are the program's own."""
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))
+    rows = [
+        f"| {case.name} | {kept['errors'][name]:.2g} | {case.tolerance:.2g} | {case.unit} | {case.compares} "
+        f"| {case.source} | {case.why} |"
+        for name, case in CASES.items()
+    ]
+    versions = ", ".join(f"{name} {number}" for name, number in kept["versions"].items())
+    told = (
+        "`ehamj verify` compares the simulator with independent solutions: closed forms, a SciPy model of the whole "
+        "machine with every option, conservation of oil and energy, orders of convergence, modes and equilibria. It "
+        f"takes minutes and runs on your machine too. These errors were measured with {versions}."
+    )
+    heads = ["| case | error | tolerance | unit | what is compared | with | why the tolerance |", f"|{'---|' * 7}"]
+    return {"validation/verified.md": "\n".join(["# Verified cases\n", f"{told}\n", *heads, *rows, ""])}
+
+
+if __name__ == "__main__":
+    with written_whole(KEPT) as beside:
+        beside.write_text(json.dumps(measured(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

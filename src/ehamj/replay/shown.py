@@ -1,0 +1,79 @@
+"""A recording in front of whoever works in Python, in a notebook or in the viewer: what ``result.replay()`` does."""
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stdout
+from functools import cache
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+from ehamj.errors import InputError
+from ehamj.extras import check_extra
+from ehamj.replay import open_viewer, write_replay
+from ehamj.result import Result
+from ehamj.scenario.variants import labels
+
+WIDTH, HEIGHT = "auto", 640
+"""Of the viewer in a notebook [px]; all of the page's width."""
+
+_FOLDERS: Final[list[TemporaryDirectory[str]]] = []
+"""What viewers read from; gone when the process ends."""
+
+
+def shown(result: Result, beside: Sequence[Result] = ()) -> Any:
+    """Show the recording of a result beside others: in a notebook gives its viewer, elsewhere opens one, None.
+
+    Raises:
+        InputError: if there is no viewer: no package for the notebook, no screen; or a result without a row.
+    """
+    results = (result, *beside)
+    if any(not one.dataset.time.size for one in results):
+        raise InputError("replay: a result failed before its first row, so that there is nothing to replay")
+    within = _in_notebook()
+    if within:
+        check_extra("rerun_notebook", "replay: in a notebook")
+    names = labels([one.scenario for one in results], [Path(str(k)) for k in range(1, len(results) + 1)])
+    folder = TemporaryDirectory(prefix="ehamj-replay-")
+    path = Path(folder.name) / "replay.rrd"
+    loaded = dict(zip(names, (one.in_memory() for one in results), strict=True))
+    write_replay(path, loaded, result.scenario.output.exaggeration)
+    if within:
+        with folder:
+            return viewer(path)
+    _FOLDERS.append(folder)
+    if why := open_viewer(path):
+        raise InputError(f"replay: {why}; result.save(FOLDER) keeps FOLDER/replay.rrd, which any Rerun viewer opens")
+    return None
+
+
+def viewer(path: Path) -> Any:
+    """The notebook's viewer with a recording: a widget."""
+    found = _viewer_class()(width=WIDTH, height=HEIGHT)
+    found.send_rrd(path.read_bytes())
+    return found
+
+
+@cache
+def _viewer_class() -> Any:
+    """Rerun's widget, which this computer serves: else the browser would fetch it from Rerun's own site.
+
+    A notebook that runs on another computer than its browser names a place that both see, or sends all with the page:
+    ``RERUN_NOTEBOOK_ASSET``, as Rerun documents it.
+    """
+    from rerun_notebook import Viewer
+    from rerun_notebook.asset_server import serve_assets
+
+    if os.environ.get("RERUN_NOTEBOOK_ASSET"):
+        return Viewer
+    with redirect_stdout(StringIO()):  # it tells of itself
+        _, port, *_ = serve_assets(background=True)
+    return type("Viewer", (Viewer,), {"_esm": f"http://localhost:{port}/widget.js"})
+
+
+def _in_notebook() -> bool:
+    """Whether this process is a notebook's kernel."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return getattr(shell, "kernel", None) is not None

@@ -1,0 +1,106 @@
+"""The reference says what the program says: no key, command or channel is missing, and its examples run."""
+
+import json
+import shlex
+from typing import Any
+
+import numpy as np
+import pytest
+from control import ss
+from harness import Cli
+
+import ehamj
+from ehamj.cli.frame import COMMANDS
+from ehamj.control import Controller
+from ehamj.control.channels import channel_names
+from ehamj.plant.mounts import MOUNTS
+from ehamj.scenario.load import check_scenario, scenario_schema
+from handbook.reference.api import api_pages, inner_names
+from handbook.reference.commands import command_pages, commands, examples
+from handbook.reference.files import LAW, file_pages
+from handbook.reference.histories import history_pages
+from handbook.reference.keys import key_pages
+from handbook.reference.words import allowed, number, value
+from handbook.site import ROOT
+
+
+def test_every_key_has_its_place() -> None:
+    """As many headings as there are keys that the schema describes, and what is said of one is right."""
+    pages = key_pages()
+    text = "\n".join(pages.values())
+    schema = json.loads(scenario_schema())
+    for name, table in [("", schema), *schema["$defs"].items()]:
+        if name != "Installation":  # whose keys are the scenario's
+            missing = [key for key in table["properties"] if f"### `{key}` {{ #" not in text]
+            assert set(missing) <= {"kind", "sources"}, f"{name}: {missing}"
+    gain = pages["reference/keys/isolators.md"].partition("### `flow_gain` { #actuators.NAME.flow_gain }")[2][:400]
+    for said in ("oil to the piston", "`1.94e-6`** m³/s/mA", "$K_{Q}$", "badge paper", "number > 0", "1e-15 to 1"):
+        assert said in gain
+    recommended = pages["reference/keys/isolators.md"].partition("{ #presets }")[2]
+    assert "| [`flow_pressure`](#actuators.NAME.flow_pressure) |  | `1.32e-10` |" in recommended
+
+
+@pytest.mark.parametrize(
+    ("node", "said"),
+    [
+        ({"type": "number", "exclusiveMinimum": 0, "maximum": 1e5}, "number > 0 and ≤ 100000"),
+        ({"enum": ["a", "b"]}, '`"a"`, `"b"`'),
+        ({"anyOf": [{"type": "integer", "minimum": 2}, {"type": "null"}]}, "whole number ≥ 2"),
+        ({"type": "array", "prefixItems": [{"type": "number"}] * 3}, "3 × number"),
+        ({"type": "array", "items": {"type": "string"}, "minItems": 1}, "list, at least 1 of: text"),
+    ],
+)
+def test_what_is_allowed_is_said_in_words(node: dict[str, Any], said: str) -> None:
+    assert allowed(node) == said
+
+
+def test_values_are_written_as_toml_has_them() -> None:
+    assert [number(one) for one in (1.94e-6, 6.8e8, 9.80665, 14.0)] == ["1.94e-6", "6.8e8", "9.80665", "14"]
+    assert value({"kind": "rest", "at": [0.5, True]}) == '{ kind = "rest", at = [0.5, true] }'
+
+
+def test_every_command_and_option_is_listed_with_examples() -> None:
+    pages, shown = command_pages(), examples()
+    assert set(shown) == set(COMMANDS)
+    for name, command in commands().items():
+        page = pages[f"reference/commands/{name}.md"]
+        assert all(f"`{one.opts[0]}" in page for one in command.params if one.opts[0].startswith("-"))
+        assert all(f"\n{one['line']}\n" in page for one in shown[name])
+
+
+def test_examples_run(cli: Cli) -> None:
+    """In order, in one folder; those that take minutes are understood."""
+    known = commands()
+    for shown in examples().values():
+        for one in shown:
+            program, name, *words = shlex.split(one["line"].partition(" > ")[0])
+            assert program == "ehamj"
+            if one["run"]:
+                said = cli(name, *words)
+                assert said.code == 0, f"{one['line']}\n{said.err}"
+            elif name != "study":  # whose commands below it are sought by name
+                read = known[name].make_context(name, list(words)).params
+                if "scenario" in read:
+                    check_scenario(read["scenario"], read.get("overrides") or ())
+
+
+def test_every_channel_is_listed() -> None:
+    page = history_pages()["reference/results/channels.md"]
+    for name in channel_names(("MOUNT",)):
+        variable, *rest = name.split(" ")
+        assert f"| `{variable}" in page
+        assert not rest or rest[-1] == "MOUNT" or f"`{rest[-1]}`" in page
+
+
+def test_the_keys_of_a_law_are_those_of_its_file() -> None:
+    system = ss([], [], [], np.zeros((len(MOUNTS), 1)), dt=1e-4, inputs=["cg_velocity z"])
+    assert LAW.keys() == Controller.from_statespace(system).to_dict().keys()
+    assert all(f"`{key}`" in file_pages()["reference/results/files.md"] for key in LAW)
+
+
+def test_every_public_name_has_an_entry() -> None:
+    pages = "\n".join(api_pages(ROOT).values())
+    for name, home in ehamj._HOME.items():
+        assert pages.count(f"::: ehamj.{home}.{name}\n") == 1
+    assert "ehamj.plant.mounts.MOUNTS" in inner_names(ROOT)
+    assert "ehamj.ground.ricker.RickerGround" not in inner_names(ROOT)
