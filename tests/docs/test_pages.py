@@ -18,7 +18,7 @@ from ehamj.scenario.load import parse_scenario
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted(page for page in DOCS.rglob("*.md") if "_build" not in page.parts)
-NOT_RUN = {"console", "math"}
+NOT_RUN = {"console", "c"}
 
 
 def test_there_are_pages() -> None:

@@ -17,6 +17,8 @@ from ehamj.control import ControllerBank, PythonController
 from ehamj.errors import DerivedAnew
 from ehamj.export.c.vectors import Vectors
 from ehamj.export.c.write import write_law
+from ehamj.export.law_c import write_c
+from ehamj.export.subject import subject_of
 from ehamj.mujoco import hydraulics
 from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario
@@ -219,3 +221,10 @@ def test_delays_that_leave_different_parts_of_a_tick_are_refused(tmp_path: Path)
     with pytest.raises(ehamj.InputError, match=r"end at different times after a tick, .* choose delays"):
         write_law(scenario, ControllerBank(parts), 1e-4, "a law", tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_vectors_that_end_before_the_fade_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ehamj.export.c.vectors.MOST", 50)
+    said = write_c(subject_of("recorded", [SHORT, "control.fade=0.01"]), tmp_path)
+    assert any("the vectors end at 0.005 s, before the commands have faded in" in note for note in said.notes)
+    assert len((tmp_path / "vectors.csv").read_text().splitlines()) == 1 + 50
