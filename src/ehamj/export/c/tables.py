@@ -90,8 +90,10 @@ def laws_of(parts: Sequence[Controller], loop: DigitalLoop) -> tuple[list[dict[s
 def _matrix(name: str, matrix: Array) -> Iterator[Table]:
     """A matrix, and the tables that it is made of."""
     steps = name.startswith("A")
-    there = (matrix != 0.0) | (np.eye(*matrix.shape, dtype=bool) & steps)
     rows, columns = matrix.shape
+    there = matrix != 0.0
+    if steps:
+        there |= np.eye(rows) != 0.0
     dense = bool(there.sum() >= DENSE * matrix.size)
     at = np.argwhere(there | dense)
     entries = [_diagonal(matrix[i, i]) if steps and i == j else f"R({number(matrix[i, j])})" for i, j in at]
