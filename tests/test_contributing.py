@@ -1,18 +1,17 @@
-"""CONTRIBUTING.md tells the truth: each of its examples is applied to a copy of the tree, and it runs.
+"""CONTRIBUTING.md tells the truth: its examples are applied to a copy of the tree, and they run.
 
 A fenced block whose first line is a comment ``# path`` is a new file. A ``diff`` block whose first line is ``+++ path``
 adds lines to a file: its other lines, ``+`` left out, must stand there once. Commands are lines of ``console`` blocks
 after ``$``.
 """
 
-import contextlib
+import json
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,6 +26,19 @@ LONGEST = 40
 """Lines of an example's file in the package: thirty of the example, and its imports."""
 MOST_ENTRIES = 3
 """Lines that a registration adds: an import, an entry, a base class."""
+
+
+EACH = """
+import json, sys
+from ehamj.cli import main
+for sys.argv in json.loads(sys.argv[1]):
+    try:
+        main()
+    except SystemExit as end:
+        if end.code:
+            raise
+"""
+"""Runs commands one after the other in one process."""
 
 
 @dataclass
@@ -85,7 +97,7 @@ def added(text: str, lines: list[str]) -> str:
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tree, one for all examples, so that what they do not change is compiled once."""
+    """A copy of the tree."""
     copy = tmp_path_factory.mktemp("tree")
     for folder in ("src", "models", "tests"):
         shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
@@ -93,35 +105,30 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return copy
 
 
-@contextlib.contextmanager
-def applied(example: Example, tree: Path) -> Iterator[None]:
-    """Within, the tree has the example's files and additions."""
-    before = {path: (tree / path).read_text(encoding="utf-8") for path in example.additions}
-    for path in example.files:
+def apply(example: Example, tree: Path) -> None:
+    """Add the example's files and registrations to the tree, beside those of the examples before it."""
+    for path, text in example.files.items():
         assert not (tree / path).exists(), f"{path} is there already"
-    try:
-        for path, text in example.files.items():
-            (tree / path).parent.mkdir(parents=True, exist_ok=True)
-            (tree / path).write_text(text, encoding="utf-8")
-        for path, lines in example.additions.items():
-            (tree / path).write_text(added(before[path], lines), encoding="utf-8")
-        yield
-    finally:
-        for path in example.files:
-            (tree / path).unlink(missing_ok=True)
-        for path, text in before.items():
-            (tree / path).write_text(text, encoding="utf-8")
+        (tree / path).parent.mkdir(parents=True, exist_ok=True)
+        (tree / path).write_text(text, encoding="utf-8")
+    for path, lines in example.additions.items():
+        assert added((ROOT / path).read_text(encoding="utf-8"), lines), "an example needs no other one"
+        (tree / path).write_text(added((tree / path).read_text(encoding="utf-8"), lines), encoding="utf-8")
 
 
 @pytest.mark.parametrize("example", examples(), ids=lambda example: example.title)
-def test_example_works_in_one_file(example: Example, tree: Path) -> None:
-    """One new file of the package and at most one registration; its tests pass, its commands run."""
+def test_example_is_one_file(example: Example) -> None:
+    """One new file of the package and at most one registration, and a test."""
     assert len(example.sources) == 1, f"files of the package: {example.sources}"
     assert example.tests, "an example has a test"
     assert len(example.additions) <= 1, f"registered in {list(example.additions)}"
     entries = [line for lines in example.additions.values() for line in lines if line.startswith("+")]
     assert len(entries) <= MOST_ENTRIES
     assert len(example.files[example.sources[0]].splitlines()) <= LONGEST
+
+
+def test_examples_work(tree: Path) -> None:
+    """Their tests pass, their commands run: all in one tree, so that what they change is compiled and imported once."""
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     own["PYTHONPATH"] = str(tree / "src")
 
@@ -129,13 +136,15 @@ def test_example_works_in_one_file(example: Example, tree: Path) -> None:
         done = subprocess.run(command, cwd=tree, env=own, capture_output=True, text=True, check=False)
         assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
 
-    with applied(example, tree):
-        run(sys.executable, "-m", "ruff", "check", *example.files, *example.additions)
-        run(sys.executable, "-m", "pytest", "-o", "addopts=", "-q", "--import-mode=importlib", *example.tests)
-        for command in example.commands:
-            program, *arguments = shlex.split(command)
-            assert program == "ehamj", f"a command of an example is one of ehamj: {command}"
-            run(sys.executable, "-c", "from ehamj.cli import main; main()", *arguments)
+    found = examples()
+    for example in found:
+        apply(example, tree)
+    run(sys.executable, "-m", "ruff", "check", *(path for one in found for path in (*one.files, *one.additions)))
+    tests = [path for example in found for path in example.tests]
+    run(sys.executable, "-m", "pytest", "-o", "addopts=", "-q", "--import-mode=importlib", *tests)
+    commands = [shlex.split(command) for example in found for command in example.commands]
+    assert all(program == "ehamj" for program, *_ in commands), "a command of an example is one of ehamj"
+    run(sys.executable, "-c", EACH, json.dumps(commands))
 
 
 def test_guide_has_an_example_of_every_kind() -> None:

@@ -1,6 +1,7 @@
-/* A page that is opened as a file may start no worker, and the search runs in one: there, it runs in a hidden frame. */
+/* A page that is opened as a file may start no worker, and the search runs in one: there, it runs in a hidden frame.
+   The search asks for IFrameWorker, to know where its languages lie. */
 if (location.protocol === "file:")
-  window.Worker = class extends EventTarget {
+  window.Worker = window.IFrameWorker = class extends EventTarget {
     constructor(url) {
       super();
       const frame = document.createElement("iframe");

@@ -19,6 +19,7 @@ EXTRAS: Final = MappingProxyType(
         "SALib": Package("SALib", "studies"),
         "pymoo": Package("pymoo", "studies"),
         "distributed": Package("Dask", "dask"),
+        "pythonfmu": Package("PythonFMU", "export"),
         "rerun_notebook": Package("Rerun's notebook viewer", "notebook"),
         "exudyn": Package("Exudyn", "peer"),
     }

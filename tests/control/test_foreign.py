@@ -9,7 +9,7 @@ from typing import Any
 import control
 import numpy as np
 import pytest
-from scipy.io import savemat
+from oracles.matlab import save_hdf5, save_plain
 
 from ehamj import Controller, InputError, load_controller
 from ehamj.plant.mounts import MOUNTS
@@ -23,21 +23,9 @@ LAW = Controller(*MATRICES.values(), inputs=tuple(STROKES), period=2e-4)
 GOOD: dict[str, Any] = {**MATRICES, "Ts": 2e-4, "InputName": STROKES}
 
 
-def cells(names: list[str]) -> np.ndarray:
-    found = np.empty((len(names), 1), object)
-    found[:, 0] = names
-    return found
-
-
 def saved(folder: Path, **variables: Any) -> Path:
     """A MATLAB file of structs, whose lists are cell arrays of texts."""
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {name: plain(one) for name, one in value.items()}
-        return cells(value) if isinstance(value, list) else value
-
-    savemat(folder / "law.mat", plain(variables))
+    save_plain(folder / "law.mat", variables)
     return folder / "law.mat"
 
 
@@ -57,13 +45,18 @@ SPELLED: dict[str, dict[str, Any]] = {
     "the matrices themselves": GOOD,
     "what get(sys) has": {"s": of_get()},
     "other spellings": {"s": {**{name.lower(): one for name, one in MATRICES.items()}, "dt": 2e-4, "u_names": STROKES}},
-    "a struct array": {"law": np.array([[(*MATRICES.values(), 2e-4, cells(STROKES))]], [(n, object) for n in GOOD])},
+    "a struct array": {"law": [GOOD]},
 }
 
 
 @pytest.mark.parametrize("how", SPELLED)
 def test_a_system_in_a_matlab_file_is_the_law_that_it_is(tmp_path: Path, how: str) -> None:
     assert load_controller(saved(tmp_path, **SPELLED[how])).to_dict() == LAW.to_dict()
+
+
+def test_a_law_in_a_file_of_version_7_3_is_the_same(tmp_path: Path) -> None:
+    save_hdf5(tmp_path / "law.mat", {"law": GOOD})
+    assert load_controller(tmp_path / "law.mat").to_dict() == LAW.to_dict()
 
 
 def test_commands_are_named_by_their_mounts_in_any_order(tmp_path: Path) -> None:
@@ -95,8 +88,12 @@ def test_arguments_of_control_ss_are_a_law(tmp_path: Path) -> None:
     system = control.ss(*MATRICES.values(), 2e-4, inputs=STROKES, outputs=list(MOUNTS), name="mine")
     table = {name: getattr(system, name).tolist() for name in "ABCD"} | {"dt": system.dt, "name": system.name}
     names = {"inputs": system.input_labels, "outputs": system.output_labels, "states": system.state_labels}
-    (tmp_path / "law.json").write_text(json.dumps(table | names))
-    assert load_controller(tmp_path / "law.json").to_dict() == LAW.to_dict()
+    for outputs in (list(MOUNTS), [f"y[{k}]" for k in range(4)]):  # those that a system without names has
+        (tmp_path / "law.json").write_text(json.dumps(table | names | {"outputs": outputs}))
+        assert load_controller(tmp_path / "law.json").to_dict() == LAW.to_dict()
+    (tmp_path / "law.json").write_text(json.dumps(table | names | {"inputs": [f"u[{k}]" for k in range(4)]}))
+    with pytest.raises(InputError, match="inputs is missing"):
+        load_controller(tmp_path / "law.json")
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {

@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from harness import Cli
+from harness import Cli, sealed_anew
 
 import ehamj
 from ehamj.export import formats
@@ -41,6 +41,9 @@ def test_a_result_that_was_changed_or_is_to_be_is_refused(result: tuple[Path, Re
     copy = shutil.copytree(result[0], tmp_path / "copy")
     with pytest.raises(ehamj.InputError, match=r"exported as it is, with its own law; name '.*scenario\.toml'"):
         subject_of(copy, ["machine.mass=5000"])
+    sealed_anew(copy, lambda summary: summary.update(python_law=True))
+    with pytest.raises(ehamj.InputError, match="its commands came from a Python function, which no file holds"):
+        subject_of(copy)
     law = copy / "controller.json"
     law.write_text(law.read_text() + "\n")
     with pytest.raises(ehamj.InputError, match=r"controller\.json is not as its run wrote it"):

@@ -14,8 +14,11 @@ from harness import Cli
 import ehamj
 from ehamj.arrays import Array
 from ehamj.control import ControllerBank, PythonController
+from ehamj.errors import DerivedAnew
 from ehamj.export.c.vectors import Vectors
 from ehamj.export.c.write import write_law
+from ehamj.export.law_c import write_c
+from ehamj.export.subject import subject_of
 from ehamj.mujoco import hydraulics
 from ehamj.run.timestep import choose_timestep
 from ehamj.scenario.load import load_scenario
@@ -88,7 +91,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Law:
         "control.linearisation={quiet=0.45, band=0.001}", "control.learning={band=[100.0, 240.0], least=1e-4}",
         f'control.parts=[{{ kind = "feedforward" }}, {{ kind = "modal" }}, {lines}]', "control.spool_feedback=true",
     ]  # fmt: skip
-    folder, scenario = tmp_path_factory.mktemp("whole"), load_scenario("real-valves", changes)
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.warns(DerivedAnew):
+        scenario = load_scenario("real-valves", changes)
     (folder / "reached.c").write_text(REACHED)
     return Law.of(folder, scenario, scenario.controller(), str(folder / "reached.c"))
 
@@ -205,6 +210,9 @@ def test_what_has_no_law_is_refused(cli: Cli, tmp_path: Path) -> None:
     law = PythonController(lambda *_: np.zeros(4), ("cg_velocity z",))
     with pytest.raises(ehamj.InputError, match="is a Python function"):
         write_law(scenario, law, 1e-4, "a law", tmp_path)
+    deaf = ehamj.Controller([[0.9]], np.zeros((1, 0)), np.zeros((4, 1)), np.zeros((4, 0)), ())
+    with pytest.raises(ehamj.InputError, match="reads no channel"):
+        write_law(scenario, deaf, 1e-4, "a law", tmp_path)
 
 
 def test_delays_that_leave_different_parts_of_a_tick_are_refused(tmp_path: Path) -> None:
@@ -213,3 +221,10 @@ def test_delays_that_leave_different_parts_of_a_tick_are_refused(tmp_path: Path)
     with pytest.raises(ehamj.InputError, match=r"end at different times after a tick, .* choose delays"):
         write_law(scenario, ControllerBank(parts), 1e-4, "a law", tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_vectors_that_end_before_the_fade_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ehamj.export.c.vectors.MOST", 50)
+    said = write_c(subject_of("recorded", [SHORT, "control.fade=0.01"]), tmp_path)
+    assert any("the vectors end at 0.005 s, before the commands have faded in" in note for note in said.notes)
+    assert len((tmp_path / "vectors.csv").read_text().splitlines()) == 1 + 50

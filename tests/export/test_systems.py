@@ -170,6 +170,10 @@ def test_several_rates_and_a_law_without_states_come_back_too(tmp_path: Path) ->
     for name in ("bank.mat", "bank.json"):
         assert ehamj.load_controller(tmp_path / name).to_dict() == bank.to_dict()
     content = loadmat(tmp_path / "bank.mat", simplify_cells=True)
+    seen = ehamj.sampled_plant(subject.scenario, rate=2000.0)
+    slower = content["plant_sampled"][1]
+    np.testing.assert_array_equal(slower["A"] * seen.scales / seen.scales[:, None], seen.A)
+    assert (list(slower["InputName"]), list(slower["OutputName"])) == (seen.input_labels, seen.output_labels)
     assert [one["dt"] for one in content["law"]] == [one["dt"] for one in content["plant_sampled"]] == [1e-4, 5e-4]
 
 

@@ -15,6 +15,7 @@ from ehamj.control import Controller
 from ehamj.control.channels import channel_names
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import check_scenario, scenario_schema
+from ehamj.verify import CASES
 from handbook.reference.api import api_pages, inner_names
 from handbook.reference.commands import command_pages, commands, examples
 from handbook.reference.files import LAW, file_pages
@@ -22,6 +23,7 @@ from handbook.reference.histories import history_pages
 from handbook.reference.keys import key_pages
 from handbook.reference.words import allowed, number, value
 from handbook.site import ROOT
+from handbook.verified import KEPT, verified_pages
 
 
 def test_every_key_has_its_place() -> None:
@@ -100,7 +102,14 @@ def test_the_keys_of_a_law_are_those_of_its_file() -> None:
 
 def test_every_public_name_has_an_entry() -> None:
     pages = "\n".join(api_pages(ROOT).values())
-    for name, home in ehamj._HOME.items():
-        assert pages.count(f"::: ehamj.{home}.{name}\n") == 1
+    assert all(pages.count(f"::: ehamj.{name}\n") == 1 for name in ehamj.__all__)
     assert "ehamj.plant.mounts.MOUNTS" in inner_names(ROOT)
     assert "ehamj.ground.ricker.RickerGround" not in inner_names(ROOT)
+
+
+def test_the_verified_cases_are_those_of_the_code() -> None:
+    """`make verified` measures them anew."""
+    kept = json.loads(KEPT.read_text(encoding="utf-8"))["errors"]
+    assert list(kept) == list(CASES)
+    assert all(kept[name] is not None and kept[name] <= case.tolerance for name, case in CASES.items())
+    assert verified_pages()["validation/verified.md"].count("\n| ") == 1 + len(CASES)

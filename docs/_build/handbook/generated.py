@@ -10,6 +10,7 @@ from handbook.reference.keys import key_pages
 from handbook.reference.merits import merit_pages
 from handbook.reference.study import study_pages
 from handbook.reference.summary import summary_pages
+from handbook.verified import verified_pages
 
 
 def generated_pages(root: Path) -> dict[str, str]:
@@ -22,6 +23,7 @@ def generated_pages(root: Path) -> dict[str, str]:
         history_pages,
         summary_pages,
         file_pages,
+        verified_pages,
     )
     return {path: text for pages in made for path, text in pages().items()} | api_pages(root) | project_pages(root)
 

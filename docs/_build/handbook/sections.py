@@ -7,7 +7,7 @@ from typing import Final
 _TAGS: Final = re.compile(r"(<[^>]+>)")
 _CLOSED: Final = ("a", "code", "pre", "math", "h1", "h2", "h3", "h4", "script", "style")
 """Elements within which nothing becomes a link."""
-_NAMED: Final = re.compile(r"docs/physics\.md, sections? (\d+)(?: and (\d+))?")
+_NAMED: Final = re.compile(r"docs/physics\.md, sections? (\d+)")
 _WITHIN: Final = re.compile(r"\bsections? (\d+)\b")
 
 
@@ -23,7 +23,8 @@ def link_sections(html: str, chapter_url: Callable[[int], str | None], within: b
 
     def linked(found: re.Match[str]) -> str:
         url = chapter_url(int(found[1]))
-        return found[0] if url is None else f'<a href="{url}">{found[0]}</a>'
+        text = found[0].replace("docs/physics.md,", "theory,")
+        return found[0] if url is None else f'<a href="{url}">{text}</a>'
 
     depth, parts = 0, []
     for part in _TAGS.split(html):

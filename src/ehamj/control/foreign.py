@@ -4,6 +4,7 @@ What comes out is the table that a law's own file holds, so that `ehamj.control.
 """
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -104,12 +105,17 @@ def _system(table: Mapping[str, Any]) -> dict[str, Any]:
 def _spelled(table: Mapping[str, Any], key: str) -> Any:
     """What stands under one of a key's spellings; None where nothing does."""
     given = {name: table[name] for name in SPELLINGS[key] if table.get(name) is not None}
-    if key in ("inputs", "outputs"):  # those of a system without names are empty texts
-        given = {name: value for name, value in given.items() if any(_named(value))}
+    if key in ("inputs", "outputs"):
+        given = {name: value for name, value in given.items() if not all(map(_is_no_name, _named(value)))}
     values = list(given.values())
     if any(value != values[0] for value in values[1:]):
         raise InputError(f"controller: {' and '.join(given)} differ, and mean the same; leave one out")
     return values[0] if values else None
+
+
+def _is_no_name(name: Any) -> bool:
+    """Whether this is what MATLAB and python-control call a signal without a name."""
+    return name == "" or (isinstance(name, str) and re.fullmatch(r"[uy]\[\d+\]", name) is not None)
 
 
 def _check_period(value: Any) -> None:

@@ -147,11 +147,16 @@ def changes_of(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, Any]:
         scenario: what they differ from.
         values: by key of `quantity_of`, or any other key of a scenario, which passes as it is. Values count as they
             are: another mass keeps the moments of inertia, and a footprint scales positions that are set beside it.
+
+    Raises:
+        InputError: if a footprint, a mount or a value of its isolator is none.
     """
     values = {_by_number(scenario, key): value for key, value in values.items()}
     found: dict[str, Any] = {}
     for key, value in values.items():
         *of, entry = key.split(".")
+        if of == ["footprint"] and key not in FOOTPRINT:
+            raise InputError(f"{key}: {did_you_mean(key, FOOTPRINT)}must be one of {', '.join(FOOTPRINT)}")
         if of == ["machine", "inertia"] and isinstance(scenario.machine.inertia[0], tuple):
             key = f"{key}.{entry}"  # a moment of a tensor, whose products are kept
         if key not in FOOTPRINT and not _position_of(key) and not _own_actuator_of(key):

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from ehamj.export.fmu.write import write_fmu
 from ehamj.export.law_c import MARKS, write_c
 from ehamj.export.matlab import script_of, write_matlab
 from ehamj.export.mjcf import write_mjcf
@@ -58,3 +59,4 @@ FORMATS.add(
     "mjcf", Format("--mjcf", "FILE.xml", "the machine as a MuJoCo model, to look at or to build on", write_mjcf)
 )
 FORMATS.add("c", Format("--c", "FOLDER", "the law in C99, with a run's readings to replay", write_c, MARKS))
+FORMATS.add("fmu", Format("--fmu", "FILE.fmu", "the nonlinear machine as a unit for co-simulation, FMI 2.0", write_fmu))

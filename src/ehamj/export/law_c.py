@@ -22,6 +22,11 @@ def write_c(subject: Subject, folder: Path) -> Written:
     notes = [f"the commands of a step are to reach the valves {clock.rest_said}"]
     if found.failed:
         notes.append(f"the run that the vectors come from failed; they end after {len(found.readings)} ticks")
+    own, shown = subject.controller, len(found.readings) * clock.period
+    if own is not None and shown < own.converter.switch_on + own.converter.fade:
+        notes.append(
+            f"the vectors end at {shown:g} s, before the commands have faded in (control.switch_on, control.fade)"
+        )
     said = {
         "ehamj_law.c": "the law in C99; ehamj_law.h is what you call",
         "vectors.csv": f"{len(found.readings)} ticks of a run; main.c replays them: make && ./replay in its folder",

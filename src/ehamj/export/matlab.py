@@ -184,8 +184,11 @@ WITH_LAW: Final = """\
 % +-data.law.voltage_limit_v and a "Quantizer" of 2*voltage_limit_v/2^bits, then plant's first inputs.
 % What data.law.beyond says in JSON (a stage that makes the valves linear, learning, lines, spools) is in no matrix;
 % data.law.anti_windup (L) belongs into x+ = A x + B u + L (applied - wanted).
-% A changed law runs in ehamj: save it as a struct with these fields, save law.mat law, and in the scenario
-% [control] kind = "law", file = "law.mat".
+% A changed law runs in ehamj. With all else as it was (channels, delay, limits, readings from rest, what is beyond):
+%   s = data.law; s.A = law.A; s.B = law.B; s.C = law.C; s.D = law.D; save('law.mat', 's', '-v7')
+% (s.anti_windup = [] if its states are others); then in the scenario: [control] kind = "law", file = "law.mat".
+% A struct of A, B, C, D, Ts, InputName and OutputName alone acts one period after its sample (delay_s), within 10 V
+% (voltage_limit_v), and reads strokes from unloaded membranes (from_rest = false).
 plant_sampled = arrayfun(made, data.plant_sampled, 'UniformOutput', false);
 law = arrayfun(made, data.law, 'UniformOutput', false);
 if numel(law) == 1

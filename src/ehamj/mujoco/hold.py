@@ -36,6 +36,7 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(found[0]))
 
 
+@cache
 def _slot(name: str) -> ctypes.c_void_p:
     """The global variable that holds the address of a callback."""
     return ctypes.c_void_p.in_dll(library(), f"mjcb_{name}")
@@ -78,11 +79,18 @@ def _log_handler() -> Any:
     return handler(heard)
 
 
-def _exchange_log(handler: Any) -> int | None:
-    """Let a handler take MuJoCo's messages; the address of the one before."""
+@cache
+def _set_log_handler() -> Any:
     exchange = library().mju_setLogHandler
     exchange.argtypes, exchange.restype = [ctypes.c_void_p], ctypes.c_void_p
-    before: int | None = exchange(handler if isinstance(handler, int) else ctypes.cast(handler, ctypes.c_void_p))
+    return exchange
+
+
+def _exchange_log(handler: Any) -> int | None:
+    """Let a handler take MuJoCo's messages; the address of the one before."""
+    before: int | None = _set_log_handler()(
+        handler if isinstance(handler, int) else ctypes.cast(handler, ctypes.c_void_p)
+    )
     return before
 
 

@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 
 from ehamj.arrays import Array
 
+TOGETHER: Final = 1000
+"""Rows of points that are moved at once: of a few rows, all points; of many, one after the other."""
 ORDER: Final = (2, 0, 1)
 """Axes in the order of their turns: yaw, then rx, then ry, each about the already turned axis."""
 
@@ -82,18 +84,20 @@ def points_moved(motions: Sequence[Array], points: Sequence[ArrayLike]) -> list[
         motions: displacement (n, 6), as of `points_motion`, and its derivatives, two at most.
         points: as of `points_motion`.
     """
-    rest = np.array(points, float).reshape(-1, 3).T  # (axis, point)
-    found = np.empty((len(motions), rest.shape[1], len(motions[0]), 3))
+    rest = np.array(points, float).reshape(-1, 3).T[:, :, None]  # (axis, point, 1)
     angles = np.stack([np.ascontiguousarray(motion[:, 3:].T) for motion in motions])  # (derivative, axis, n)
     turns = {axis: (*_sines(angles[0, axis]), angles[1:, axis]) for axis in ORDER}
-    for number, point in enumerate(rest.T):
-        # Each turn is applied to all derivatives of what the ones before it made of the point.
+    found = np.empty((len(motions), rest.shape[1], len(motions[0]), 3))
+    every = max(1, TOGETHER // max(1, len(motions[0])))
+    for first in range(0, rest.shape[1], every):
+        part = slice(first, first + every)
+        # Each turn is applied to all derivatives of what the ones before it made of the points.
         moved: list[list[Any]] = [[0.0, 0.0, 0.0] for _ in motions]
         for axis in reversed(ORDER):
-            _turn_all(axis, turns[axis], point, moved)
+            _turn_all(axis, turns[axis], rest[:, part], moved)
         for derivative, (motion, own) in enumerate(zip(motions, moved, strict=True)):
             for axis in range(3):
-                found[derivative, number, :, axis] = motion[:, axis] + own[axis]
+                found[derivative, part, :, axis] = motion[:, axis] + own[axis]
     return list(found)
 
 
@@ -103,8 +107,8 @@ def _sines(angle: Array) -> tuple[Array, Array, Array]:
     return np.sin(angle), np.cos(angle), -2.0 * np.sin(0.5 * angle) ** 2
 
 
-def _turn_all(axis: int, turn: tuple[Array, Array, Array, Array], point: Array, moved: list[list[Any]]) -> None:
-    """Turn p = point + moved[0] and its derivatives moved[1:] about one axis by an angle φ:
+def _turn_all(axis: int, turn: tuple[Array, Array, Array, Array], points: Array, moved: list[list[Any]]) -> None:
+    """Turn p = points + moved[0], (point, n) along each axis, and its derivatives moved[1:] about one by an angle φ:
 
     p → R p, ṗ → φ̇ R′p + R ṗ, p̈ → φ̈ R′p + φ̇² R″p + 2 φ̇ R′ṗ + R p̈.
     """
@@ -119,7 +123,7 @@ def _turn_all(axis: int, turn: tuple[Array, Array, Array, Array], point: Array, 
         return -sine * x - cosine * y, cosine * x - sine * y
 
     at = (i, j)
-    x, y = point[i] + moved[0][i], point[j] + moved[0][j]
+    x, y = points[i] + moved[0][i], points[j] + moved[0][j]
     by_angle = swept(x, y)
     if len(moved) > 2:
         by_rate = swept(moved[1][i], moved[1][j])

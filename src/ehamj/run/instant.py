@@ -10,12 +10,13 @@ from ehamj.forces import Load
 from ehamj.ground import GroundSample
 from ehamj.memory import COMMAND
 from ehamj.mujoco.rows import Rows
+from ehamj.plant.kinematics import points_moved
 from ehamj.run.drive import Driving
 from ehamj.run.faults import Struck
 from ehamj.run.held import Held
-from ehamj.run.observe import Observing
+from ehamj.run.observe import Channels, Observing
 from ehamj.run.prepare import Prepared
-from ehamj.variables import FIXED, VARIABLES, labels_of
+from ehamj.variables import FIXED, MOTIONS, VARIABLES, labels_of
 
 
 class Instant(Observing):
@@ -57,6 +58,17 @@ class Instant(Observing):
 
     def _load(self) -> Array:
         return self._own_load.sample(self.times)[0] + self._held.force
+
+    def _moved(self, order: int, place: str) -> Channels:
+        """All motions of all places at once: of one row that takes no longer."""
+        own = {name: len(points) for name, points in self._places.items()}
+        motions = [self._machine(k) for k in range(len(MOTIONS))]
+        moved = points_moved(motions, [point for points in self._places.values() for point in points])
+        found, first = Channels(), 0
+        for name, count in own.items():
+            found |= self._named(name, [motion[first : first + count] for motion in moved])
+            first += count
+        return found
 
     def value(self, name: str, *labels: Any) -> Any:
         """A channel, or one number of it: ``value("foot_velocity", "front-left", "z")``; in SI as in a result.

@@ -98,12 +98,10 @@ class Observing(Mapping[str, Array]):
         rows, scenario, plant, law = self._rows, self._scenario, self._plant, self._prepared.controller
         yield "machine_displacement", lambda: self._machine(0)
         yield "machine_velocity", lambda: self._machine(1)
-        places: dict[str, Sequence[Any]] = {"foot": plant.positions, "cg": [plant.machine.cg]}
-        places |= {"point": list(scenario.points.values())} if scenario.points else {}
         for order, motion in enumerate(MOTIONS):
             yield f"ground_{motion}", partial(self._ground, motion)
-            for name, own in places.items():
-                yield f"{name}_{motion}", partial(self._moved, order, name, tuple(map(tuple, own)))
+            for name in self._places:
+                yield f"{name}_{motion}", partial(self._moved, order, name)
         yield "stroke", lambda: self._strokes("displacement", rows.qpos) - np.array(plant.heights)
         yield "stroke_velocity", lambda: self._strokes("velocity", rows.qvel)
         yield "spool", lambda: self._parts.isolators["spool"]
@@ -144,10 +142,19 @@ class Observing(Mapping[str, Array]):
         rows = self._rows
         return (rows.qpos, rows.qvel, rows.qacc)[order][:, list(DOF_OF_JOINT)]
 
-    def _moved(self, order: int, place: str, own: tuple[tuple[float, ...], ...]) -> Channels:
+    @cached_property
+    def _places(self) -> dict[str, Sequence[Any]]:
+        """Places of the machine by what they are called in channels, (point, 3) each [m]."""
+        found: dict[str, Sequence[Any]] = {"foot": self._plant.positions, "cg": [self._plant.machine.cg]}
+        return found | ({"point": list(self._scenario.points.values())} if self._scenario.points else {})
+
+    def _moved(self, order: int, place: str) -> Channels:
         """A motion of places of the machine, and what it takes to know it."""
         motions = [self._machine(k) for k in range(order + 1)]
-        moved = points_moved(motions, own)
+        return self._named(place, points_moved(motions, self._places[place]))
+
+    def _named(self, place: str, moved: Sequence[Array]) -> Channels:
+        """Motions of places as channels."""
         return {
             f"{place}_{motion}": found[0] if place == "cg" else np.ascontiguousarray(np.moveaxis(found, 0, 1))
             for motion, found in zip(MOTIONS, moved, strict=False)

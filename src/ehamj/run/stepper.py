@@ -159,7 +159,7 @@ class Stepper:
         """
         with self._lock:
             steps = self._number_of(until) - self._done
-            if (commands, ground, force) != (None, None, None):
+            if not (commands is None and ground is None and force is None):
                 self.hold(commands, ground, force)
             with hydraulics():
                 while steps > 0:

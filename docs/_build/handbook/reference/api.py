@@ -27,7 +27,7 @@ def api_pages(root: Path) -> dict[str, str]:
     if rest:
         topics["others.md"] = ("Other names", rest)
     pages = {
-        file: f"# {title}\n\n" + "\n".join(_entry(f"ehamj.{ehamj._HOME[name]}.{name}") for name in names)
+        file: f"# {title}\n\n" + "\n".join(_entry(f"ehamj.{name}") for name in names)
         for file, (title, names) in topics.items()
     }
     inner = "\n".join(map(_entry, inner_names(root)))

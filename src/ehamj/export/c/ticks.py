@@ -62,7 +62,8 @@ class Clock(NamedTuple):
         found = []
         for row in self.rows:
             often = "each tick" if row.every == 1 else f"each {row.every} ticks"
-            waits = "" if row.delay == 0 else f", and what it computes waits {row.delay} ticks in here"
+            ticks = "1 tick" if row.delay == 1 else f"{row.delay} ticks"
+            waits = "" if row.delay == 0 else f", and what it computes waits {ticks} in here"
             found.append(f"{row.said[0].upper()}{row.said[1:]} samples {often}{waits}.")
         return tuple(found)
 
@@ -103,7 +104,7 @@ def _called(laws: Laws) -> list[str]:
     """What each row is."""
     beside = [
         *(["the loop about each spool"] if laws.spools.size else []),
-        *(["the stage"] if laws.valves.size else []),
+        *(["the stage that makes the valves good"] if laws.valves.size else []),
     ]
     count = len(laws.table) - len(beside)
     return [*(["the law"] if count == 1 else [f"law {k + 1}" for k in range(count)]), *beside]

@@ -58,7 +58,7 @@ def vectors(scenario: Scenario, controller: AnyController, clock: Clock, ticks: 
             # All that the laws remember is recorded, what each holds among it.
             loop=replace(loop, states=loop.law_memory.values.size),
             every=clock.steps,
-            steps=(ticks + clock.behind) * clock.steps,
+            steps=max(ticks + clock.behind - 1, 1) * clock.steps,  # and a row at its end
         )
         driven = drive(run)
     rows = driven.rows

@@ -75,6 +75,8 @@ def _exportable(controller: Any, scenario: Scenario) -> LinearController:
             "has, such as control.kind = 'combined'"
         )
     own: LinearController = controller
+    if not own.reads:
+        raise InputError("--c: the law reads no channel, so that there is nothing to hand it; name its inputs")
     return own
 
 
