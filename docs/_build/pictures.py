@@ -20,7 +20,7 @@ LARGEST: Final = 150_000
 """Most that a picture may have [B]."""
 COLOURS: Final = 128
 """Of a picture's palette: figures have few."""
-FIGURE: Final = (720, 560)
+FIGURE: Final = (720, 1000)
 """Window of a figure [px]: figures are 374 pt wide."""
 
 STUDY: Final = """

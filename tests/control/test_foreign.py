@@ -159,7 +159,7 @@ def test_a_damaged_or_huge_file_is_refused_in_one_line(tmp_path: Path) -> None:
     path = saved(tmp_path, law=GOOD)
     content = path.read_bytes()
     path.write_bytes(content[: len(content) // 2])
-    bomb = zlib.compress(struct.pack("<II", 14, 2**27) + bytes(2**27), 1)
+    bomb = zlib.compress(struct.pack("<II", 14, 2**26) + bytes(2**26), 1)
     (tmp_path / "bomb.mat").write_bytes(content[:128] + struct.pack("<II", 15, len(bomb)) + bomb)
     (tmp_path / "none.mat").write_bytes(b"")
     said = {"law": "truncated or damaged", "bomb": "unfold to more than 0.0625 GiB", "none": "no MATLAB file"}

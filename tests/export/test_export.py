@@ -23,7 +23,8 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
     """A stored run under a law of its own, and what it was."""
     made = ehamj.simulate({**QUICK, "name": "a run -- 7 kHz", "control": {"kind": "feedforward", "rate": 7000.0}})
     folder = tmp_path_factory.mktemp("runs") / "0001"
-    made.save(folder)
+    folder.mkdir()
+    made.write(folder)
     return folder, made
 
 

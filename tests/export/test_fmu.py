@@ -20,6 +20,7 @@ from ehamj.export.fmu.write import write_fmu
 from ehamj.export.subject import Subject, subject_of
 from ehamj.mujoco.hold import installed
 from ehamj.result import Result
+from ehamj.run.simulate import observed
 from ehamj.scenario.model import Scenario
 
 END, EVERY = 0.02, 0.002
@@ -235,3 +236,30 @@ def test_units_are_those_of_fmi(text: str, name: str, factor: float, exponents: 
     found = unit(text)
     assert (found.name, found.exponents) == (name, exponents)
     assert found.factor == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("every", [1e-3, 4e-3])
+def test_fmpy_simulates_what_a_whole_run_under_the_same_held_commands_does(tmp_path: Path, every: float) -> None:
+    """Commands that a Python law holds in a run, from its sample until the next: outputs that do not jump with them."""
+    changes = ["control={kind='passive'}", f"duration={END}", "compare=[]", f"record_rate={1 / every}", "plates='tied'"]
+    scenario = ehamj.load_scenario("vc-c-floor", changes)
+    volts = np.random.default_rng(3).normal(0.0, 0.5, (round(END / every) + 1, 4))
+    law = ehamj.PythonController(
+        lambda time, measured, limited: volts[round(time / every)], ["stroke front-left"], every, 0.0, bits=None
+    )
+    whole = observed(scenario, law).dataset
+    write_fmu(Subject(scenario), tmp_path / "unit.fmu")
+    names = [f"held.command.{mount.replace('-', '_')}" for mount in scenario.plant.mounts]
+    held = np.zeros(len(volts), [("time", float), *((name, float) for name in names)])
+    held["time"] = every * np.arange(len(volts))
+    for name, own in zip(names, volts.T, strict=True):
+        held[name] = own
+    shown = {"cg_velocity": "xyz", "cg_acceleration": "xyz", "machine_displacement": ["z", "rx", "ry"]}
+    shown |= {name: ["front_left", "rear_right"] for name in ("stroke", "spool", "actuator_force")}
+    outputs = {f"{name}.{label}": (name, label.replace("_", "-")) for name, labels in shown.items() for label in labels}
+    given = {"output_interval": every, "input": held, "output": list(outputs), "stop_time": END}
+    found = fmpy.simulate_fmu(str(tmp_path / "unit.fmu"), **given)
+    for output, (name, label) in outputs.items():
+        wanted = whole[name].sel({whole[name].dims[1]: label}).values
+        peak = np.abs(whole[name].values).max()
+        np.testing.assert_allclose(found[output], wanted, 0.0, 1e-9 * peak, err_msg=output)

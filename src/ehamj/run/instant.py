@@ -40,8 +40,8 @@ class Instant(Observing):
         super().__init__(prepared, row, struck)
         self.times = np.array([time])
         self._held, self._own_load = held, load
-        points = driving.inputs[0][:, : len(held.commands), :COMMAND] / [1.0, prepared.timestep, 1.0]
-        self._ground_now = GroundSample(*np.moveaxis(points, -1, 0))
+        points = driving.inputs[0][:, : len(held.commands), :COMMAND]
+        self._ground_now = GroundSample(points[..., 0], points[..., 1] / prepared.timestep, points[..., 2])
 
     @property
     def time(self) -> float:

@@ -76,7 +76,7 @@ class Observing(Mapping[str, Array]):
     def __init__(self, prepared: Prepared, rows: Rows, struck: Sequence[Struck] = (), first: int = 0) -> None:
         """Arguments as of `observe`."""
         self._prepared, self._rows, self._struck = prepared, rows, struck
-        self._scenario, self._plant = prepared.scenario, prepared.scenario.plant
+        self._scenario, self._plant = prepared.scenario, prepared.plant
         self.times = np.arange(first, first + len(rows.qpos), dtype=np.float64) / prepared.scenario.record_rate
         self._made: Channels = {}
         self._makers = dict(self._families())

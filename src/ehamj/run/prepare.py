@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -21,6 +22,7 @@ from ehamj.ground import Motion
 from ehamj.ground.shared import Floors
 from ehamj.mujoco.equilibrium import EquilibriumError, Inputs, equilibrium
 from ehamj.mujoco.model import build_model
+from ehamj.plant.plant import Plant
 from ehamj.plant.statics import check_standing
 from ehamj.run.budget import check_rows, check_steps
 from ehamj.run.faults import shorter_step, unread
@@ -62,6 +64,11 @@ class Prepared:
     """How the law was found, where it was found for the machine at hand."""
     within: Path | None = None
     """Folder for the file of rows that are too many for memory; None: the system's for what is temporary."""
+
+    @cached_property
+    def plant(self) -> Plant:
+        """The machine as it begins."""
+        return self.scenario.plant
 
     @property
     def timestep(self) -> float:

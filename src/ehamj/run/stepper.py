@@ -73,7 +73,8 @@ class Stepper:
             self._prepared = _prepared(given, law, tuple(reads), reads_every)
         self._loop, self._peeked = self._prepared.loop, twin_of(self._prepared.loop)
         self._noise, self._faults = NoiseAhead(self._prepared), Faults(self._prepared)
-        model, mounts = self._prepared.model, self.mounts
+        self._timestep, self._mounts = self._prepared.timestep, tuple(given.plant.mounts)
+        model, mounts = self._prepared.model, self._mounts
         self._unseen = Recording.of(model, self._loop, NEVER, 1)
         self._held, self._moved = Held.nothing(len(mounts)), Moved.at_rest(len(mounts))
         self._carrier, self._load = about_carrier(given.plant), given.load()
@@ -89,7 +90,7 @@ class Stepper:
     @property
     def mounts(self) -> tuple[str, ...]:
         """Names of the mounts, in the order of all inputs."""
-        return tuple(self.scenario.plant.mounts)
+        return self._mounts
 
     @property
     def controller(self) -> LinearController | None:
@@ -99,7 +100,7 @@ class Stepper:
     @property
     def timestep(self) -> float:
         """Of the integrator [s]; instants are multiples of it."""
-        return self._prepared.timestep
+        return self._timestep
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -229,17 +230,17 @@ class Stepper:
             given = (driven.inputs, recording, True, self._peeked, noise, driven.load)
             stopped, _ = advance(own.model, own.data, self._done, 0, *given)
         own.data.ctrl[:], own.data.qacc_warmstart[:] = before
-        self._check(stopped)
+        self._check(stopped, False)
         return Instant(own, recording.rows, self._faults.found, self.time, driven, self._held, self._load)
 
-    def _check(self, stopped: Stopped) -> None:
-        """Raise SimulationFailed where the stepping broke off, or the engine warned."""
+    def _check(self, stopped: Stopped, moved: bool = True) -> None:
+        """Raise SimulationFailed where the stepping broke off, or the engine warned of where it moved."""
         if stopped.status != DONE:
             from ehamj.run.failures import broken_off
 
             found = broken_off(self._prepared, stopped._replace(steps=self._done))
             self._broken = ". ".join(part for part in found if part)
-        elif doubt := warned(self._prepared.data):
+        elif moved and (doubt := warned(self._prepared.data)):
             self._broken = f"simulation failed at {self.time:.6g} s: {doubt}"
         if self._broken:
             raise SimulationFailed(self._broken)

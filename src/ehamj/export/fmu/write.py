@@ -3,6 +3,7 @@
 import importlib
 import shutil
 import sys
+import sysconfig
 from collections.abc import Iterator
 from contextlib import contextmanager
 from html import escape
@@ -22,8 +23,8 @@ from ehamj.extras import check_extra
 
 OPENS: Final = "open it in Simulink, Dymola, OpenModelica, or with: fmpy simulate {path}"
 NEEDS: Final = (
-    "the host must find Python {python} with ehamj {ehamj}; on Windows that Python on the PATH, on Linux, in a host "
-    "that is no Python itself, LD_PRELOAD=libpython{python}.so.1.0"
+    "the unit runs in a Python of the host's (x86-64, Linux or Windows), {python}, which must find ehamj {ehamj}; "
+    "Windows finds the Python on the PATH; on Linux a host that is no Python itself is started with {linux}"
 )
 HELD: Final = (
     "inputs are held between communication points, which are multiples of the timestep; the ground's is an "
@@ -117,9 +118,18 @@ def write_fmu(subject: Subject, path: Path) -> Written:
             FmuBuilder.build_FMU(script, path, files, _documented(subject, parts), **options)
     finally:
         shutil.rmtree(parts)
-    needs = NEEDS.format(python="{}.{}".format(*sys.version_info), ehamj=version("ehamj"))
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    needs = NEEDS.format(python=python, ehamj=version("ehamj"), linux=_before(python))
     said = f"the machine as a unit for co-simulation, FMI 2.0, timestep {1e6 * subject.timestep:.6g} µs; {OPENS}"
     return Written({path.name: said}, (HELD, needs))
+
+
+def _before(python: str) -> str:
+    """What stands before the command of a host on Linux that brings no Python of its own."""
+    name = sysconfig.get_config_var("INSTSONAME") or ""
+    library = Path(sysconfig.get_config_var("LIBDIR") or "") / name
+    shared = library if ".so" in name and library.is_file() else f"libpython{python}.so.1.0"
+    return f"LD_PRELOAD={shared} PYTHONHOME={sys.base_prefix}"
 
 
 def _places() -> list[str]:
