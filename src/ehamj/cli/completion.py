@@ -128,7 +128,7 @@ def questions() -> Iterator[str]:
         if file.name.endswith(".py"):
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "study":
-                    yield from (one.value for one in node.args[:1] if isinstance(one, ast.Constant))
+                    yield from (str(one.value) for one in node.args[:1] if isinstance(one, ast.Constant))
 
 
 def _source(module: str) -> ast.Module:
