@@ -66,6 +66,7 @@ SOURCES: Final = (
             "criterion": Taken("figures/criterion-z.svg"),
             "spectrogram": Taken("figures/spectrogram-z.svg"),
             "machine": Taken("figures/machine-side.svg"),
+            "transmissibility": Taken("figures/transmissibility-z.svg"),
         },
     ),
     Source(

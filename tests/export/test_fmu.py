@@ -164,7 +164,7 @@ def test_parameters_change_what_is_run(fmu: Path, tmp_path: Path) -> None:
     unit.slave.freeInstance()
 
 
-def test_what_cannot_be_is_said_in_one_line(fmu: Path, tmp_path: Path) -> None:
+def test_what_cannot_be_is_said_in_one_line(fmu: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     def said(path: Path, do: Any, **start: Any) -> str:
         unit = Driven(fmu, path, **start)
         with pytest.raises(fmpy.fmi1.FMICallException):
@@ -179,6 +179,7 @@ def test_what_cannot_be_is_said_in_one_line(fmu: Path, tmp_path: Path) -> None:
         assert words in said(tmp_path / str(number), do)
     with pytest.raises(fmpy.fmi1.FMICallException):
         Driven(fmu, tmp_path / "mass", **{"machine.mass": -1.0})
+    assert capfd.readouterr().err.endswith("ehamj: machine.mass = -1.0: must be greater than 0\n")
 
 
 def test_a_python_without_ehamj_says_so(fmu: Path, tmp_path: Path) -> None:

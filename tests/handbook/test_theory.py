@@ -61,6 +61,10 @@ def test_equations_become_mathml() -> None:
     assert "<" in [one.text for one in made.xpath(".//mo")]
     shown = html.fromstring(typeset('<div><div class="arithmatex">\\[x^2\\]</div></div>'))
     assert shown.xpath('./div[@class="equation"]/math/@display') == ["block"]
+    signs = html.fromstring(typeset('<p><span class="arithmatex">\\(|x| ± a/2 · ∞\\)</span></p>'))
+    assert [(one.text, one.get("rspace")) for one in signs.xpath(".//mo")] == [
+        *(("|", "0"), ("|", "0"), ("±", None), ("/", "0"), ("·", None))
+    ]
     for wrong in ("\\frac{1", "\\notacommand x"):
         with pytest.raises(ValueError, match="cannot be read"):
             typeset(f'<span class="arithmatex">\\({wrong}\\)</span>')

@@ -141,7 +141,9 @@ class Head(Finding):
     """What stands at a summary's head."""
 
     name: str
+    """Of the scenario."""
     complete: bool
+    """Whether the run came to its end."""
 
 
 class Summary(Isolation, Head):
@@ -154,8 +156,11 @@ class Summary(Isolation, Head):
     worse: list[Worse] = Field(default_factory=list)
     """Axes along which the machine moves more than the floor."""
     warnings: list[str]
+    """What a reader must know, in words."""
     peak: ByChannel
+    """Of each variable, about its equilibrium, one number per channel [its unit]."""
     rms: ByChannel
+    """The same of the whole run."""
     saturation: dict[str, ByMount]
     """Share of the states at each limit, per mount."""
     at_limit: dict[str, AtLimit | None]
@@ -177,7 +182,9 @@ class Summary(Isolation, Head):
     """Whether a Python function gave the commands, of which no margins are known."""
     timing: Timing
     versions: dict[str, str]
+    """Of ehamj and of what it stands on."""
     seed: int
+    """Of everything random."""
     failure: str | None = None
     """What went wrong, of a run that is not complete."""
     unjudged: dict[str, str] = Field(default_factory=dict)

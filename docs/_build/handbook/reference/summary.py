@@ -31,13 +31,13 @@ def summary_pages() -> dict[str, str]:
         title = "Keys" if kind is Summary else kind.__name__
         said = "" if kind is Summary else f"{_plain(kind.__doc__ or '')}\n"
         rows = [
-            f"| `{field.alias or name}` | {_kind(field.annotation)} | {_plain(_documented(kind).get(name, ''))} |"
+            f"| `{field.alias or name}` | {_meaning(kind, name)} | {_kind(field.annotation)} |"
             for name, field in kind.model_fields.items()
         ]
         parts += [
             f"## {title} {{ #{title.lower()} }}\n",
             said,
-            "| key | holds | what it is |",
+            "| key | what it is | holds |",
             "|---|---|---|",
             *rows,
             "",
@@ -47,15 +47,15 @@ def summary_pages() -> dict[str, str]:
 
 def _findings(kind: type[Finding]) -> Iterator[type[Finding]]:
     """Findings that a finding's keys hold."""
-
-    def within(annotation: Any) -> Iterator[type[Finding]]:
-        if isinstance(annotation, type) and issubclass(annotation, Finding):
-            yield annotation
-        for part in get_args(annotation):
-            yield from within(part)
-
     for field in kind.model_fields.values():
-        yield from within(field.annotation)
+        yield from _within(field.annotation)
+
+
+def _within(annotation: Any) -> Iterator[type[Finding]]:
+    if isinstance(annotation, type) and issubclass(annotation, Finding):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _within(part)
 
 
 def _documented(kind: type) -> dict[str, str]:
@@ -75,6 +75,13 @@ def _documented(kind: type) -> dict[str, str]:
     return found
 
 
+def _meaning(kind: type[Finding], name: str) -> str:
+    """What is said of a key; where nothing is, what is said of that which it holds."""
+    own = _documented(kind).get(name, "")
+    held = next(_within(kind.model_fields[name].annotation), None)
+    return _plain(own or (held.__doc__ or "" if held is not None else ""))
+
+
 def _kind(annotation: Any) -> str:
     """A type in words, findings as links."""
     if isinstance(annotation, type) and issubclass(annotation, Finding):
@@ -85,7 +92,7 @@ def _kind(annotation: Any) -> str:
         name = getattr(annotation, "__name__", str(annotation))
         return "null" if annotation is type(None) else words.get(name, name)
     if getattr(annotation, "__origin__", None) is dict:
-        return f"by name: {_kind(parts[1])}"
+        return f"{_kind(parts[1])}, by name"
     if getattr(annotation, "__origin__", None) in (list, tuple):
         return f"list of {_kind(parts[0])}"
     if all(isinstance(part, str) for part in parts):

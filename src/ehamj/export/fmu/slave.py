@@ -1,12 +1,24 @@
 """What a unit's script needs of ehamj: variables as PythonFMU has them, and the description with units."""
 
+import sys
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
+from ehamj.errors import InputError, SimulationFailed
 from ehamj.export.fmu.interface import Variable
 from ehamj.export.fmu.unit import Unit
 from ehamj.export.fmu.units import unit
+
+
+def told(do: Callable[..., None], *given: Any) -> None:
+    """Do something; what is wrong with it is said on stderr too, since masters log only where they are asked to."""
+    try:
+        do(*given)
+    except (InputError, SimulationFailed) as error:
+        print(f"ehamj: {error}", file=sys.stderr, flush=True)
+        raise
 
 
 def register(slave: Any, own: Unit, pythonfmu: Any) -> None:

@@ -77,10 +77,10 @@ class {name}(Fmi2Slave):
         self.unit.experiment(start_time, stop_time)
 
     def exit_initialization_mode(self):
-        self.unit.begin()
+        self.slave.told(self.unit.begin)
 
     def do_step(self, current_time, step_size):
-        self.unit.step(current_time, step_size)
+        self.slave.told(self.unit.step, current_time, step_size)
         return True
 
     def terminate(self):
