@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test fuzz check docs pictures verified format clean
+.PHONY: run test fuzz check pythons docs pictures verified format clean
 
 run: .venv/.ready
 	$(BIN)/ehamj run
@@ -16,6 +16,9 @@ check: .venv/.ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+pythons: .venv/.ready
+	.ci/wheel --all
 
 docs: .venv/.ready
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

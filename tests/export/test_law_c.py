@@ -191,7 +191,7 @@ def test_what_is_written_judges_itself(cli: Cli) -> None:
 
 @needs_compiler
 def test_in_single_precision_it_compiles_and_is_near(tmp_path: Path) -> None:
-    scenario = load_scenario("recorded", [SHORT])
+    scenario = load_scenario("recorded", ["duration=0.5"])
     law = Law.of(tmp_path, scenario, scenario.controller(), "-DEHAMJ_LAW_FLOAT")
     law.begin()
     given = law.found.readings.astype(np.float32)
@@ -200,7 +200,7 @@ def test_in_single_precision_it_compiles_and_is_near(tmp_path: Path) -> None:
     for row, volts in zip(given, law.found.volts, strict=True):
         law.library.ehamj_law_step(law.memory, ctypes.c_void_p(row.ctypes.data), ctypes.c_void_p(commands.ctypes.data))
         off.append(np.abs(np.frombuffer(law.memory, np.float32, 4) - volts).max())
-    assert 0.0 < max(off) < 0.02 * np.abs(law.found.volts).max()
+    assert 0.0 < max(off) < 2e-5 * np.abs(law.found.volts).max()  # summed as in double: 5e-5
 
 
 def test_what_has_no_law_is_refused(cli: Cli, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import lxml.html
 import pytest
 
 from ehamj.pages.pdf import browser
@@ -100,6 +101,27 @@ def test_pages_fit_a_desk_and_a_phone_and_load_nothing_from_elsewhere(tmp_path: 
 def test_the_search_finds_a_key_without_a_server(tmp_path: Path) -> None:
     found = [link.removeprefix(f"{SITE.as_uri()}/") for link in seen(SEARCH, tmp_path)]
     assert "reference/keys/isolators.html?h=flow_gain#actuators.NAME.flow_gain" in found[:3]
+
+
+ANSWERS = {
+    "how to read a record": "how-to/read-my-loggers-file.html",
+    "what flow_gain means, and where it comes from": "reference/keys/isolators.html",
+    "how accurate the simulator is": "validation/accuracy.html",
+}
+SHOWN = "//nav[contains(@class, 'md-tabs')]//a/@href | //article//a/@href"
+BESIDE = " | //li[contains(@class, 'md-nav__item--active')]//a/@href"
+
+
+def clicked(page: Path, where: str) -> set[Path]:
+    """Pages of the site that are one click away on a desk."""
+    links = [link.partition("#")[0] for link in lxml.html.fromstring(page.read_bytes()).xpath(where) if ":" not in link]
+    return {(page.parent / link).resolve() for link in links if link.endswith(".html")}
+
+
+def test_answers_are_two_clicks_away() -> None:
+    first = clicked(SITE / "index.html", SHOWN)
+    near = first.union(*(clicked(page, SHOWN + BESIDE) for page in first))
+    assert [question for question, page in ANSWERS.items() if SITE / page not in near] == []
 
 
 def test_the_site_knows_nothing_of_this_machine() -> None:

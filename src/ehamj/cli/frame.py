@@ -81,6 +81,10 @@ class _Commands(TyperGroup):
         return super().get_command(ctx, cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if ctx.resilient_parsing and args[0] in COMMANDS:  # a shell asks what a word may become
+            from ehamj.cli.completion import Completing
+
+            return args[0], Completing(args[0], COMMANDS[args[0]]), args[1:]
         if args[0] in COMMANDS:
             check_early(args[0], args[1:])
             import_module(f"ehamj.cli.{COMMANDS[args[0]]}")
@@ -98,7 +102,6 @@ def _documented(name: str) -> str:
 app = typer.Typer(
     cls=_Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     help="""Simulate a machine on active hydraulic isolators.

@@ -20,7 +20,7 @@ from ehamj.control.loop import DigitalLoop
 from ehamj.control.spools import KnownSpool
 from ehamj.control.stage import AT_START
 from ehamj.control.valves import Known
-from ehamj.export.c.text import enumerators, fields_of, table, used_in
+from ehamj.export.c.text import enumerators, fields_of, filled, number, table, used_in
 from ehamj.isolator.flow_curve import POINTS
 
 DENSE: Final = 0.5
@@ -89,22 +89,27 @@ def laws_of(parts: Sequence[Controller], loop: DigitalLoop) -> tuple[list[dict[s
 
 def _matrix(name: str, matrix: Array) -> Iterator[Table]:
     """A matrix, and the tables that it is made of."""
-    there = matrix != 0.0
+    steps = name.startswith("A")
     rows, columns = matrix.shape
-    if there.sum() >= DENSE * matrix.size:
-        yield _numbers(f"{name}_NUMBER", matrix.ravel())
+    there = matrix != 0.0
+    if steps:
+        there |= np.eye(rows) != 0.0
+    dense = bool(there.sum() >= DENSE * matrix.size)
+    at = np.argwhere(there | dense)
+    entries = [_diagonal(matrix[i, i]) if steps and i == j else f"R({number(matrix[i, j])})" for i, j in at]
+    yield Table("real_t", f"{name}_NUMBER", max(len(entries), 1), filled(entries or ["R(0.0)"]))
+    if dense:
         own = f"    {{{rows}U, {columns}U, {name}_NUMBER, NULL, NULL}}"
     else:
-        begins = np.concatenate([[0], np.cumsum(there.sum(axis=1))])
-        yield _numbers(f"{name}_NUMBER", matrix[there])
-        yield _whole("uint16_t", f"{name}_COLUMN", np.nonzero(there)[1])
-        yield _whole("uint32_t", f"{name}_BEGIN", begins)
+        yield _whole("uint16_t", f"{name}_COLUMN", at[:, 1])
+        yield _whole("uint32_t", f"{name}_BEGIN", np.concatenate([[0], np.cumsum(there.sum(axis=1))]))
         own = f"    {{{rows}U, {columns}U, {name}_NUMBER, {name}_COLUMN, {name}_BEGIN}}"
     yield Table("matrix_t", name, 1, own)
 
 
-def _numbers(name: str, values: Array) -> Table:
-    return Table("real_t", name, max(values.size, 1), table(values if values.size else [0.0]))
+def _diagonal(entry: float) -> str:
+    """An entry of A's diagonal, of which single precision keeps what it is more than one."""
+    return f"DIAGONAL({number(entry)}, {number(entry - 1.0)})"
 
 
 def _whole(kind: str, name: str, values: Any) -> Table:

@@ -52,10 +52,15 @@ def enumerators(names: Iterable[str]) -> list[str]:
 
 def table(values: Sequence[float] | np.ndarray[Any, Any], whole: bool = False) -> str:
     """The entries of a table, in lines."""
-    entries = [str(int(value)) if whole else f"R({number(float(value))})" for value in values]
+    return filled([str(int(value)) if whole else f"R({number(float(value))})" for value in values])
+
+
+def filled(entries: Sequence[str]) -> str:
+    """Entries in lines."""
     return textwrap.fill(
-        ", ".join(entries), WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False
-    )
+        ", ".join(entry.replace(" ", "\0") for entry in entries),
+        WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False,
+    ).replace("\0", " ")  # fmt: skip
 
 
 def fields_of(kind: Any) -> list[tuple[str, str]]:

@@ -16,6 +16,13 @@ typedef ehamj_real_t real_t;
 #define LIMIT R(EHAMJ_LAW_LIMIT)
 #define RESOLUTION R(EHAMJ_LAW_RESOLUTION)
 
+/* An entry of the diagonal of A, of which single precision keeps what it is more than one (see step_states()). */
+#ifdef EHAMJ_LAW_FLOAT
+#define DIAGONAL(number, more) R(more)
+#else
+#define DIAGONAL(number, more) R(number)
+#endif
+
 #ifdef EHAMJ_LAW_FLOAT
 #define FLOOR floorf
 {% if staged %}

@@ -127,6 +127,9 @@ typedef struct {
     ehamj_real_t rest[EHAMJ_LAW_READINGS]; /* what readings count from */
     ehamj_real_t readings[EHAMJ_LAW_READINGS];
     ehamj_real_t states[EHAMJ_LAW_STATES];
+#ifdef EHAMJ_LAW_FLOAT
+    ehamj_real_t carry[EHAMJ_LAW_STATES]; /* what their last sums lost */
+#endif
     ehamj_real_t next[EHAMJ_LAW_LARGEST];
     ehamj_real_t inputs[{{ sizes.inputs }}];
     ehamj_real_t latest[EHAMJ_LAW_LAWS][EHAMJ_LAW_VALVES]; /* outputs of each law [V] */

@@ -105,6 +105,26 @@ static void compute(ehamj_law_t *law, uint32_t k)
     add_rows(own->D, law->inputs, law->latest[k]);
 }
 
+/*
+ * The states become what A and B have made of them. In single precision that is by how much they change, for between two
+ * ticks slow filters hardly do; what a sum loses of it goes into the next.
+ */
+static void step_states(ehamj_law_t *law, const law_t *own)
+{
+    real_t *states = &law->states[own->first];
+    uint32_t i;
+    for (i = 0U; i < own->states; i++) {
+#ifdef EHAMJ_LAW_FLOAT
+        const real_t change = law->next[i] + law->carry[own->first + i];
+        const real_t sum = states[i] + change;
+        law->carry[own->first + i] = change - (sum - states[i]);
+        states[i] = sum;
+#else
+        states[i] = law->next[i];
+#endif
+    }
+}
+
 /* x+ = A x + B u + L lost. */
 static void advance(ehamj_law_t *law, uint32_t k)
 {
@@ -117,9 +137,7 @@ static void advance(ehamj_law_t *law, uint32_t k)
     }
     add_rows(own->A, states, law->next);
     add_rows(own->B, law->inputs, law->next);
-    for (i = 0U; i < own->states; i++) {
-        states[i] = law->next[i];
-    }
+    step_states(law, own);
     if (own->L != NULL) {
         add_rows(own->L, law->lost, states);
     }
