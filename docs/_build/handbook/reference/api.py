@@ -10,7 +10,7 @@ import ehamj
 
 TOPICS: Final = {
     "scenarios.md": ("Scenarios", ("load_scenario", "parse_scenario", "Scenario")),
-    "runs.md": ("Runs and results", ("simulate", "simulate_many", "Result", "load_result")),
+    "runs.md": ("Runs and results", ("simulate", "simulate_many", "Stepper", "Result", "load_result")),
     "laws.md": ("Laws", ("Controller", "ControllerBank", "PythonController", "load_controller")),
     "views.md": ("Linear models and statics", ("linearise", "sampled_plant", "static_loads")),
     "studies.md": ("Studies", ("study", "run_study")),

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from ehamj.control.law import KEYS, NEEDED
+from ehamj.export.formats import FORMATS
 from ehamj.records.readers import READERS
 
 PROSE: Final = Path(__file__).with_name("files.md")
@@ -41,7 +42,13 @@ def file_pages() -> dict[str, str]:
     ]
     text = PROSE.read_text(encoding="utf-8")
     needed = ", ".join(f"`{KEYS[name]}`" for name in NEEDED)
-    made = {"{law}": "\n".join(law), "{readers}": "\n".join(readers), "{needed}": needed}
+    exports = [f"| `{one.option} {one.takes}` | {one.what} |" for one in FORMATS.values()]
+    made = {
+        "{law}": "\n".join(law),
+        "{needed}": needed,
+        "{readers}": "\n".join(readers),
+        "{exports}": "\n".join(exports),
+    }
     for name, table in made.items():
         text = text.replace(name, table)
     return {"reference/results/files.md": text}
