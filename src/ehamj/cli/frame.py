@@ -81,7 +81,7 @@ class _Commands(TyperGroup):
         return super().get_command(ctx, cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        if ctx.resilient_parsing and args[0] in COMMANDS:  # a shell asks what a word may become
+        if ctx and ctx.resilient_parsing and args[0] in COMMANDS:  # a shell asks what a word may become
             from ehamj.cli.completion import Completing
 
             return args[0], Completing(args[0], COMMANDS[args[0]]), args[1:]
