@@ -229,7 +229,7 @@ def test_records(cli: Cli, folder: Path, ending: str) -> None:
     # Endings without a reader all lead to the same one: there what runs code is enough.
     (folder / name).write_bytes(b"")
     cli(*RECORD, "--set", f"ground={{kind='record', file='{name}', unit='m'}}")  # imports what is imported once
-    for what in CODE if ending in ("sac", "gse", "npy", "npz", "pkl", "h5", "gz", "dat", "unv") else HOSTILE:
+    for what in CODE if ending in ("sac", "gse", "npy", "npz", "pkl", "h5", "gz", "dat", "txt", "unv") else HOSTILE:
         (folder / name).write_bytes(HOSTILE[what](folder))
         began = time.process_time()
         scale = ", full_scale=1" if ending == "wav" else ""

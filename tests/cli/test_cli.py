@@ -500,7 +500,7 @@ def test_transmissibility_refuses_and_writes_nothing(cli: Cli, arguments: tuple[
 
 # --- report of stored results --------------------------------------------------------------------------------------
 
-WORKSHOP = ("run", "workshop", "--set", "duration=2", "--set", "plates=tied", "--no-replay", "--no-report")
+WORKSHOP = ("run", "workshop", "--engine", "small-motion", "--set", "duration=2", "--no-replay", "--no-report")
 
 
 def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None:
@@ -513,9 +513,6 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
     assert {name: after[name] for name in before} == before
     new = {Path(name).parts[1] for name in set(after) - set(before)}
     assert new == {"report.html", "figures"}
-    page = Path("run/report.html").read_text()
-    assert cli("report", "run").code == 0
-    assert Path("run/report.html").read_text() == page
     shutil.rmtree("run/passive")
     alone = cli("report", "run", "--json")
     assert alone.json["results"] == ["feedforward"]
@@ -525,7 +522,9 @@ def test_a_report_is_built_of_a_stored_result_and_its_variants(cli: Cli) -> None
 def test_a_comparison_has_a_page_of_its_own(cli: Cli) -> None:
     assert cli(*WORKSHOP, "--set", "compare=[]", "--out", "a/run").code == 0
     assert cli(*WORKSHOP, "--set", "compare=[]", "--set", "machine.mass=5000", "--out", "b/run").code == 0
-    assert cli("report", "a/run").code == 0
+    Path("a/run/report.html").write_text("its own page")
+    Path("a/run/figures").mkdir()
+    Path("a/run/figures/own.svg").write_text("its own figure")
     own = tree(Path("a/run"))
     said = cli("report", "a/run", "--compare", "b/run", "--json")
     labels = ["feedforward (a/run)", "feedforward (b/run)"]
