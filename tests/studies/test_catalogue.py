@@ -19,7 +19,7 @@ from ehamj.studies.failed import FailedSettings, at_mount, moving_floor, turns_o
 from ehamj.studies.page import write_outcome
 from ehamj.studies.study import Study
 
-SCENARIO = load_scenario("recorded", ["plates=tied", "compare=[]"])
+SCENARIO = load_scenario("recorded", ["plates=tied", "engine=small-motion", "compare=[]"])
 
 
 @pytest.mark.parametrize("name", STUDIES)
