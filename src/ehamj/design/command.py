@@ -1,5 +1,6 @@
 """From a scenario to a designed controller and its files."""
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from ehamj.design.kinds import DESIGNABLE, beginning
 from ehamj.design.outcome import outcome
 from ehamj.design.page import design_page
 from ehamj.design.tuning import tune
-from ehamj.errors import InputError, did_you_mean
+from ehamj.errors import DerivedAnew, InputError, did_you_mean
 from ehamj.linear.machine import linear_model
 from ehamj.result import CONTROLLER_FILE, written_whole
 from ehamj.scenario.load import load_scenario
@@ -81,7 +82,9 @@ def design_controller(
     for (name, value), high in zip(asked.items(), (60.0, 89.0, 1.9), strict=True):
         if value is not None and not 0.0 <= value <= high:
             raise InputError(f"--{name.replace('_', '-')} {value:g}: must be from 0 to {high:g}")
-    scenario = load_scenario(source, overrides)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DerivedAnew)  # it is designed anew, which is what was asked for
+        scenario = load_scenario(source, overrides)
     given = scenario.control
     kind = _kind(given, architecture)
     if kind != given.kind:

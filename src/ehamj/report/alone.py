@@ -44,6 +44,10 @@ class Plots:
         self.results = dict(zip(names, results, strict=True))
         self._shown = Shown.of({name: result.in_memory() for name, result in self.results.items()})
 
+    def __repr__(self) -> str:
+        drawn = "attenuation, criteria, histories, transmissibility, spectrogram"
+        return f"Figures of {', '.join(self.results)}: {drawn}; beside(result) draws others with it"
+
     def beside(self, *others: Result) -> "Plots":
         """The same figures with other results beside this one: ``result.plot.beside(passive).attenuation()``."""
         return Plots(*self.results.values(), *others)

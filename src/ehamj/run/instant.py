@@ -49,6 +49,16 @@ class Instant(Observing):
         """[s]"""
         return float(self.times[0])
 
+    def __repr__(self) -> str:
+        return f"Instant at {self.time:.9g} s: {', '.join(self)}"
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._makers:
+            first = name.partition(" ")[0]
+            way = f'; one number of it: value("{first}", …)' if first in self._makers else ""
+            raise KeyError(f"{name}: {did_you_mean(name, self)}must be one of {', '.join(self)}{way}")
+        return super().__getitem__(name)
+
     @property
     def _sampled(self) -> GroundSample:
         return self._ground_now
@@ -77,8 +87,6 @@ class Instant(Observing):
         Raises:
             KeyError: if there is no such channel, or its labels are others.
         """
-        if name not in self:
-            raise KeyError(f"{name}: {did_you_mean(name, self)}must be one of {', '.join(self)}")
         found, along = self[name][0], FIXED | labels_of(self._scenario, self._prepared.controller)
         if len(labels) > len(VARIABLES[name][0]):
             raise KeyError(f"{name}: has {len(VARIABLES[name][0])} labels, {', '.join(VARIABLES[name][0]) or 'none'}")

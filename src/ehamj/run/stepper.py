@@ -114,6 +114,9 @@ class Stepper:
         """Of the present instant [s]."""
         return self._done * self.timestep
 
+    def __repr__(self) -> str:
+        return f"Stepper of {self.scenario.name!r} at {self.time:.9g} s, timestep {self.timestep:.9g} s"
+
     def __enter__(self) -> Self:
         self._within.enter_context(hydraulics())
         return self

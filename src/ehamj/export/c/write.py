@@ -72,7 +72,7 @@ def _exportable(controller: Any, scenario: Scenario) -> LinearController:
     if controller is None:
         raise InputError(
             f"--c: scenario {scenario.name!r} has no law, control.kind = {scenario.control.kind!r}; choose one that "
-            "has, such as control.kind = 'combined'"
+            "has, such as --set 'control={kind=\"combined\"}', or leave out --c"
         )
     own: LinearController = controller
     if not own.reads:
