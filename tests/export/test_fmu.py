@@ -266,6 +266,13 @@ def test_parameters_that_others_follow_from_are_set_beside_these(tmp_path: Path)
     assert own.machine.inertia == (3000.0, *former[1:])
     wanted = ehamj.load_scenario("vc-c-floor", [*passive, f"machine.size={size}"]).points
     assert own.points == wanted != unit.scenario.points
+    pushed = next(number for number, one in enumerate(unit.inputs) if one.name == "held.force.z")
+    lifted = next(number for number, one in enumerate(unit.outputs) if one.name == "cg_acceleration.z")
+    before = unit.output(lifted)
+    unit.hold(pushed, 900.0)
+    with pytest.raises(ehamj.InputError, match="must be at most the scenario's duration"):
+        unit.step(0.0, 2 * END)
+    assert unit.output(lifted) - before == pytest.approx(900.0 / 4500.0, rel=0.02)  # plates and feet give a little
     unit.set_value("mount[2].position[1]", 1e9)
     with pytest.raises(ehamj.InputError, match=r"^mount\[2\]\.position = \[1000000000.0, .*: must be at most"):
         unit.begin()

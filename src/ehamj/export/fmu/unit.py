@@ -148,7 +148,7 @@ class Unit:
             count = len(machine.mounts)
             commands, ground, force = np.split(self._held, [count, count * (1 + len(AXES))])
             machine.hold(commands, ground.reshape(count, len(AXES)), force)
-            self._new = False
+            self._new, self._seen = False, None
 
     def _changed(self, changes: Mapping[tuple[str, ...], Any]) -> Scenario:
         """The scenario with other values by their keys in parts; what is wrong is said of the unit's variables."""
