@@ -1,6 +1,8 @@
 """What a notebook shows of objects, by IPython's own formatter, and the report's figures as a user asks for them."""
 
+import gc
 import gzip
+import os
 import re
 from functools import partial
 from pathlib import Path
@@ -131,3 +133,21 @@ def test_without_screen_or_viewer_the_way_out_is_named(result: Result, monkeypat
     monkeypatch.setitem(__import__("sys").modules, "rerun_notebook", None)
     with pytest.raises(InputError, match=r"pip install 'ehamj\[notebook\]'"):
         result.replay()
+
+
+def test_a_viewer_finds_its_recording_when_the_script_has_ended(
+    result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It stays where the viewer reads it; what was left the day before yesterday goes."""
+    opened: list[Path] = []
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("ehamj.replay.shown.open_viewer", lambda path: opened.append(path) or "")
+    old = tmp_path / "ehamj-replay-old"
+    old.mkdir()
+    os.utime(old, (0.0, 0.0))
+    result.replay()
+    gc.collect()
+    check_whole(opened[0])
+    assert not old.exists()
+    with pytest.raises(InputError, match=r"'runs/1' is no result; ehamj\.load_result"):
+        result.replay("runs/1")  # type: ignore[arg-type]

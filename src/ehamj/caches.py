@@ -1,6 +1,6 @@
 """Where is kept what a later run need not make again: the user's cache folder, or one of his own in the temporary one.
 
-Compiled code is run as it is found, so that a folder that others may write is none.
+Compiled code is run as it is found, so that a folder under the temporary one that others may write is none.
 """
 
 import os

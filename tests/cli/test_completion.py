@@ -3,9 +3,12 @@
 import os
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
+import typer
 
+from ehamj.cli.completion import options
 from ehamj.scenario_files import shipped_scenarios
 
 CODE = (
@@ -43,3 +46,20 @@ def test_words_that_are_begun(words: str, some: set[str], others: set[str]) -> N
 
 def test_a_scenario_is_offered_where_one_is_named() -> None:
     assert offered("ehamj run ") == set(shipped_scenarios())
+
+
+def test_options_are_all_that_help_lists() -> None:
+    """Of each command, of a study's question, and of a study file; only hidden ones and the negations are left out."""
+    from ehamj.cli.frame import COMMANDS, app
+    from ehamj.cli.study import FILE, studies
+
+    for module in set(COMMANDS.values()):
+        import_module(f"ehamj.cli.{module}")
+    for name, command in typer.main.get_group(app).commands.items():
+        if name != "study" and command is not None:
+            told = {option for one in command.params if not one.hidden for option in one.opts if option.startswith("-")}
+            assert told <= set(options(name, COMMANDS[name])), name
+    for name, command in typer.main.get_group(studies).commands.items():
+        word = "footprint" if name == FILE else name
+        told = {option for one in command.params for option in one.opts if option.startswith("-")}
+        assert told <= set(options("study", "study", word)), name

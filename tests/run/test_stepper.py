@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import ehamj
+from ehamj.errors import InputError
 from ehamj.forces import Load
 from ehamj.ground import GroundSample
 from ehamj.mujoco import hydraulics
@@ -179,3 +180,25 @@ def test_a_machine_that_failed_stays_where_it_is(active: Scenario) -> None:
         machine.step(END, force=[0.0, 0.0, 1e9, 0.0, 0.0, 0.0])
     with pytest.raises(ehamj.SimulationFailed, match=str(first.value)[:30]):
         machine.step(END)
+
+
+def test_what_strikes_at_an_instant_is_seen_there(active: Scenario) -> None:
+    """As the row of a whole run has it."""
+    fault = [{"kind": "supply-lost", "mount": "front-left", "time": 0.004}]
+    scenario = active.varied({"fault": fault, "duration": 0.006})
+    row = ehamj.simulate(scenario).dataset.isel(time=2)
+    machine = ehamj.Stepper(scenario)
+    machine.step(0.002)
+    now = machine.step(0.004)
+    for name in ("supply_pressure", "chamber_flow"):
+        np.testing.assert_array_equal(np.float32(now[name][0]), np.float32(row[name].values), err_msg=name)
+
+
+def test_a_value_is_named_as_it_is(active: Scenario) -> None:
+    now = ehamj.Stepper(active).now
+    with pytest.raises(KeyError, match="foot_velocity: has 2 labels, mount, axis"):
+        now.value("foot_velocity", "front-left", "z", "more")
+    with pytest.raises(KeyError, match="did you mean 'stroke'"):
+        now.value("strok", "front-left")
+    with pytest.raises(InputError, match=r"reads = 'stroke front-left': must be a list"):
+        ehamj.Stepper(active.variant("passive"), reads="stroke front-left")

@@ -2,7 +2,7 @@
 since to import a command takes seconds, and nobody waits for that at a key."""
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import resources
 from typing import Any, Final
 
@@ -33,10 +33,10 @@ class Completing(TyperCommand):
         if before == KEY:
             yield from keys(incomplete)
         elif incomplete.startswith("-"):
-            yield from options(name, self.module)
+            yield from options(name, self.module, words[0] if words else "")
         elif not before.startswith("-") or not words:
             if name == "study" and not words:
-                yield from (*questions(), *shipped_studies())
+                yield from (*_questions(), *shipped_studies())
             elif name in (*TAKING, "export"):
                 yield from shipped_scenarios()
 
@@ -89,31 +89,79 @@ def _tables(value: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Map
         yield value
 
 
-def options(name: str, module: str) -> list[str]:
-    """Options that a command's source writes, its own and those that commands share."""
+def options(name: str, module: str, first: str = "") -> list[str]:
+    """Options of a command, as its source writes them or as they follow from its parameters; ``first`` is the first
+    word behind it."""
+    asked = {**_questions(), **dict.fromkeys(shipped_studies(), ("", ""))} if name == "study" and first else {}
+    if asked:
+        name, module = ("command", module) if asked.get(first, ("", ""))[0] else ("study_file", "study_file")
+    source = _source(f"cli.{module}")
     shared = {
-        target.id: _flags(node.value)
-        for node in (*_source("frame").body, *_source(module).body)
+        target.id: node.value
+        for node in (*_source("cli.frame").body, *source.body)
         if isinstance(node, ast.Assign)
         for target in node.targets
         if isinstance(target, ast.Name)
     }
-    function = next(node for node in _source(module).body if isinstance(node, ast.FunctionDef) and node.name == name)
+    function = next(node for node in ast.walk(source) if isinstance(node, ast.FunctionDef) and node.name == name)
     found = ["--help"]
     if name == "export":  # an option of each format
-        found += [
-            flag
-            for file in resources.files("ehamj.export").iterdir()
-            if file.name.endswith(".py")
-            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Format"
-            for flag in _flags(node)
-        ]
+        calls = (node for file in _files("export") for node in ast.walk(file) if isinstance(node, ast.Call))
+        found += [flag for node in calls if _is(node.func, "Format") for flag in _flags(node)]
     for argument in (*function.args.args, *function.args.kwonlyargs):
         if argument.annotation is not None:
-            own = [node.id for node in ast.walk(argument.annotation) if isinstance(node, ast.Name)]
-            found += [*_flags(argument.annotation), *(flag for one in own for flag in shared.get(one, ()))]
+            found += _of_parameter(argument.arg, argument.annotation, shared)
+    if asked.get(first, ("", ""))[0]:
+        found += _of_settings(*asked[first])
+    for call in function.decorator_list:  # options of the fields of settings
+        if isinstance(call, ast.Call) and _is(call.func, "with_options") and name != "command":
+            kind = str(getattr(call.args[0], "id", ""))
+            flags = ast.literal_eval(call.args[1]) if call.args[1:] else {}
+            without = [one for key in call.keywords if key.arg == "without" for one in ast.literal_eval(key.value)]
+            found += _of_settings(_home(source, kind), kind, flags, without)
     return sorted(dict.fromkeys(found))
+
+
+def _is(node: ast.AST, name: str) -> bool:
+    """Whether a node is a name, of a module or not."""
+    return getattr(node, "id", getattr(node, "attr", "")) == name
+
+
+def _of_parameter(name: str, annotation: ast.AST, shared: Mapping[str, ast.AST]) -> list[str]:
+    """Options of one parameter: as written, or, where only its help is, as Typer calls it."""
+    own = [shared[node.id] for node in ast.walk(annotation) if isinstance(node, ast.Name) and node.id in shared]
+    calls = [one for part in (annotation, *own) for one in ast.walk(part) if isinstance(one, ast.Call)]
+    said = [_flags(one) for one in calls if _is(one.func, "Option")]
+    return [flag for flags in said for flag in flags or [f"--{name.replace('_', '-')}"]]
+
+
+def _of_settings(
+    module: str, kind: str, flags: Mapping[str, str] | None = None, without: Sequence[str] = ()
+) -> list[str]:
+    """Options of the fields of a settings class, those of its bases in the package too."""
+    source, found = _source(module), list[str]()
+    defined = next((one for one in source.body if isinstance(one, ast.ClassDef) and one.name == kind), None)
+    if defined is None:
+        return found
+    for base in defined.bases:
+        name = str(getattr(base, "id", ""))
+        here = any(isinstance(one, ast.ClassDef) and one.name == name for one in source.body)
+        if name != "Settings" and (where := module if here else _home(source, name)):
+            found += _of_settings(where, name, flags, without)
+    for line in defined.body:
+        if isinstance(line, ast.AnnAssign) and isinstance(line.target, ast.Name):
+            name, classed = line.target.id, "ClassVar" in ast.unparse(line.annotation)
+            if not classed and not name.startswith("_") and name not in without:
+                found.append(f"--{(flags or {}).get(name, name).replace('_', '-')}")
+    return found
+
+
+def _home(source: ast.Module, name: str) -> str:
+    """The module that a name comes from, below the package; empty where it is none of ours."""
+    for line in source.body:
+        if isinstance(line, ast.ImportFrom) and any(one.name == name for one in line.names):
+            return str(line.module).removeprefix("ehamj.") if str(line.module).startswith("ehamj.") else ""
+    return ""
 
 
 def _flags(node: ast.AST) -> list[str]:
@@ -122,14 +170,29 @@ def _flags(node: ast.AST) -> list[str]:
     return [text for text in texts if text.startswith("--") and " " not in text]
 
 
-def questions() -> Iterator[str]:
-    """Names of the studies that answer one question, as each registers itself."""
-    for file in resources.files("ehamj.studies").iterdir():
-        if file.name.endswith(".py"):
-            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "study":
-                    yield from (str(one.value) for one in node.args[:1] if isinstance(one, ast.Constant))
+def _questions() -> dict[str, tuple[str, str]]:
+    """Names of the studies that answer one question, as each registers itself; module and class of its settings."""
+    return {
+        str(node.args[0].value): (module, str(getattr(node.args[1], "id", "")))
+        for module, file in zip(_modules("studies"), _files("studies"), strict=True)
+        for node in ast.walk(file)
+        if isinstance(node, ast.Call) and _is(node.func, "study") and node.args
+        if isinstance(node.args[0], ast.Constant)
+    }
+
+
+def _modules(room: str) -> list[str]:
+    """The modules of a room."""
+    names = sorted(file.name for file in resources.files(f"ehamj.{room}").iterdir() if file.name.endswith(".py"))
+    return [f"{room}.{name.removesuffix('.py')}" for name in names]
+
+
+def _files(room: str) -> list[ast.Module]:
+    """What the modules of a room say."""
+    return [_source(module) for module in _modules(room)]
 
 
 def _source(module: str) -> ast.Module:
-    return ast.parse(resources.files("ehamj.cli").joinpath(f"{module}.py").read_text(encoding="utf-8"))
+    *rooms, name = module.split(".")
+    folder = resources.files(".".join(("ehamj", *rooms)))
+    return ast.parse(folder.joinpath(f"{name}.py").read_text(encoding="utf-8"))

@@ -105,6 +105,9 @@ class Installation(Settings):
     @cached_property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
+        return self._standing()
+
+    def _standing(self) -> Plant:
         return Plant(
             machine=self.machine.with_bodies(self.others),
             positions=tuple(mount.place for mount in self._mounts),

@@ -1,13 +1,15 @@
 """A recording in front of whoever works in Python, in a notebook or in the viewer: what ``result.replay()`` does."""
 
 import os
+import shutil
 import sys
+import time
 from collections.abc import Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from functools import cache
 from io import StringIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir, mkdtemp
 from typing import Any, Final
 
 from ehamj.errors import InputError
@@ -19,8 +21,10 @@ from ehamj.scenario.variants import labels
 WIDTH, HEIGHT = "auto", 640
 """Of the viewer in a notebook [px]; all of the page's width."""
 
-_FOLDERS: Final[list[TemporaryDirectory[str]]] = []
-"""What viewers read from; gone when the process ends."""
+PREFIX: Final = "ehamj-replay-"
+"""Of temporary folders that viewers read from: a viewer outlives a script that opened it."""
+LASTING: Final = 86400.0
+"""Age from which such a folder is removed by the next that is made [s]."""
 
 
 def shown(result: Result, beside: Sequence[Result] = ()) -> Any:
@@ -30,23 +34,35 @@ def shown(result: Result, beside: Sequence[Result] = ()) -> Any:
         InputError: if there is no viewer: no package for the notebook, no screen; or a result without a row.
     """
     results = (result, *beside)
+    if wrong := [one for one in results if not isinstance(one, Result)]:
+        raise InputError(f"replay: {wrong[0]!r} is no result; ehamj.load_result(FOLDER) reads one")
     if any(not one.dataset.time.size for one in results):
         raise InputError("replay: a result failed before its first row, so that there is nothing to replay")
     within = _in_notebook()
     if within:
         check_extra("rerun_notebook", "replay: in a notebook")
     names = labels([one.scenario for one in results], [Path(str(k)) for k in range(1, len(results) + 1)])
-    folder = TemporaryDirectory(prefix="ehamj-replay-")
-    path = Path(folder.name) / "replay.rrd"
     loaded = dict(zip(names, (one.in_memory() for one in results), strict=True))
-    write_replay(path, loaded, result.scenario.output.exaggeration)
     if within:
-        with folder:
+        with TemporaryDirectory(prefix=PREFIX) as folder:
+            path = Path(folder) / "replay.rrd"
+            write_replay(path, loaded, result.scenario.output.exaggeration)
             return viewer(path)
-    _FOLDERS.append(folder)
+    _clear()
+    path = Path(mkdtemp(prefix=PREFIX)) / "replay.rrd"
+    write_replay(path, loaded, result.scenario.output.exaggeration)
     if why := open_viewer(path):
+        shutil.rmtree(path.parent)
         raise InputError(f"replay: {why}; result.save(FOLDER) keeps FOLDER/replay.rrd, which any Rerun viewer opens")
     return None
+
+
+def _clear() -> None:
+    """Remove what viewers of yesterday and before were opened with."""
+    for folder in Path(gettempdir()).glob(f"{PREFIX}*"):
+        with suppress(OSError):
+            if time.time() - folder.stat().st_mtime > LASTING:
+                shutil.rmtree(folder)
 
 
 def viewer(path: Path) -> Any:

@@ -20,7 +20,8 @@ class Held(NamedTuple):
     """What is held from an instant on, beside what the scenario itself does."""
 
     commands: Array
-    """Of each mount's valve, added to the law's (mount,) [V]."""
+    """Of each mount's valve, added to the law's behind its converter (mount,) [V]; the valve limits their sum to its
+    range."""
     ground: Array
     """Acceleration of the ground below each mount (mount, axis) [m/s²]."""
     force: Array

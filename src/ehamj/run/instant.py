@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.errors import did_you_mean
 from ehamj.forces import Load
 from ehamj.ground import GroundSample
 from ehamj.memory import COMMAND
@@ -76,7 +77,11 @@ class Instant(Observing):
         Raises:
             KeyError: if there is no such channel, or its labels are others.
         """
+        if name not in self:
+            raise KeyError(f"{name}: {did_you_mean(name, self)}must be one of {', '.join(self)}")
         found, along = self[name][0], FIXED | labels_of(self._scenario, self._prepared.controller)
+        if len(labels) > len(VARIABLES[name][0]):
+            raise KeyError(f"{name}: has {len(VARIABLES[name][0])} labels, {', '.join(VARIABLES[name][0]) or 'none'}")
         for label, dimension in zip(labels, VARIABLES[name][0], strict=False):
             if label not in along[dimension]:
                 raise KeyError(f"{name}: {label!r} is none of {', '.join(map(str, along[dimension]))}")

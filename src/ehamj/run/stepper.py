@@ -67,6 +67,8 @@ class Stepper:
         Raises:
             InputError: if the scenario cannot be run, or not step by step.
         """
+        if isinstance(reads, str):
+            raise InputError(f"reads = {reads!r}: must be a list of channels, such as [{reads!r}]")
         given, law = as_scenario(scenario), None if controller is None else as_controller(controller)
         self._lock, self._within = threading.RLock(), ExitStack()
         with hydraulics():
@@ -129,7 +131,8 @@ class Stepper:
         """State what is held from now on; without: as before.
 
         Args:
-            commands: of each mount, beside its law's (mount,) [V].
+            commands: of each mount, beside its law's (mount,) [V]: added behind the law's converter, which does not
+                limit them; the valve limits the sum to its range, ``voltage_limit``.
             ground: acceleration of the ground below each mount (mount, axis) [m/s²].
             force: force and moment at the machine's centre of gravity (6,) [N, N m].
 
@@ -177,7 +180,9 @@ class Stepper:
 
     def _number_of(self, until: float) -> int:
         """Number of the step at an instant."""
-        own, steps = self.scenario, until / self.timestep
+        if not isinstance(until, int | float | np.number):
+            raise InputError(f"until = {until!r}: must be a time [s]")
+        own, steps = self.scenario, float(until) / self.timestep
         if self._broken:
             raise SimulationFailed(self._broken)
         if not np.isfinite(steps) or abs(steps - round(steps)) > ON_A_STEP or round(steps) <= self._done:
@@ -222,6 +227,7 @@ class Stepper:
     def _seen(self) -> Instant:
         """The present instant, without a trace of having looked: law and instruments are as they were."""
         own = self._prepared
+        self._faults.strike(self._done)  # what strikes at an instant is seen there, as in a result
         remember(self._loop, self._peeked)
         driven, noise = self._driving(1), self._noise.ahead(self._loop.samples(self._done, 1)[1])
         recording = Recording.of(own.model, self._loop, 1, 1)

@@ -142,7 +142,7 @@ class Scenario(Installation, Course):
     @cached_property
     def plant(self) -> Plant:
         """The physical part, mounts in order."""
-        return replace(super().plant, bookkeeping=self.output.bookkeeping)
+        return replace(self._standing(), bookkeeping=self.output.bookkeeping)
 
     @property
     def nominal(self) -> Installation:
