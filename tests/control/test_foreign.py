@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import control
+import h5py
 import numpy as np
 import pytest
 from oracles.matlab import save_hdf5, save_plain
@@ -19,7 +20,7 @@ RANDOM = np.random.default_rng(1)
 MATRICES: dict[str, Any] = {
     "A": np.diag([0.9, 0.5, 0.1]), "B": RANDOM.normal(size=(3, 4)), "C": RANDOM.normal(size=(4, 3)), "D": np.eye(4),
 }  # fmt: skip
-LAW = Controller(*MATRICES.values(), inputs=tuple(STROKES), period=2e-4)
+LAW = Controller(*MATRICES.values(), inputs=tuple(STROKES), period=2e-4, from_rest=True)
 GOOD: dict[str, Any] = {**MATRICES, "Ts": 2e-4, "InputName": STROKES}
 
 
@@ -96,10 +97,47 @@ def test_arguments_of_control_ss_are_a_law(tmp_path: Path) -> None:
         load_controller(tmp_path / "law.json")
 
 
+@pytest.mark.parametrize("spelling", ["dt", "Ts", "SampleTime", "sample_time", "tsam"])
+def test_any_spelling_of_the_period_makes_json_another_tools(tmp_path: Path, spelling: str) -> None:
+    table = {name: one.tolist() for name, one in MATRICES.items()} | {spelling: 2e-4, "inputs": STROKES}
+    (tmp_path / "law.json").write_text(json.dumps(table))
+    assert load_controller(tmp_path / "law.json").to_dict() == LAW.to_dict()
+
+
+def test_readings_count_from_rest_unless_said_otherwise_or_they_have_none(tmp_path: Path) -> None:
+    feet = [f"foot_velocity {mount} z" for mount in MOUNTS]
+    for given, expected in (({}, True), ({"from_rest": False}, False), ({"InputName": feet}, False)):
+        found = load_controller(saved(tmp_path, law={**GOOD, **given}))
+        assert found.converter.from_rest is expected
+
+
+@pytest.mark.parametrize("windup", [5, [[1.0], [1.0], [1.0]], [1.0, 2.0, 3.0], "much"])
+def test_an_anti_windup_that_does_not_fit_moved_outputs_is_told_so(tmp_path: Path, windup: Any) -> None:
+    moved = {"outputs": list(MOUNTS[::-1]), "anti_windup": windup}
+    table = {name: one.tolist() for name, one in MATRICES.items()} | {"dt": 2e-4, "inputs": STROKES}
+    (tmp_path / "law.json").write_text(json.dumps(table | moved))
+    for path in (tmp_path / "law.json", saved(tmp_path, law={**GOOD, **moved})):
+        with pytest.raises(InputError, match=r"controller\.anti_windup: has not one column for each of 4 outputs"):
+            load_controller(path)
+
+
+def test_files_in_octaves_own_forms_are_told_how_to_save(tmp_path: Path) -> None:
+    path = tmp_path / "law.mat"
+    for head in (b"# Created by Octave 7.3.0, Sun Nov 29 2026\n# name: s\n", b"Octave-1-L\0"):
+        path.write_bytes(head)
+        with pytest.raises(InputError, match=r"form of Octave's own.*save\('-v7'"):
+            load_controller(path)
+    with h5py.File(path, "w") as file:  # as `save -hdf5`
+        file.create_group("s").attrs["OCTAVE_NEW_FORMAT"] = np.uint8(1)
+    with pytest.raises(InputError, match=r"form of Octave's own.*save\('-v7'"):
+        load_controller(path)
+
+
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "continuous": ({"s": {**GOOD, "Ts": 0.0}}, "controller.dt = 0.0: must be the period of the samples"),
     "without a period stated": ({"s": {**GOOD, "Ts": -1.0}}, "controller.dt = -1.0"),
     "no period": ({"s": {**MATRICES, "inputs": STROKES}}, "period_s is missing, as dt or Ts"),
+    "a logical period": ({"s": {**GOOD, "Ts": True}}, "controller.dt = True: must be the period of the samples"),
     "two periods": ({"s": {**GOOD, "dt": 1e-4}}, "dt and Ts differ, and mean the same"),
     "no names": ({"s": of_get(InputName=["", "", "", ""])}, "inputs is missing, as inputs or InputName"),
     "no channel": ({"s": {**GOOD, "InputName": ["stroke left", *STROKES[1:]]}}, "channel 'stroke left' is unknown"),
@@ -150,7 +188,7 @@ def matlab_object(name: str) -> bytes:
 def test_objects_that_only_matlab_reads_are_told_with_the_way_out(tmp_path: Path) -> None:
     (tmp_path / "law.mat").write_bytes(matlab_object("sys"))
     with pytest.raises(
-        InputError, match=r"only MATLAB can read sys \(ss\); .* s = struct\('A', sys\.A, .* save law\.mat s"
+        InputError, match=r"only MATLAB can read sys \(ss\); .* s = struct\('A', sys\.A, .* save\('law\.mat', 's'"
     ):
         load_controller(tmp_path / "law.mat")
 

@@ -17,6 +17,8 @@ from ehamj.result import Result
 
 QUICK = {"duration": 0.01, "plates": "tied", "compare": [], "output": {"report": False, "replay": False}}
 
+SHORT = ("--set", "duration=0.01", "--set", "plates='tied'")
+
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
@@ -80,6 +82,35 @@ def test_nothing_is_replaced_unless_asked(cli: Cli) -> None:
     assert Path("machine.xml").read_text() == "mine"
     assert cli("export", "benchmark", "--mjcf", "machine.xml", "--overwrite").code == 0
     assert Path("machine.xml").read_text() != "mine"
+
+
+def test_what_a_person_put_into_a_folder_of_c_stays(cli: Cli) -> None:
+    assert cli("export", "recorded", *SHORT, "--c", "law").code == 0
+    law = Path("law")
+    (law / "sub").mkdir()
+    for name in ("tick.c", "sub/notes"):
+        (law / name).write_text("mine")
+    (law / "link").symlink_to("tick.c")
+    written = (law / "ehamj_law.c").read_text()
+    (law / "ehamj_law.c").write_text("changed")
+    assert cli("export", "recorded", *SHORT, "--c", "law", "--overwrite").code == 0
+    assert (law / "ehamj_law.c").read_text() == written
+    assert (law / "tick.c").read_text() == (law / "sub/notes").read_text() == (law / "link").read_text() == "mine"
+    assert (law / "link").is_symlink()
+    assert [path.name for path in Path().iterdir()] == ["law"]
+    (law / "main.c").unlink()
+    (law / "main.c").mkdir()
+    said = cli("export", "recorded", *SHORT, "--c", "law", "--overwrite")
+    assert (said.code, "is a folder where a file is written" in said.message) == (2, True)
+    assert (law / "tick.c").is_file()
+
+
+def test_a_file_within_a_folder_that_is_written_too_is_refused(cli: Cli) -> None:
+    for targets in (("--c", "law", "--mjcf", "law/m.xml"), ("--mjcf", "law/../law/sub/m.xml", "--c", "law/")):
+        said = cli("export", "recorded", *targets, "--overwrite")
+        assert said.code == 2
+        assert "--mjcf" in said.message
+        assert "which --c writes whole" in said.message
 
 
 def test_a_format_that_fails_leaves_none_of_the_others(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:

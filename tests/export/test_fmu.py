@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+import sysconfig
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,13 @@ from fmpy.validation import validate_fmu
 from harness import Cli
 
 import ehamj
+from ehamj.export.fmu.unit import Unit
 from ehamj.export.fmu.units import unit
-from ehamj.export.fmu.write import write_fmu
+from ehamj.export.fmu.write import _pack, write_fmu
 from ehamj.export.subject import Subject, subject_of
+from ehamj.ground.records import RecordGround
 from ehamj.mujoco.hold import installed
+from ehamj.records.files import named_by
 from ehamj.result import Result
 from ehamj.run.simulate import observed
 from ehamj.scenario.model import Scenario
@@ -88,6 +92,9 @@ def test_fmpy_finds_nothing_wrong_with_it(fmu: Path) -> None:
     assert all(one.description for one in told.modelVariables)
     assert {known[name].unit for name in ("held.ground.rear.x", "ground_acceleration.rear.x")} == {"m/s2"}
     assert known["machine.mass"].start == "4000"
+    noises = [one for one in told.modelVariables if "√" in one.description]
+    assert noises
+    assert all(one.unit is None and one.description.endswith("]") for one in noises)
     assert known["mount[3].position[1]"].description.startswith("mount.2.position.0: ")
     assert (known["measured.foot_velocity.rear.z"].unit, known["machine_velocity.rx"].unit) == ("m/s", "rad/s")
     own = zipfile.ZipFile(fmu).namelist()
@@ -165,18 +172,19 @@ def test_parameters_change_what_is_run(fmu: Path, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_is_said_in_one_line(fmu: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    def said(path: Path, do: Any, **start: Any) -> str:
-        unit = Driven(fmu, path, **start)
-        with pytest.raises(fmpy.fmi1.FMICallException):
-            do(unit.slave)
-        return unit.said[-1]
-
-    for number, (do, words) in enumerate((
+    """A step that cannot be is discarded, and the host may go on; a machine that cannot be is not begun."""
+    unit = Driven(fmu, tmp_path / "unit")
+    for do, words in (
         (lambda one: one.doStep(0.0, 1.5e-4), "communication step 0.00015 s: must be a multiple of the timestep, "),
         (lambda one: one.doStep(EVERY, EVERY), "the machine stands at 0 s, and steps on from there only"),
         (lambda one: one.doStep(0.0, 2 * END), "must be at most the scenario's duration = 0.02 s"),
-    )):  # fmt: skip
-        assert words in said(tmp_path / str(number), do)
+    ):  # fmt: skip
+        with pytest.raises(fmpy.fmi1.FMICallException) as failed:
+            do(unit.slave)
+        assert failed.value.status == fmpy.fmi2.fmi2Discard
+        assert words in unit.said[-1]
+    unit.slave.doStep(0.0, EVERY)
+    unit.slave.freeInstance()
     with pytest.raises(fmpy.fmi1.FMICallException):
         Driven(fmu, tmp_path / "mass", **{"machine.mass": -1.0})
     assert capfd.readouterr().err.endswith("ehamj: machine.mass = -1.0: must be greater than 0\n")
@@ -186,9 +194,10 @@ def test_a_python_without_ehamj_says_so(fmu: Path, tmp_path: Path) -> None:
     """As the host finds it: the script is imported by another Python, which has none of the packages."""
     fmpy.extract(fmu, tmp_path)
     script = next((tmp_path / "resources").glob("ehamj_*.py"))
-    text = script.read_text().replace("VERSION, PLACES = ", "VERSION, PLACES = (0, 0), [] #")
-    script.write_text(text)
-    code = f"import {script.stem} as m; m.tied_machine(instance_name='x', resources='.')"
+    text = script.read_text()
+    assert f"\nVERSION, PLACES = {sys.version_info[:2]}, {[sysconfig.get_path('purelib')]!r}\n" in text
+    script.write_text(text.replace("VERSION, PLACES = ", "VERSION, PLACES = (0, 0), [] #"))
+    code = f"import {script.stem} as m; m.EhamjUnit(instance_name='x', resources='.')"
     base = [sys.executable, "-I", "-S", "-c", f"import sys; sys.path.insert(0, '.'); {code}"]
     ended = subprocess.run(base, cwd=script.parent, capture_output=True, text=True, check=False)
     assert "ImportError: ehamj: is not installed" in ended.stderr
@@ -216,6 +225,59 @@ def test_files_of_a_scenario_are_in_it(tmp_path: Path) -> None:
     unit.slave.freeInstance()
 
 
+def packed(scenario: Scenario, folder: Path) -> Unit:
+    """What a unit of a scenario has, without building the unit."""
+    folder.mkdir()
+    list(_pack(Subject(scenario), folder))
+    return Unit(folder)
+
+
+def test_all_files_that_a_pattern_names_are_packed_and_no_other(tmp_path: Path) -> None:
+    for name in ("RSN1_UP.AT2", "RSN1_000.AT2", "secret.txt"):
+        (tmp_path / name).write_text(name)
+    ground = f"ground={{kind='record',file='{tmp_path}/RSN1_*.AT2'}}"
+    passive = "control={kind='passive'}"
+    scenario = ehamj.load_scenario("vc-c-floor", [ground, passive, f"description='{tmp_path}/secret.txt'"])
+    own = packed(scenario, tmp_path / "own").scenario
+    assert own.description == scenario.description
+    assert isinstance(own.ground, RecordGround)
+    assert [str(one.relative_to(tmp_path)) for one in named_by(Path(own.ground.file))] == [
+        "own/file-1/RSN1_000.AT2",
+        "own/file-1/RSN1_UP.AT2",
+    ]
+    assert sorted(one.name for one in (tmp_path / "own").iterdir()) == ["file-1", "scenario.toml"]
+    (tmp_path / "RSN1_UP.AT2").unlink()
+    (tmp_path / "RSN1_000.AT2").unlink()
+    with pytest.raises(ehamj.InputError, match=r"RSN1_\*\.AT2', and there is no such file"):
+        packed(scenario, tmp_path / "other")
+
+
+def test_parameters_that_others_follow_from_are_set_beside_these(tmp_path: Path) -> None:
+    """A mass and one moment of inertia; a size that unstated points follow; outputs of the machine as it is then."""
+    passive = ["control={kind='passive'}", f"duration={END}"]
+    unit = packed(ehamj.load_scenario("vc-c-floor", passive), tmp_path / "unit")
+    begun = [unit.output(number) for number in range(len(unit.outputs))]
+    former = unit.scenario.machine.inertia
+    for name, value in {"machine.mass": 4500.0, "machine.inertia[1]": 3000.0, "machine.size[3]": 2.5}.items():
+        unit.set_value(name, value)
+    pressures = [number for number, one in enumerate(unit.outputs) if one.name.startswith("actuator_force")]
+    assert unit.output(pressures[0]) != begun[pressures[0]]
+    own, size = unit.machine.scenario, [*unit.scenario.machine.size[:2], 2.5]
+    assert own.machine.inertia == (3000.0, *former[1:])
+    wanted = ehamj.load_scenario("vc-c-floor", [*passive, f"machine.size={size}"]).points
+    assert own.points == wanted != unit.scenario.points
+    pushed = next(number for number, one in enumerate(unit.inputs) if one.name == "held.force.z")
+    lifted = next(number for number, one in enumerate(unit.outputs) if one.name == "cg_acceleration.z")
+    before = unit.output(lifted)
+    unit.hold(pushed, 900.0)
+    with pytest.raises(ehamj.InputError, match="must be at most the scenario's duration"):
+        unit.step(0.0, 2 * END)
+    assert unit.output(lifted) - before == pytest.approx(900.0 / 4500.0, rel=0.02)  # plates and feet give a little
+    unit.set_value("mount[2].position[1]", 1e9)
+    with pytest.raises(ehamj.InputError, match=r"^mount\[2\]\.position = \[1000000000.0, .*: must be at most"):
+        unit.begin()
+
+
 def test_without_pythonfmu_it_is_refused(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pythonfmu", None)
     assert "pip install 'ehamj[export]'" in cli("export", "benchmark", "--fmu", "unit.fmu").message
@@ -231,6 +293,8 @@ def test_without_pythonfmu_it_is_refused(cli: Cli, monkeypatch: pytest.MonkeyPat
         ("m^3/s", "m3/s", 1.0, {"m": 3, "s": -1}),
         ("-", "1", 1.0, {}),
         ("dB", "dB", 1.0, None),
+        ("m/s/√Hz", "1", 1.0, {}),
+        ("m/s or rad/s", "1", 1.0, {}),
     ],
 )
 def test_units_are_those_of_fmi(text: str, name: str, factor: float, exponents: dict[str, int] | None) -> None:
@@ -242,7 +306,14 @@ def test_units_are_those_of_fmi(text: str, name: str, factor: float, exponents: 
 @pytest.mark.parametrize("every", [1e-3, 4e-3])
 def test_fmpy_simulates_what_a_whole_run_under_the_same_held_commands_does(tmp_path: Path, every: float) -> None:
     """Commands that a Python law holds in a run, from its sample until the next: outputs that do not jump with them."""
-    changes = ["control={kind='passive'}", f"duration={END}", "compare=[]", f"record_rate={1 / every}", "plates='tied'"]
+    changes = [
+        "name='class'",
+        "control={kind='passive'}",
+        f"duration={END}",
+        "compare=[]",
+        f"record_rate={1 / every}",
+        "plates='tied'",
+    ]
     scenario = ehamj.load_scenario("vc-c-floor", changes)
     volts = np.random.default_rng(3).normal(0.0, 0.5, (round(END / every) + 1, 4))
     law = ehamj.PythonController(

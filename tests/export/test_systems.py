@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from harness import SKEW_MOUNTS, Cli
-from scipy.io import loadmat
+from scipy.io import loadmat, savemat
 
 import ehamj
 from ehamj.control import Controller, ControllerBank
@@ -18,6 +18,7 @@ from ehamj.control.blocks import response
 from ehamj.export.matlab import write_matlab
 from ehamj.export.python_control import write_python_control
 from ehamj.export.subject import Subject
+from ehamj.export.systems import what_to_know
 from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.plants import LinearPlant
 from ehamj.linear.sampled import sampled_loop
@@ -154,6 +155,40 @@ def test_a_law_that_went_out_and_came_back_gives_the_same_run(
     table = REAL | {"control": {"kind": "law", "file": str(folder / name)}}
     found = observed(ehamj.parse_scenario(table)).dataset
     assert all(np.array_equal(found[channel], run[channel]) for channel in run.data_vars)
+
+
+def test_an_unchanged_law_commands_the_same_by_every_way_back(tmp_path: Path) -> None:
+    """The exported files whole: to the bit. Matrices, period and names alone, as MATLAB's ``get(sys)`` has them: to a
+    step of the converter, since readings count from rest; of unloaded membranes they would command most of a volt."""
+    plain = {"name": "back", "duration": 0.05, "plates": "tied", "ground": {"kind": "broadband", "level": "VC-A"}}
+    own = Subject(ehamj.parse_scenario(plain | {"control": {"kind": "combined"}}))
+    write_python_control(own, tmp_path / "real.json")
+    write_matlab(own, tmp_path / "real.mat")
+    expected = observed(own.scenario).dataset["valve_command"]
+
+    def apart(file: str) -> float:
+        table = plain | {"control": {"kind": "law", "file": str(tmp_path / file)}}
+        return float(abs(observed(ehamj.parse_scenario(table)).dataset["valve_command"] - expected).max())
+
+    assert apart("real.json") == apart("real.mat") == 0.0
+    law = from_json(tmp_path)["law"]
+    (tmp_path / "alone.json").write_text(json.dumps({name: law[name] for name in (*"ABCD", "dt", "inputs", "outputs")}))
+    assert float(abs(expected).max()) > 0.01
+    assert apart("alone.json") < 20.0 / 2**16
+    fields = loadmat(tmp_path / "real.mat")["law"][0, 0]
+    names = ("A", "B", "C", "D", "dt", "InputName", "OutputName")
+    savemat(tmp_path / "alone.mat", {"s": {name: fields[name] for name in names}})
+    assert apart("alone.mat") < 20.0 / 2**16
+    (tmp_path / "loaded.json").write_text(json.dumps(law | {"from_rest": False}))
+    assert apart("loaded.json") > 0.5
+
+
+def test_what_matrices_alone_leave_behind_is_said() -> None:
+    control = {"kind": "combined", "delay": 1.5e-4, "bits": 12, "linearisation": {}}
+    said = [note for note in what_to_know(Subject(ehamj.parse_scenario({"control": control}))) if "alone" in note]
+    assert len(said) == 1
+    assert "without delay_s = 0.00015, bits = 12" in said[0]
+    assert "from_rest" not in said[0]
 
 
 def test_several_rates_and_a_law_without_states_come_back_too(tmp_path: Path) -> None:

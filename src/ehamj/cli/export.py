@@ -21,7 +21,12 @@ Source = Annotated[
         help="A shipped scenario, a TOML file, or the folder of a result or a design, with exactly its law.",
     ),
 ]
-Replace = Annotated[bool, typer.Option("--overwrite", help="Replace files, and folders of the same kind.")]
+Replace = Annotated[
+    bool,
+    typer.Option(
+        "--overwrite", help="Replace files; in a folder of the same kind those that are written, others stay."
+    ),
+]
 
 
 def _with_formats(command: Callable[..., None]) -> Callable[..., None]:

@@ -6,7 +6,7 @@ have one label more beside x, y, z: ``foot_velocity front-left along`` is the co
 """
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import Final, NamedTuple
 
@@ -175,6 +175,11 @@ class MountChannels(NamedTuple):
 def is_upstream(name: str) -> bool:
     """Whether a channel is the ground's motion upstream, and not below a mount."""
     return name.startswith("ground_") and name.split(" ")[1] == UPSTREAM
+
+
+def reads_static(names: Iterable[str]) -> bool:
+    """Whether one of some channels has a value at rest, from which its readings may count."""
+    return any(quantity_of(name.split(" ")[0]) in STATIC for name in names)
 
 
 def quantity_of(variable: str) -> str:

@@ -1,6 +1,8 @@
 """Laws as other tools write them: discrete systems with names, in python-control's JSON and in MATLAB's structs.
 
-What comes out is the table that a law's own file holds, so that `ehamj.control.law.Controller.from_dict` judges it.
+What comes out is the table that a law's own file holds, so that `ehamj.control.law.Controller.from_dict` judges it. One
+thing that is not stated differs from there, ``from_rest``: a linear law is designed about the machine's rest, so that
+its readings of displacements, strokes and pressures count from where the machine stands.
 """
 
 import json
@@ -8,7 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from ehamj.control.channels import UnknownChannelError, check_channel, valve_commands
+from ehamj.control.channels import UnknownChannelError, check_channel, reads_static, valve_commands
 from ehamj.control.tables import check_keys, names_in, number_in
 from ehamj.control.units import plain_unit, signal_units
 from ehamj.errors import InputError
@@ -19,7 +21,7 @@ SPELLINGS: Final[dict[str, tuple[str, ...]]] = {
     "B": ("B", "b"),
     "C": ("C", "c"),
     "D": ("D", "d"),
-    "period_s": ("dt", "Ts", "period_s", "period", "sample_time", "SampleTime"),
+    "period_s": ("dt", "Ts", "period_s", "period", "sample_time", "SampleTime", "tsam"),
     "inputs": ("inputs", "InputName", "inputname", "InputNames", "input_names", "input_labels", "u_names", "inname"),
     "outputs": (
         *("outputs", "OutputName", "outputname", "OutputNames", "output_names", "output_labels", "y_names"),
@@ -52,7 +54,8 @@ LAW: Final = ("A", "B", "C", "D", "dt", "inputs", "outputs")
 
 def is_foreign(table: Mapping[str, Any]) -> bool:
     """Whether a table is another tool's: a law's own file states ``period_s``, or ``parts``."""
-    return bool({"law", "plant"} & table.keys()) or ("period_s" not in table and bool({"dt", "Ts"} & table.keys()))
+    timed = bool(table.keys() & SPELLINGS["period_s"])
+    return bool({"law", "plant"} & table.keys()) or (timed and not {"period_s", "parts"} & table.keys())
 
 
 def own_table(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -95,9 +98,11 @@ def _system(table: Mapping[str, Any]) -> dict[str, Any]:
     found |= {"outputs": outputs, **{key: _picked(key, found[key], order) for key in "CD"}}
     found["inputs"] = list(names_in(_named(found["inputs"])))
     found |= {name: table[name] for name in OWN if name in table}
+    if "from_rest" not in found and reads_static(found["inputs"]):
+        found["from_rest"] = True
     found |= _beyond(table.get(BEYOND))
     if order is not None and found.get("anti_windup") is not None:
-        found["anti_windup"] = [[row[k] for k in order] for row in found["anti_windup"]]
+        found["anti_windup"] = _columns("anti_windup", found["anti_windup"], order)
     _check_units(table, found)
     return found
 
@@ -167,6 +172,12 @@ def _picked(key: str, rows: Any, order: Sequence[int] | None) -> Any:
     if not isinstance(rows, list) or len(rows) != len(order):
         raise InputError(f"controller.{key}: has not one row for each of {len(order)} outputs")
     return [rows[k] for k in order]
+
+
+def _columns(key: str, rows: Any, order: Sequence[int]) -> list[list[Any]]:
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == len(order) for row in rows):
+        raise InputError(f"controller.{key}: has not one column for each of {len(order)} outputs")
+    return [[row[k] for k in order] for row in rows]
 
 
 def _beyond(text: Any) -> dict[str, Any]:

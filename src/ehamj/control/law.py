@@ -103,7 +103,8 @@ class Controller(Sampled):
 
         Its input labels must be channel names (`ehamj.control.channels.channel_names`) unless ``inputs`` are given; its
         outputs are the valves in the order of the mounts, or labelled ``valve_command MOUNT`` or ``MOUNT`` in any
-        order.
+        order. Strokes, displacements and pressures are read from where the machine stands with ``from_rest=True`` among
+        the ``settings``, which laws in other tools' files have of themselves, and here none has.
 
         Raises:
             InputError: as the class, and if ``dt`` is not a sampling period.

@@ -16,9 +16,9 @@ KEY: Final = "control.file"
 MATRICES: Final = {*(name for key in "ABCD" for name in SPELLINGS[key]), "anti_windup", "E", "e"}
 AS_STRUCT: Final = (
     "s = struct('A', sys.A, 'B', sys.B, 'C', sys.C, 'D', sys.D, 'Ts', sys.Ts, 'InputName', {sys.InputName}, "
-    "'OutputName', {sys.OutputName}); save law.mat s"
+    "'OutputName', {sys.OutputName}); save('law.mat', 's', '-v7')"
 )
-"""What makes a struct of a system, in MATLAB."""
+"""What makes a struct of a system, in MATLAB; Octave has sys.tsam, sys.inname and sys.outname instead."""
 
 
 def matlab_table(path: Path) -> dict[str, Any]:
@@ -85,6 +85,6 @@ def _value(where: str, key: str, value: Value) -> Any:
     if numbers.size > 1:
         return numbers.tolist()
     number = float(numbers.ravel()[0])
-    if key == "from_rest" and number in (0.0, 1.0):
+    if value.logical or (key == "from_rest" and number in (0.0, 1.0)):
         return bool(number)
     return int(number) if key == "bits" and number.is_integer() else number

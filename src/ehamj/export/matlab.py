@@ -188,7 +188,8 @@ WITH_LAW: Final = """\
 %   s = data.law; s.A = law.A; s.B = law.B; s.C = law.C; s.D = law.D; save('law.mat', 's', '-v7')
 % (s.anti_windup = [] if its states are others); then in the scenario: [control] kind = "law", file = "law.mat".
 % A struct of A, B, C, D, Ts, InputName and OutputName alone acts one period after its sample (delay_s), within 10 V
-% (voltage_limit_v), and reads strokes from unloaded membranes (from_rest = false).
+% (voltage_limit_v) rounded to 16 bits (bits), without fade_s, anti_windup and what is beyond, and reads strokes and
+% pressures from where the machine stands (from_rest = true).
 plant_sampled = arrayfun(made, data.plant_sampled, 'UniformOutput', false);
 law = arrayfun(made, data.law, 'UniformOutput', false);
 if numel(law) == 1

@@ -1,5 +1,6 @@
 """Exports that appear all together, or not at all."""
 
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -25,7 +26,7 @@ def check_targets(chosen: Mapping[str, Path], overwrite: bool) -> None:
 
     Args:
         chosen: where to, by the format's name.
-        overwrite: whether files, and folders of the same kind, may be replaced.
+        overwrite: whether files may be replaced, and in folders of the same kind those that an export writes.
 
     Raises:
         InputError: which names the option.
@@ -33,6 +34,7 @@ def check_targets(chosen: Mapping[str, Path], overwrite: bool) -> None:
     if not chosen:
         lines = "; ".join(f"{one.option} {one.takes} ({one.what})" for one in FORMATS.values())
         raise InputError(f"export: no format is named; name one or more of: {lines}")
+    _check_apart(chosen)
     taken: dict[Path, str] = {}
     for name, target in chosen.items():
         one = FORMATS[name]
@@ -44,6 +46,18 @@ def check_targets(chosen: Mapping[str, Path], overwrite: bool) -> None:
             if other := taken.get(path.resolve()):
                 raise InputError(f"{one.option} {str(target)!r}: {other} writes {str(path)!r} too; name another file")
             taken[path.resolve()] = one.option
+
+
+def _check_apart(chosen: Mapping[str, Path]) -> None:
+    """Raise InputError where one target lies within the folder that another is."""
+    folders = {FORMATS[name].option: target for name, target in chosen.items() if not FORMATS[name].suffix}
+    for name, target in chosen.items():
+        for option, folder in folders.items():
+            if folder.resolve() in target.resolve().parents:
+                raise InputError(
+                    f"{FORMATS[name].option} {str(target)!r}: is within {str(folder)!r}, which {option} writes whole; "
+                    "name a place beside it"
+                )
 
 
 def _check_files(one: Format, target: Path, overwrite: bool) -> None:
@@ -82,11 +96,37 @@ def export_to(
             else:
                 place = places.enter_context(new_folder(target, overwrite))
                 written = one.write(subject, place.target)
+                if overwrite and target.is_dir():
+                    _keep(target, place.target, one.option)
                 within = target
             files |= {within / file: said.replace("{path}", str(within / file)) for file, said in written.files.items()}
             for note in written.notes:
                 notes.setdefault(note, []).append(one.option)
     return Exported(files, tuple(f"{', '.join(options)}: {note}" for note, options in notes.items()))
+
+
+def _keep(there: Path, new: Path, option: str) -> None:
+    """Copy what a folder holds, and the ``new`` one that takes its place does not, into that one.
+
+    The folder stays as it is until then, so that an interruption loses nothing of it.
+
+    Raises:
+        InputError: if something cannot be copied, or a folder stands where a file is written.
+    """
+    for path in there.iterdir():
+        taken = new / path.name
+        folder = path.is_dir() and not path.is_symlink()
+        if folder and taken.exists() and not taken.is_dir():
+            raise InputError(f"{option}: {str(path)!r} is a folder where a file is written; move it")
+        try:
+            if folder:
+                taken.mkdir(exist_ok=True)
+                _keep(path, taken, option)
+                shutil.copystat(path, taken)
+            elif not taken.exists():
+                shutil.copy2(path, taken, follow_symlinks=False)
+        except OSError as error:
+            raise InputError(f"{option}: {str(path)!r} cannot be kept ({error.strerror or error}); move it") from error
 
 
 @contextmanager

@@ -1,12 +1,14 @@
 """A subject as linear systems in SI, with the names and units of every signal: plant, plant as a law sees it, law."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Any, Final
 
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.control import Controller, LinearController
+from ehamj.control.channels import reads_static
 from ehamj.control.law import KEYS
 from ehamj.control.units import plain_unit, signal_units
 from ehamj.export.subject import Subject
@@ -127,6 +129,21 @@ def settings_of(part: Controller) -> dict[str, Any]:
     return {KEYS[name]: plain[KEYS[name]] for name in (*SETTINGS, *BEYOND)}
 
 
+def _beside(parts: Sequence[Controller]) -> str:
+    """Settings beside the matrices that are not those of a law that states none; '' where all are."""
+    usual = {one.name: one.default for one in fields(Controller)}
+    found: dict[str, None] = {}
+    for part in parts:
+        own = {name: getattr(part, name) for name in SETTINGS}
+        own["delay"] = None if part.latency == part.period else part.delay
+        from_rest, windup = own.pop("from_rest"), own.pop("anti_windup")
+        said = [f"{KEYS[name]} = {value}" for name, value in own.items() if value != usual[name]]
+        said += ["from_rest = false"] if not from_rest and reads_static(part.inputs) else []
+        said += ["anti_windup"] if windup is not None else []
+        found |= dict.fromkeys(said)
+    return ", ".join(found)
+
+
 def _numbered(name: str, count: int) -> tuple[str, ...]:
     return (name,) if count == 1 else tuple(f"{name}-{k}" for k in range(1, count + 1))
 
@@ -160,6 +177,11 @@ def what_to_know(subject: Subject) -> tuple[str, ...]:
     notes = list(scenario.where_slides_stand)
     if beyond:
         notes.append(f"the law's matrices do not hold {', '.join(beyond)}")
+    if lost := _beside(parts):
+        notes.append(
+            f"a law that comes back as matrices and names alone is without {lost}: change A to D in the exported law, "
+            "and bring it back whole"
+        )
     if closed := closed_at_rest(linear_model(scenario.plant)):
         notes.append(
             f"the valves of {', '.join(closed)} pass nothing of a small command as they are (overlap, hysteresis, "

@@ -23,7 +23,7 @@ TEXTS = {1: "latin-1", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18:
 MATRIX, COMPRESSED = 14, 15
 CELL, STRUCT, OBJECT, CHAR, SPARSE, FUNCTION, OPAQUE = 1, 2, 3, 4, 5, 16, 17
 ARRAYS = range(6, 16)
-COMPLEX = 0x0800
+COMPLEX, LOGICAL = 0x0800, 0x0200
 LARGEST = 2**31
 """Bytes that compressed variables may become together."""
 
@@ -153,7 +153,8 @@ class Level5:
         numbers = self.next(inner, name).numbers(self.order)
         if numbers.size != prod(shape):
             raise ValueError(f"{name} states {' × '.join(map(str, shape))} numbers and holds {numbers.size}")
-        return Numbers(shape, partial(numbers.reshape, shape, order="F"), bool(flags & COMPLEX))
+        reshaped = partial(numbers.reshape, shape, order="F")
+        return Numbers(shape, reshaped, bool(flags & COMPLEX), bool(flags & LOGICAL))
 
     def struct(self, count: int, inner: Iterator[Element], name: str, depth: int) -> Value:
         """A struct, or an array of them: names of a fixed length, then field by field, struct by struct."""

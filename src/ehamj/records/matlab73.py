@@ -70,7 +70,7 @@ class Hdf5:
             return Numbers(item.shape[::-1], lambda: self.numbers(item, name), True)
         if item.dtype.kind not in "iufb":
             return Opaque(kind or str(item.dtype))
-        return Numbers(item.shape[::-1], lambda: self.numbers(item, name))
+        return Numbers(item.shape[::-1], lambda: self.numbers(item, name), logical=kind == "logical")
 
     def numbers(self, item: Any, name: str) -> np.ndarray:
         """The numbers of a dataset, as MATLAB has them."""

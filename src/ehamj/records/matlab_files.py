@@ -20,6 +20,10 @@ VERSION4 = ("f8", "f4", "i4", "i2", "u2", "u1")
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
+OCTAVE = (b"# Created by Octave", b"Octave-1-")
+"""How files begin that Octave saves in forms of its own, as text and binary."""
+IN_OCTAVE = "it is in a form of Octave's own, not MATLAB's; save it in Octave with save('-v7', 'name.mat', 'variable')"
+
 
 @contextmanager
 def opened(path: Path, key: str = "ground.file", most: int | None = None) -> Iterator[dict[str, Value]]:
@@ -38,6 +42,9 @@ def opened(path: Path, key: str = "ground.file", most: int | None = None) -> Ite
         raise ValueError(f"{key} = {path.name!r}: has {path.stat().st_size} bytes, {most} are allowed")
     with path.open("rb") as file:
         head = file.read(1024)
+    if head.startswith(OCTAVE):
+        with reading(path, " as a MATLAB file", key):
+            raise ValueError(IN_OCTAVE)
     if head[:10] == b"MATLAB 7.3" or HDF5 in head:
         import h5py
 
@@ -46,6 +53,8 @@ def opened(path: Path, key: str = "ground.file", most: int | None = None) -> Ite
             content = h5py.File(path, "r")
         with content:
             with reading(path, " as a MATLAB file", key):
+                if any("OCTAVE_NEW_FORMAT" in item.attrs for item in content.values()):
+                    raise ValueError(IN_OCTAVE)
                 tree = Hdf5(path, content).variables()
             yield tree
         return

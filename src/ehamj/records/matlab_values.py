@@ -18,11 +18,12 @@ DEEPEST = 20
 
 @dataclass(frozen=True)
 class Numbers:
-    """An array of numbers, read when it is asked for; complex ones are not."""
+    """An array of numbers, read when it is asked for; complex ones are not. Logical ones are 0 and 1."""
 
     shape: tuple[int, ...]
     read: Callable[[], np.ndarray] = field(repr=False)
     complex: bool = False
+    logical: bool = False
 
 
 @dataclass(frozen=True)

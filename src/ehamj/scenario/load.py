@@ -1,6 +1,6 @@
 """Read scenarios: TOML files and shipped names, with overrides; file names become absolute."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
 from types import UnionType
@@ -25,6 +25,7 @@ __all__ = [
     "changed",
     "check_scenario",
     "load_scenario",
+    "named_anew",
     "override",
     "parse_scenario",
     "scenario_schema",
@@ -113,31 +114,36 @@ def parse_scenario(table: Mapping[str, Any]) -> Scenario:
 
 
 def anchored(value: Any, kind: Any, folder: Path) -> Any:
-    """``value`` of a field of type ``kind`` with the file names in it absolute, so that it is good from anywhere.
+    """``value`` of a field of type ``kind`` with the file names in it absolute, so that it is good from anywhere."""
+    return named_anew(value, kind, lambda name: str(folder / name))
+
+
+def named_anew(value: Any, kind: Any, name: Callable[[str], str]) -> Any:
+    """``value`` of a field of type ``kind`` with each file name in it, absolute or not, as ``name`` has it.
 
     Which strings are file names the settings say themselves (`ehamj.settings.FileName`); what does not fit its type is
-    left as it is.
+    left as it is. Where several types fit, ``name`` is handed what it gave before.
     """
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated and SCENARIO in kind.__metadata__ and isinstance(value, str):
-        return value if value in shipped_scenarios() else str(folder / value)
+        return value if value in shipped_scenarios() else name(value)
     if origin is Annotated and OVERRIDES in kind.__metadata__:
-        return anchored(value, Scenario, folder)
+        return named_anew(value, Scenario, name)
     if origin is Annotated and FILE in kind.__metadata__:
         is_name = isinstance(value, str) and value and not value.startswith("example:")
-        return str(folder / value) if is_name else value
+        return name(value) if is_name else value
     if origin is not Annotated and any(get_origin(part) is Literal and value in get_args(part) for part in parts):
         return value  # a name that is no file's
     if origin in (Annotated, Union, UnionType):
         for part in parts[:1] if origin is Annotated else parts:
-            value = anchored(value, part, folder)
+            value = named_anew(value, part, name)
     elif origin is tuple and isinstance(value, list):
-        return [anchored(entry, parts[0], folder) for entry in value]
+        return [named_anew(entry, parts[0], name) for entry in value]
     elif origin is dict and isinstance(value, dict):
-        return {key: anchored(entry, parts[1], folder) for key, entry in value.items()}
+        return {key: named_anew(entry, parts[1], name) for key, entry in value.items()}
     elif isinstance(kind, type) and issubclass(kind, Settings) and isinstance(value, dict):
         types = keys_of(kind)
         # A variant's table may leave the kind to the scenario; what is a file's name in any kind is one then.
         if "kind" not in types or "kind" not in value or value["kind"] in get_args(types["kind"]):
-            return {key: anchored(entry, types.get(key), folder) for key, entry in value.items()}
+            return {key: named_anew(entry, types.get(key), name) for key, entry in value.items()}
     return value

@@ -35,12 +35,15 @@ def changed(scenario: "Scenario", values: Mapping[Any, Any]) -> "Scenario":
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
     """
-    table = dict(scenario.table)
-    if "points" not in scenario.model_fields_set:
-        del table["points"]  # they follow the machine's size
+    table = stated(scenario)
     for key, value in values.items():
         place(table, key, plain(value), f"{key if isinstance(key, str) else '.'.join(key)} = {value!r}")
     return checked(type(scenario), table)
+
+
+def stated(scenario: "Scenario") -> dict[str, Any]:
+    """The scenario's table without points that nobody stated: they follow the machine's size."""
+    return {key: value for key, value in scenario.table.items() if key != "points" or key in scenario.model_fields_set}
 
 
 def varied(scenario: "Scenario", values: Mapping[str, Any], law: LawChoice = "held") -> "Scenario":

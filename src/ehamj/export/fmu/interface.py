@@ -92,11 +92,11 @@ def parameters(scenario: Scenario, law_is_given: bool) -> list[Variable]:
             continue
         unit = unit_of(description) or "-"
         text = description.removesuffix(f" [{unit}]")
-        found.append(Variable(_structured(keys), "parameter", unit, f"{'.'.join(keys)}: {text}", value, keys))
+        found.append(Variable(structured(keys), "parameter", unit, f"{'.'.join(keys)}: {text}", value, keys))
     return found
 
 
-def _structured(keys: Sequence[str]) -> str:
+def structured(keys: Sequence[str]) -> str:
     """A key as a name: entries of a list count from 1."""
     parts = [f"[{int(part) + 1}]" if part.isdigit() else f".{identifier(part)}" for part in keys]
     return "".join(parts).removeprefix(".")

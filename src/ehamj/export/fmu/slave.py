@@ -21,6 +21,19 @@ def told(do: Callable[..., None], *given: Any) -> None:
         raise
 
 
+def stepped(slave: Any, own: Unit, pythonfmu: Any, time: float, seconds: float) -> bool:
+    """Step; False where that cannot be, which PythonFMU makes ``fmi2Discard``: the unit stays as it is, and usable.
+
+    An exception would be ``fmi2Fatal`` to it, after which a host that goes on crashes.
+    """
+    try:
+        told(own.step, time, seconds)
+    except (InputError, SimulationFailed) as error:
+        slave.log(f"ehamj: {error}", pythonfmu.enums.Fmi2Status.discard)
+        return False
+    return True
+
+
 def register(slave: Any, own: Unit, pythonfmu: Any) -> None:
     """Register a unit's variables with a slave of PythonFMU's, the module that is in the unit."""
     causality, variability, initial = pythonfmu.Fmi2Causality, pythonfmu.Fmi2Variability, pythonfmu.Fmi2Initial
@@ -28,7 +41,9 @@ def register(slave: Any, own: Unit, pythonfmu: Any) -> None:
     moving = {"variability": variability.continuous}
 
     def add(one: Variable, get: Any, put: Any, **kind: Any) -> None:
-        made = getattr(pythonfmu, one.type)(one.name, description=one.text, getter=get, setter=put, **kind)
+        unsaid = one.unit != "-" and unit(one.unit).name == "1"
+        text = f"{one.text} [{one.unit}]" if unsaid else one.text
+        made = getattr(pythonfmu, one.type)(one.name, description=text, getter=get, setter=put, **kind)
         slave.register_variable(made, nested=False)
 
     for one in own.parameters:

@@ -1,7 +1,9 @@
 """A unit that runs: variables that are set and read by number, and a machine that is stepped."""
 
+import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,11 +17,13 @@ from ehamj.export.fmu.interface import (
     CONTROL,
     GROUND,
     READS_EVERY,
+    TABLES,
     Variable,
     check_names,
     inputs,
     outputs,
     parameters,
+    structured,
 )
 from ehamj.plant.axes import AXES
 from ehamj.plant.mounts import UPRIGHT
@@ -73,7 +77,7 @@ class Unit:
         if self._begun and value != self._set[name]:
             raise InputError(f"{name} = {value!r}: parameters are set before initialisation ends; a reset begins anew")
         if value != self._set[name]:
-            self._set[name], self._machine = value, None
+            self._set[name], self._machine, self._seen = value, None, None
 
     def held(self, number: int) -> float:
         """Of an input [SI, V]."""
@@ -144,10 +148,18 @@ class Unit:
             count = len(machine.mounts)
             commands, ground, force = np.split(self._held, [count, count * (1 + len(AXES))])
             machine.hold(commands, ground.reshape(count, len(AXES)), force)
-            self._new = False
+            self._new, self._seen = False, None
+
+    def _changed(self, changes: Mapping[tuple[str, ...], Any]) -> Scenario:
+        """The scenario with other values by their keys in parts; what is wrong is said of the unit's variables."""
+        try:
+            return changed(self.scenario, whole_lists(self.scenario.table, changes))
+        except InputError as error:
+            found = re.sub(rf"\b({'|'.join(TABLES)})(\.[\w-]+)+", lambda key: structured(key[0].split(".")), str(error))
+            raise InputError(found) from None
 
     def _prepared(self) -> Stepper:
-        scenario, changes = self.scenario, {}
+        scenario, changes = self.scenario, dict[tuple[str, ...], Any]()
         for one in self.parameters:
             value = self._set[one.name]
             written = float(f"{one.start:.16g}") if one.type == "Real" else one.start  # as the description has it
@@ -160,13 +172,38 @@ class Unit:
             changes["ground",] = {"kind": "rest"}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DerivedAnew)
-            scenario = changed(scenario, changes) if changes else scenario
+            scenario = self._changed(changes) if changes else scenario
         if self.law is not None and self._set[CONTROL]:
             anew = any(keys[0] == "control" for keys in changes)
             return Stepper(scenario, None if anew else self.law)
         scenario = scenario if self._set.get(CONTROL, True) else scenario.variant("passive")
         every = self._set[READS_EVERY] if self.law is None else min(part.period for part in self.law.parts)
         return Stepper(scenario, reads=self.reads, reads_every=every)
+
+
+def whole_lists(table: Mapping[str, Any], changes: Mapping[tuple[str, ...], Any]) -> dict[tuple[str, ...], Any]:
+    """Values by their keys in parts, those within lists of numbers gathered into the lists, whose others stay.
+
+    A list that follows from another value, as moments of inertia from the mass, is otherwise gone once that is placed.
+    """
+    found: dict[tuple[str, ...], Any] = {}
+    for keys, value in changes.items():
+        first = len(keys)
+        while first > 1 and keys[first - 1].isdigit() and isinstance(_at(table, keys[: first - 1]), list):
+            first -= 1
+        if first == len(keys):
+            found[keys] = value
+            continue
+        entries = found.setdefault(keys[:first], deepcopy(_at(table, keys[:first])))
+        _at(entries, keys[first:-1])[int(keys[-1])] = value
+    return found
+
+
+def _at(table: Any, keys: Sequence[str]) -> Any:
+    """What stands under a key in parts; nothing where it leads nowhere."""
+    for part in keys:
+        table = table[int(part)] if isinstance(table, list) else table.get(part, {})
+    return table
 
 
 def standard_reads(scenario: Scenario) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Units as FMI has them: a name in Modelica's grammar, and exponents of the SI's base units where these are whole."""
+"""Units as FMI has them: a name in Modelica's grammar, and exponents of the SI's base units."""
 
 import re
 from collections import Counter
@@ -19,6 +19,8 @@ KNOWN: Final[dict[str, tuple[float, dict[str, int]]]] = {
     "deg": (0.017453292519943295, {"rad": 1}),
 }
 """Factor and exponents of base units."""
+WORDS: Final = ("dB", "bit", "octave")
+"""Units that have no dimension of the SI."""
 SUPERSCRIPTS: Final = str.maketrans("²³⁴", "234")
 
 
@@ -30,11 +32,16 @@ class Unit(NamedTuple):
     factor: float
     """Of the base units."""
     exponents: dict[str, int] | None
-    """Of base units; None where they are not whole (``m/√Hz``), or it is no unit of one dimension (``dB``)."""
+    """Of base units; None of what is no unit of one dimension (``dB``)."""
+
+
+NONE: Final = Unit("1", 1.0, {})
+"""Of what has no unit in FMI."""
 
 
 def unit(text: str) -> Unit:
-    """What a unit as ehamj writes it, ``m³/s/mA``, is to FMI; "1" where there is none."""
+    """What a unit as ehamj writes it, ``m³/s/mA``, is to FMI; "1" where there is none, or its grammar has no word for
+    it (``m/√s``)."""
     over: list[str] = []
     under: list[str] = []
     factor, exponents, whole = 1.0, Counter[str](), True
@@ -44,6 +51,8 @@ def unit(text: str) -> Unit:
             name, power = (found[1], int(found[2] or 1)) if found else (token, 1)
             if name in ("-", "1"):
                 continue
+            if name not in KNOWN and name not in WORDS:
+                return NONE
             (under if number else over).append(f"{name}{power if power > 1 else ''}")
             if name not in KNOWN:
                 whole = False

@@ -4,12 +4,12 @@ import importlib
 import shutil
 import sys
 import sysconfig
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from html import escape
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 from zlib import crc32
 
 import tomli_w
@@ -20,10 +20,15 @@ from ehamj.export.fmu.unit import GIVEN, LAW, SCENARIO, Unit
 from ehamj.export.subject import Subject
 from ehamj.export.written import Written
 from ehamj.extras import check_extra
+from ehamj.records.files import named_by
+from ehamj.scenario.load import named_anew
+from ehamj.scenario.model import Scenario
+from ehamj.scenario.variation import stated
 
 OPENS: Final = "open it in Simulink, Dymola, OpenModelica, or with: fmpy simulate {path}"
 NEEDS: Final = (
-    "the unit runs in a Python of the host's (x86-64, Linux or Windows), {python}, which must find ehamj {ehamj}; "
+    "the unit runs in a Python of the host's (x86-64, Linux or Windows), {python}, which must find ehamj {ehamj}, or "
+    "else takes it from {places}, which the unit names; "
     "Windows finds the Python on the PATH; on Linux a host that is no Python itself is started with {linux}"
 )
 HELD: Final = (
@@ -33,6 +38,7 @@ HELD: Final = (
 SCRIPT: Final = '''\
 """{title}: a unit for co-simulation, written by ehamj {ehamj}."""
 
+import site
 import sys
 from pathlib import Path
 
@@ -48,7 +54,8 @@ def from_ehamj():
         import ehamj
     except ImportError:
         if sys.version_info[:2] == VERSION:
-            sys.path.extend(place for place in PLACES if place not in sys.path)
+            for place in PLACES:
+                site.addsitedir(place)
     try:
         from ehamj.export.fmu import slave, unit
     except ImportError as error:
@@ -59,12 +66,13 @@ def from_ehamj():
     return slave, unit
 
 
-class {name}(Fmi2Slave):
+class EhamjUnit(Fmi2Slave):
     author = "ehamj {ehamj}"
     description = {description!r}
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
+        self.modelName = {name!r}
         self.slave, unit = from_ehamj()
         self.unit = unit.Unit(Path(self.resources))
         self.slave.register(self, self.unit, pythonfmu)
@@ -80,8 +88,7 @@ class {name}(Fmi2Slave):
         self.slave.told(self.unit.begin)
 
     def do_step(self, current_time, step_size):
-        self.slave.told(self.unit.step, current_time, step_size)
-        return True
+        return self.slave.stepped(self, self.unit, pythonfmu, current_time, step_size)
 
     def terminate(self):
         self.unit.close()
@@ -108,7 +115,7 @@ def write_fmu(subject: Subject, path: Path) -> Written:
         python=sys.version_info[:2], places=_places(), description=scenario.description or scenario.name,
         stop=scenario.duration, step=step,
     )  # fmt: skip
-    script = parts / f"ehamj_{name}_{crc32(b''.join(one.read_bytes() for one in files) + text.encode()):08x}.py"
+    script = parts / f"ehamj_{name}_{crc32(_content(files) + text.encode()):08x}.py"
     script.write_text(text, encoding="utf-8")
     try:
         with _importing(script):
@@ -119,7 +126,8 @@ def write_fmu(subject: Subject, path: Path) -> Written:
     finally:
         shutil.rmtree(parts)
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    needs = NEEDS.format(python=python, ehamj=version("ehamj"), linux=_before(python))
+    places = " and ".join(_places())
+    needs = NEEDS.format(python=python, ehamj=version("ehamj"), places=places, linux=_before(python))
     said = f"the machine as a unit for co-simulation, FMI 2.0, timestep {1e6 * subject.timestep:.6g} µs; {OPENS}"
     return Written({path.name: said}, (HELD, needs))
 
@@ -133,8 +141,14 @@ def _before(python: str) -> str:
 
 
 def _places() -> list[str]:
-    """Where this Python finds packages."""
-    return [place for place in sys.path if place and Path(place).is_absolute()]
+    """Where this Python's own packages are installed; where else it looks is nobody's business."""
+    return [*dict.fromkeys(sysconfig.get_path(name) for name in ("purelib", "platlib"))]
+
+
+def _content(files: Iterable[Path]) -> bytes:
+    """Of files and of all within folders."""
+    within = (each for one in files for each in (sorted(one.rglob("*")) if one.is_dir() else [one]))
+    return b"".join(each.read_bytes() for each in within if each.is_file())
 
 
 @contextmanager
@@ -150,12 +164,12 @@ def _importing(script: Path) -> Iterator[None]:
 
 
 def _pack(subject: Subject, parts: Path) -> Iterator[Path]:
-    """Scenario, its files and its law in a folder; yields what is there."""
-    files: dict[str, str] = {}
-    table = _packed(subject.scenario.model_dump(mode="python", exclude_none=True), parts, files)
+    """Scenario, its files and its law in a folder; yields files and folders that are there."""
+    files = _Files(parts)
+    table = named_anew(stated(subject.scenario), Scenario, files.packed)
     (parts / SCENARIO).write_text(tomli_w.dumps(table), encoding="utf-8")
     yield parts / SCENARIO
-    yield from (parts / name for name in files.values())
+    yield from files.folders
     law = subject.controller
     if law is not None:
         law.save(parts / LAW)
@@ -165,18 +179,36 @@ def _pack(subject: Subject, parts: Path) -> Iterator[Path]:
         yield parts / GIVEN
 
 
-def _packed(value: Any, parts: Path, files: dict[str, str]) -> Any:
-    """A table whose files are copied, and named, within a folder; ``files`` gets their names by where they were."""
-    if isinstance(value, dict):
-        return {key: _packed(entry, parts, files) for key, entry in value.items()}
-    if isinstance(value, tuple | list):
-        return [_packed(entry, parts, files) for entry in value]
-    if not isinstance(value, str) or not Path(value).is_absolute() or not Path(value).is_file():
-        return value
-    if value not in files:
-        files[value] = f"file-{len(files) + 1}-{Path(value).name}"
-        shutil.copyfile(value, parts / files[value])
-    return files[value]
+class _Files:
+    """Copies of the files that a scenario names, in a folder: each name's in a folder of its own, called as they are,
+    since a record's components may be told apart by their files' names."""
+
+    def __init__(self, parts: Path) -> None:
+        self._parts = parts
+        self._known: dict[str, str] = {}
+        self.folders: list[Path] = []
+
+    def packed(self, name: str) -> str:
+        """The name, within the folder, of the copies of the files that an absolute one means.
+
+        Raises:
+            InputError: if there are none.
+        """
+        if not Path(name).is_absolute():
+            return name  # packed before
+        if name not in self._known:
+            files = named_by(Path(name))
+            if not files:
+                raise InputError(
+                    f"--fmu: the scenario names {name!r}, and there is no such file to pack; mend or drop it"
+                )
+            folder = self._parts / f"file-{len(self.folders) + 1}"
+            folder.mkdir()
+            for one in files:
+                shutil.copyfile(one, folder / one.name)
+            self.folders.append(folder)
+            self._known[name] = f"{folder.name}/{Path(name).name}"
+        return self._known[name]
 
 
 def _documented(subject: Subject, parts: Path) -> Path:
