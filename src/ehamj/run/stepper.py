@@ -37,7 +37,8 @@ ON_A_STEP: Final = 1e-3
 class Stepper:
     """A scenario's machine, stepped from instant to instant with inputs that are held between them.
 
-        with ehamj.Stepper("vc-c-floor", reads=["foot_velocity front-left z"]) as machine:
+        passive = ehamj.load_scenario("vc-c-floor").variant("passive")
+        with ehamj.Stepper(passive, reads=["foot_velocity front-left z"]) as machine:
             now = machine.step(0.001, commands=[0.1, 0.0, 0.0, 0.0])
             now["cg_velocity"]  # (1, axis) [m/s], as a row of a result
             now.value("measured", "foot_velocity front-left z")  # through the scenario's instrument
