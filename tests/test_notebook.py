@@ -112,7 +112,6 @@ def test_a_notebook_is_given_the_whole_recording(
     result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """The widget keeps what it sends until a browser is there."""
-    pytest.importorskip("rerun_notebook")
     monkeypatch.setattr("ehamj.replay.shown._in_notebook", lambda: True)
     monkeypatch.setattr("gzip.compress", partial(gzip.compress, compresslevel=0))  # of 67 MB, for once
     widget = result.replay()

@@ -1,12 +1,12 @@
-"""The built site in a real browser, as files: nothing wider than a desk or a phone, no requests, a search that works.
-
-`make docs` builds it, and comes before the tests where every change is checked.
-"""
+"""The site, built as `make docs` does, in a real browser, as files: nothing wider than a desk or a phone, no requests,
+a search that works."""
 
 import html
 import json
+import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,9 @@ from ehamj.pages.pdf import browser
 from handbook.site import ROOT
 
 CHROMIUM = browser()
-SITE = ROOT / "site"
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (EHAMJ_BROWSER names one): no page is opened"),
-    pytest.mark.skipif(not (SITE / "index.html").is_file(), reason="no site here: `make docs` builds it"),
-]
+needs_browser = pytest.mark.skipif(
+    CHROMIUM is None, reason="no Chromium here (EHAMJ_BROWSER names one): no page is opened"
+)
 
 OPTIONS = (
     *("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars"),
@@ -73,9 +71,20 @@ frame.onload = () => {
 </script>"""
 
 
-def seen(text: str, folder: Path) -> Any:
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site as it is now; a warning is an error, and so is a link that leads nowhere."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(folder)]
+    own = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, cwd=ROOT, env=own, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+    return folder
+
+
+def seen(text: str, site: Path, folder: Path) -> Any:
     """What a page finds of the site; the console must have nothing to say."""
-    (folder / "frame.html").write_text(text.replace("SITE", SITE.as_uri()), encoding="utf-8")
+    (folder / "frame.html").write_text(text.replace("SITE", site.as_uri()), encoding="utf-8")
     command = [str(CHROMIUM), *OPTIONS, f"--user-data-dir={folder / 'profile'}", "--dump-dom"]
     done = subprocess.run(
         [*command, (folder / "frame.html").as_uri()], capture_output=True, text=True, check=False, timeout=120
@@ -86,9 +95,10 @@ def seen(text: str, folder: Path) -> Any:
     return json.loads(html.unescape(found[1]))
 
 
-def test_pages_fit_a_desk_and_a_phone_and_load_nothing_from_elsewhere(tmp_path: Path) -> None:
+@needs_browser
+def test_pages_fit_a_desk_and_a_phone_and_load_nothing_from_elsewhere(site: Path, tmp_path: Path) -> None:
     wanted = [[page, width] for page in PAGES for width in (DESK, PHONE)]
-    found = seen(FRAMES.replace("WANTED", json.dumps(wanted)), tmp_path)
+    found = seen(FRAMES.replace("WANTED", json.dumps(wanted)), site, tmp_path)
     assert len(found) == len(wanted)
     for one in found:
         said = f"{one['page']} at {one['width']}"
@@ -98,8 +108,9 @@ def test_pages_fit_a_desk_and_a_phone_and_load_nothing_from_elsewhere(tmp_path: 
         assert one["equations"] > 0 or one["page"] not in EQUATIONS, said
 
 
-def test_the_search_finds_a_key_without_a_server(tmp_path: Path) -> None:
-    found = [link.removeprefix(f"{SITE.as_uri()}/") for link in seen(SEARCH, tmp_path)]
+@needs_browser
+def test_the_search_finds_a_key_without_a_server(site: Path, tmp_path: Path) -> None:
+    found = [link.removeprefix(f"{site.as_uri()}/") for link in seen(SEARCH, site, tmp_path)]
     assert "reference/keys/isolators.html?h=flow_gain#actuators.NAME.flow_gain" in found[:3]
 
 
@@ -118,13 +129,13 @@ def clicked(page: Path, where: str) -> set[Path]:
     return {(page.parent / link).resolve() for link in links if link.endswith(".html")}
 
 
-def test_answers_are_two_clicks_away() -> None:
-    first = clicked(SITE / "index.html", SHOWN)
+def test_answers_are_two_clicks_away(site: Path) -> None:
+    first = clicked(site / "index.html", SHOWN)
     near = first.union(*(clicked(page, SHOWN + BESIDE) for page in first))
-    assert [question for question, page in ANSWERS.items() if SITE / page not in near] == []
+    assert [question for question, page in ANSWERS.items() if site / page not in near] == []
 
 
-def test_the_site_knows_nothing_of_this_machine() -> None:
-    for path in SITE.rglob("*.html"):
+def test_the_site_knows_nothing_of_this_machine(site: Path) -> None:
+    for path in site.rglob("*.html"):
         assert str(ROOT) not in path.read_text(encoding="utf-8"), path.name
-    assert str(ROOT) not in (SITE / "search" / "search_index.json").read_text(encoding="utf-8")
+    assert str(ROOT) not in (site / "search" / "search_index.json").read_text(encoding="utf-8")
