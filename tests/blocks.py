@@ -36,6 +36,7 @@ def commands(block: Block) -> list[str]:
 def missing(shown: str, printed: str, share: float = 0.03) -> list[str]:
     """Lines of what is shown that were not printed: words alike, numbers within `share` or one of their last digit.
 
+    3 % is what a figure may move before a reader would take it for another one.
     Blanks, rules of tables and marks after a word do not count, nor do lines of an ellipsis.
     """
     words = _words(printed)

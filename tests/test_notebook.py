@@ -50,6 +50,8 @@ def test_a_scenario_shows_what_it_states(result: Result) -> None:
     assert "machine.mass" not in found  # which is the default
     varied = cells(shown(result.scenario.varied({"machine.mass": 4321.0}), "text/html"))
     assert "4321 kg" in varied["machine"][0]
+    assert varied["machine.mass"] == ["4321.0"]
+    assert "gravity" not in varied  # whose copy states all, and differs in little
 
 
 def test_modes_show_their_frequencies(result: Result) -> None:

@@ -46,6 +46,7 @@ def test_words_that_are_begun(words: str, some: set[str], others: set[str]) -> N
 
 def test_a_scenario_is_offered_where_one_is_named() -> None:
     assert offered("ehamj run ") == set(shipped_scenarios())
+    assert offered("ehamj run --no-report ") == set(shipped_scenarios())
 
 
 def test_options_are_all_that_help_lists() -> None:

@@ -16,6 +16,9 @@ from fmpy.validation import validate_fmu
 from harness import Cli
 
 import ehamj
+from ehamj.control.channels import channel_names
+from ehamj.control.law import silent
+from ehamj.export.fmu.interface import outputs
 from ehamj.export.fmu.unit import Unit
 from ehamj.export.fmu.units import unit
 from ehamj.export.fmu.write import _pack, write_fmu
@@ -335,3 +338,15 @@ def test_fmpy_simulates_what_a_whole_run_under_the_same_held_commands_does(tmp_p
         wanted = whole[name].sel({whole[name].dims[1]: label}).values
         peak = np.abs(whole[name].values).max()
         np.testing.assert_allclose(found[output], wanted, 0.0, 1e-9 * peak, err_msg=output)
+
+
+def test_a_reading_of_every_channel_has_its_unit() -> None:
+    """What a law may read and no run records, as well."""
+    scenario = ehamj.load_scenario("benchmark")
+    reader = silent(channel_names(), scenario.plant.mounts, 1e-3)
+    units = {one.text: one.unit for one in outputs(scenario, reader) if one.text.startswith("reading of ")}
+    assert len(units) == len(channel_names())
+    assert units["reading of machine_acceleration rx"] == "rad/s^2"
+    assert units["reading of machine_acceleration z"] == "m/s^2"
+    assert units["reading of load_pressure front-left"] == "Pa"
+    assert units["reading of edges rear-right"] == "mA"

@@ -9,7 +9,7 @@ from typing import Any, Final
 from typer._click.shell_completion import CompletionItem
 from typer.core import TyperCommand
 
-from ehamj.cli.early import TAKING
+from ehamj.cli.early import FLAGS, TAKING
 from ehamj.scenario_files import shipped_scenarios, shipped_studies
 
 KEY: Final = "--set"
@@ -34,7 +34,7 @@ class Completing(TyperCommand):
             yield from keys(incomplete)
         elif incomplete.startswith("-"):
             yield from options(name, self.module, words[0] if words else "")
-        elif not before.startswith("-") or not words:
+        elif not words or not before.startswith("-") or before in FLAGS:
             if name == "study" and not words:
                 yield from (*_questions(), *shipped_studies())
             elif name in (*TAKING, "export"):

@@ -249,7 +249,8 @@ def _real(name: str, given: Any, shape: tuple[int, int]) -> Array:
 
 
 def silent(channels: Sequence[str], mounts: Sequence[str], period: float, delay: float | None = None) -> Controller:
-    """A law that reads channels every ``period`` [s] and commands nothing: 0 V at every mount."""
+    """A law that reads channels every ``period`` [s] and commands nothing: 0 V at every mount, ``delay`` [s] after each
+    sample (None: a period)."""
     n, valves = len(channels), len(mounts)
     matrices = np.zeros((0, 0)), np.zeros((0, n)), np.zeros((valves, 0)), np.zeros((valves, n))
     return Controller(*matrices, tuple(channels), period, delay, mounts=tuple(mounts))

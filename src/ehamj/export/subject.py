@@ -13,12 +13,12 @@ from ehamj.control.architectures.file import Law
 from ehamj.control.converter import check_mounts
 from ehamj.errors import InputError
 from ehamj.mujoco import hydraulics
+from ehamj.result import CONTROLLER_FILE
 from ehamj.run.timestep import OF_FILE, OF_SCENARIO, choose_timestep
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.scenario_files import shipped_scenarios
 
-CONTROLLER: Final = "controller.json"
 DESIGN: Final = "design.json"
 """File without which a folder is no design's."""
 
@@ -43,7 +43,7 @@ class Subject:
         Raises:
             InputError: if it cannot be read, or derived.
         """
-        path = None if self.folder is None else self.folder / CONTROLLER
+        path = None if self.folder is None else self.folder / CONTROLLER_FILE
         if path is None or not path.is_file():
             return self.scenario.controller()
         law = load_controller(path)

@@ -7,7 +7,6 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.control import Controller, LinearController
-from ehamj.control.channels import quantity_of
 from ehamj.control.compiled.learning import LEARNER, Paced
 from ehamj.control.compiled.lines import FOLLOWED, LEAST, PLACES, Followed
 from ehamj.control.compiled.opening import FIELDS, HELD, SIZE
@@ -19,15 +18,13 @@ from ehamj.control.learners import STATED, Learner, Learnt
 from ehamj.control.loop import DigitalLoop
 from ehamj.control.spools import KnownSpool
 from ehamj.control.stage import AT_START
+from ehamj.control.units import plain_unit, signal_units
 from ehamj.control.valves import Known
 from ehamj.export.c.text import enumerators, fields_of, filled, number, table, used_in
 from ehamj.isolator.flow_curve import POINTS
 
 DENSE: Final = 0.5
 """Share of numbers that are not zero from which a matrix is kept full: columns of single numbers take room too."""
-UNITS: Final = {
-    "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "pressure": "Pa", "position": "mA",
-}  # fmt: skip
 
 
 class Table(NamedTuple):
@@ -49,9 +46,10 @@ class Named(NamedTuple):
 def readings_of(controller: LinearController, loop: DigitalLoop) -> list[Named]:
     """The readings, in their order."""
     names, zeroed = controller.reads, loop.sensing.zeroed
+    units = map(plain_unit, signal_units(names))
     return [
-        Named(one, f"{name} [{_unit(name)}]{', from rest' if rest else ''}")
-        for one, name, rest in zip(enumerators(names), names, zeroed, strict=True)
+        Named(one, f"{name} [{unit}]{', from rest' if rest else ''}")
+        for one, name, unit, rest in zip(enumerators(names), names, units, zeroed, strict=True)
     ]
 
 
@@ -59,12 +57,6 @@ def valves_of(controller: LinearController) -> list[Named]:
     """The valves, in their order."""
     names = controller.converter.outputs
     return [Named(one, f"{name} [V]") for one, name in zip(enumerators(names), names, strict=True)]
-
-
-def _unit(channel: str) -> str:
-    variable, _, label = channel.rpartition(" ")
-    unit = UNITS[quantity_of((variable or label).partition(" ")[0])]
-    return unit.replace("m", "rad", 1) if label in ("rx", "ry", "rz") else unit
 
 
 def laws_of(parts: Sequence[Controller], loop: DigitalLoop) -> tuple[list[dict[str, Any]], list[Table]]:

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from ehamj.bounds import unit_of
 from ehamj.control import AnyController
+from ehamj.control.units import plain_unit, signal_units
 from ehamj.errors import InputError
 from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
@@ -35,8 +36,6 @@ SHOWN: Final = (
     *("supply_pressure", "slide", "measured"),
 )
 """Variables of a result that are outputs, of those that a run has."""
-OTHERS: Final = {"load_pressure": "Pa", "edges": "mA"}
-"""Units of channels that are no variables of a result."""
 
 Role = Literal["parameter", "input", "output"]
 Type = Literal["Real", "Integer", "Boolean"]
@@ -71,11 +70,12 @@ def identifier(word: str) -> str:
     return f"_{found}" if found[:1].isdigit() else found
 
 
-def parameters(scenario: Scenario, law_is_given: bool) -> list[Variable]:
+def parameters(scenario: Scenario, has_law: bool, law_is_given: bool) -> list[Variable]:
     """Numbers and switches of a scenario, and those of the unit itself.
 
     Args:
         scenario: whose keys they are.
+        has_law: a law reads, at its own period.
         law_is_given: the law comes with a result or a design, and nothing in [control] changes it.
     """
     found = []
@@ -85,8 +85,9 @@ def parameters(scenario: Scenario, law_is_given: bool) -> list[Variable]:
         found.append(Variable(CONTROL, "parameter", "-", text, True))
     text = "the ground moves as the scenario's; false: by the inputs alone"
     found.append(Variable(GROUND, "parameter", "-", text, True))
-    text = "period of the readings where no law of the scenario's reads, which has its own"
-    found.append(Variable(READS_EVERY, "parameter", "s", text, 1.0 / scenario.record_rate))
+    if not has_law:
+        text = "period of the readings"
+        found.append(Variable(READS_EVERY, "parameter", "s", text, 1.0 / scenario.record_rate))
     for keys, value, description in _numbers(scenario):
         if law_is_given and keys[0] == "control":
             continue
@@ -160,8 +161,7 @@ def _output(name: str, labels: Sequence[str], units: str, text: str) -> Variable
     said = f"{' '.join((name, *labels))}: {text}"
     words = [word for label in labels for word in label.split(" ")]
     if name == "measured":
-        variable = words[0]
-        units, said = VARIABLES[variable][1] if variable in VARIABLES else OTHERS[variable], f"reading of {labels[0]}"
+        units, said = plain_unit(signal_units(labels[:1])[0]), f"reading of {labels[0]}"
     parts = [f"[{word}]" if word.isdigit() else f".{identifier(word)}" for word in words]
     return Variable(f"{name}{''.join(parts)}", "output", _unit_of(units, words), said, keys=(name,))
 

@@ -52,7 +52,7 @@ class Unit:
         mounts = self.scenario.plant.mounts
         self.reads = standard_reads(self.scenario) if self.law is None else self.law.reads
         reader = silent(self.reads, mounts, 1.0) if self.law is None else self.law
-        self.parameters = parameters(self.scenario, (folder / GIVEN).is_file())
+        self.parameters = parameters(self.scenario, self.law is not None, (folder / GIVEN).is_file())
         self.inputs, self.outputs = inputs(mounts), outputs(self.scenario, reader)
         self.variables: Sequence[Variable] = (*self.parameters, *self.inputs, *self.outputs)
         check_names(self.variables)
