@@ -1,6 +1,7 @@
 """The reference says what the program says: no key, command or channel is missing, and its examples run."""
 
 import json
+import re
 import shlex
 from typing import Any
 
@@ -21,20 +22,24 @@ from handbook.reference.commands import command_pages, commands, examples
 from handbook.reference.files import LAW, file_pages
 from handbook.reference.histories import history_pages
 from handbook.reference.keys import key_pages
+from handbook.reference.tables import Tables
 from handbook.reference.words import allowed, number, value
 from handbook.site import ROOT
 from handbook.verified import KEPT, verified_pages
 
 
 def test_every_key_has_its_place() -> None:
-    """As many headings as there are keys that the schema describes, and what is said of one is right."""
+    """Each key of each table of the schema has a heading under its table, or once for the kinds that share it."""
     pages = key_pages()
-    text = "\n".join(pages.values())
+    headed = set(re.findall(r"^### `[^`]+` \{ #(\S+) \}", "\n".join(pages.values()), re.MULTILINE))
     schema = json.loads(scenario_schema())
-    for name, table in [("", schema), *schema["$defs"].items()]:
-        if name != "Installation":  # whose keys are the scenario's
-            missing = [key for key in table["properties"] if f"### `{key}` {{ #" not in text]
-            assert set(missing) <= {"kind", "sources"}, f"{name}: {missing}"
+    tables = Tables(schema)
+    for top, node in schema["properties"].items():
+        assert list(tables.below(top, node)) or top in headed, top
+    for name, places in tables.places.items():
+        starts = {start for one in places for start in (one.anchor, one.path.split(".")[0])}
+        for key in tables.definitions[name]["properties"].keys() - {"kind", "sources"}:
+            assert {f"{start}.{key}" for start in starts} & headed, f"{name}: {key}"
     gain = pages["reference/keys/isolators.md"].partition("### `flow_gain` { #actuators.NAME.flow_gain }")[2][:400]
     for said in ("oil to the piston", "`1.94e-6`** m³/s/mA", "$K_{Q}$", "badge paper", "number > 0", "1e-15 to 1"):
         assert said in gain
