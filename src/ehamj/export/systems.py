@@ -170,22 +170,27 @@ def rest_of(subject: Subject, plant: System) -> dict[str, Any]:
     }
 
 
+def plant_notes(subject: Subject) -> tuple[str, ...]:
+    """What the plant takes for granted, and what its commands do not do, a sentence each."""
+    closed = closed_at_rest(linear_model(subject.scenario.plant))
+    said = (
+        f"the valves of {', '.join(closed)} pass nothing of a small command as they are (overlap, hysteresis, "
+        "threshold), so that in plant their commands do nothing"
+    )
+    return (*subject.scenario.where_slides_stand, *((said,) if closed else ()))
+
+
 def what_to_know(subject: Subject) -> tuple[str, ...]:
-    """What the systems leave out, or take for granted, a sentence each."""
-    parts, scenario = parts_of(subject), subject.scenario
+    """What the systems leave out, or take for granted, a sentence each: of the plant, then of the law."""
+    parts = parts_of(subject)
     beyond = [said for key, said in BEYOND.items() if any(getattr(part, key) for part in parts)]
-    notes = list(scenario.where_slides_stand)
+    notes = list(plant_notes(subject))
     if beyond:
         notes.append(f"the law's matrices do not hold {', '.join(beyond)}")
     if lost := _beside(parts):
         notes.append(
             f"a law that comes back as matrices and names alone is without {lost}: change A to D in the exported law, "
             "and bring it back whole"
-        )
-    if closed := closed_at_rest(linear_model(scenario.plant)):
-        notes.append(
-            f"the valves of {', '.join(closed)} pass nothing of a small command as they are (overlap, hysteresis, "
-            "threshold), so that in plant their commands do nothing"
         )
     if len(parts) > 1:
         rates = ", ".join(f"{1.0 / part.period:g}" for part in parts)
