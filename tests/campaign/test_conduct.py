@@ -227,7 +227,7 @@ def test_a_full_disk_ends_a_study_that_goes_on_when_there_is_room(
 
 
 def most(folder: Path, number: int) -> int:
-    """Most memory that a process has which does a study of so many designs [B]."""
+    """By how much memory a process grows which does a study of so many designs [B]."""
     stage = search(Drawn(number=number, batch=5000), names=("many.sum", "many.root"), goals=Goals([("many.sum", 1.0)]))
     process, told = begun(folder, stage)
     found = told.recv()
