@@ -17,7 +17,7 @@ def with_values(scenario: Scenario, values: Values) -> Scenario:
     lists = {key: own_value(scenario, key) for key in values}
     given = {key: [value] * len(own) if isinstance(own := lists[key], list) else value for key, value in values.items()}
     changes = changes_of(scenario, given)
-    if any(key.startswith("machine.inertia.") for key in changes):  # those that are not among them would follow the mass
+    if any(key.startswith("machine.inertia.") for key in changes):  # others would follow the mass
         mass = {key: changes.pop(key) for key in ("machine.mass",) if key in changes}
         changes = {**mass, "machine.inertia": scenario.machine.inertia, **changes}
     return scenario.varied(changes)

@@ -39,7 +39,7 @@ class Statistics:
     """Of all scaled unknowns, the parameters first, (k, k); directions that nothing tells have the spread that their
     bounds leave."""
     untold: Array
-    """Directions that the data cannot tell, over the scaled parameters, (direction, parameter), of unit length there."""
+    """Directions that the data cannot tell, over the scaled parameters, (direction, parameter), of unit length."""
     no_number: tuple[bool, ...]
     """Of each parameter, whether the data leave it open."""
     by_prior: tuple[bool, ...]
@@ -115,7 +115,7 @@ def _without_last(matrix: Array, first: int) -> Array:
 
 
 def _meat(fit: Fitted, unknowns: Sequence[Unknown], scale: Array) -> tuple[Array, bool]:
-    """Covariance of the log likelihood's slopes by the errors themselves (Newey and West 1987), and whether it is needed:
+    """Covariance of the log likelihood's slopes by the errors themselves (Newey, West 1987), and whether it is needed:
     errors are neither white nor as large as stated."""
     total, needed = np.zeros((len(unknowns), len(unknowns))), False
     for channel, noise, slope in zip(fit.at.compared, fit.noise, fit.at.slopes, strict=True):

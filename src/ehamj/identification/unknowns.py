@@ -37,8 +37,8 @@ class Unknown:
     size: float = 0.0
     """Change that matters, in ``unit``; 0: a quarter of the bounds' distance."""
     closed: bool = False
-    """Whether the test gives the prediction's derivative in it (`ehamj.identification.residual.Compared.slopes`), so that
-    it is not differenced."""
+    """Whether the test gives the prediction's derivative in it (`ehamj.identification.residual.Compared.slopes`), so
+    that it is not differenced."""
 
     @property
     def log(self) -> bool:

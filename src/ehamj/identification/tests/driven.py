@@ -108,8 +108,8 @@ def _ground(test: "RecordTest", measured: Measured, channels: list[MeasuredChann
     units = {source.get("unit") for source in sources}
     if len(motions) > 1 or len(units) > 1:
         raise InputError(
-            f"test {test.name!r}: measurement: the ground's channels are of {', '.join(sorted(motions))} and of several "
-            "units; those that drive must be alike, others may have role = 'output'"
+            f"test {test.name!r}: measurement: the ground's channels are of {', '.join(sorted(motions))} and of "
+            "several units; those that drive must be alike, others may have role = 'output'"
         )
     axes = {str(source["component"]): one.name.split(" ", 1)[1] for source, one in zip(sources, channels, strict=True)}
     scales = {place: source["scale"] for source, place in zip(sources, axes.values(), strict=True)}
@@ -133,8 +133,8 @@ def _unknowns(test: "RecordTest", channel: MeasuredChannel, place: str) -> list[
             "is none of what can be found, subtract it before"
         )
     if said.gain is not None:
-        bounds = sorted((0.1 * said.scale, 10.0 * said.scale))
-        found.append((f"{place}.scale", Unknown(f"{test.name}.{key}.gain", "1", said.scale, *bounds, test=test.name)))
+        low, high = sorted((0.1 * said.scale, 10.0 * said.scale))
+        found.append((f"{place}.scale", Unknown(f"{test.name}.{key}.gain", "1", said.scale, low, high, test=test.name)))
     if said.delay is not None:
         late = Unknown(f"{test.name}.{key}.delay", "s", 0.0, -LATEST, LATEST, test=test.name, size=1e-3)
         found.append((f"{place}.delay", late))

@@ -12,12 +12,13 @@ from ehamj.identification.tests.test import Context, TestSettings
 from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
 from ehamj.measured.measured import Measured
 from ehamj.measured.settings import Measurement
+from ehamj.records.choices import Reading
 from ehamj.settings import FileName, Positive
 
 Comparison = Literal["time", "frequency", "both"]
 
 
-class RecordTest(TestSettings):
+class RecordTest(Reading, TestSettings):
     """Commands, strokes, pressures, motions and forces over time."""
 
     kind: Literal["record"]
@@ -35,8 +36,8 @@ class RecordTest(TestSettings):
         )
         if clock.part(int(clock.duration * clock.compared)).start + 10 >= clock.duration * clock.compared:
             raise InputError(
-                f"test {self.name!r}: lasts {clock.duration:g} s, of which settle = {self.settle:g} s and filters leave "
-                "nothing to compare"
+                f"test {self.name!r}: lasts {clock.duration:g} s, of which settle = {self.settle:g} s and filters "
+                "leave nothing to compare"
             )
         made = self.driven(measured, context, clock)
         return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context)
@@ -49,14 +50,13 @@ class RecordTest(TestSettings):
         """
         given = context.measured.get(self.name)
         if given is not None:
-            return given  # type: ignore[no-any-return]
+            assert isinstance(given, Measured)
+            return given
         if self.file is None:
             raise InputError(
                 f"test {self.name!r}: file is missing, and no measurement was given in Python by this name"
             )
-        from ehamj.measured.read import read_measured
-
-        return read_measured(self.file, self.measurement, self.name, context.scenario.plant.mounts)
+        raise InputError(f"test {self.name!r}: file = {self.file!r}: give what was measured in Python (measured)")
 
     def driven(self, measured: Measured, context: Context, clock: Clock) -> Driven:
         """The scenario of the test, driven as the rig was, at any point."""

@@ -70,7 +70,7 @@ class TimeResiduals:
         Args:
             name: of the test.
             held_out: whether it only validates.
-            scenario_at: the scenario of the test at a point, of `Clock.recorded` rows per second, as long as the record.
+            scenario_at: the scenario of the test at a point, of `Clock.recorded` rows per second, as long as it.
             driving: unknowns of the inputs (gains, delays), which the scenario has.
             outputs: channels that are compared.
             clock: of the record, and what of it is compared.
