@@ -63,6 +63,7 @@ RANKS = (
     ("merits",),
     ("report", "studies"),
     ("design", "export", "verify", "store", "campaign"),
+    ("identification",),
     ("bench",),
     ("cli", "__init__"),
 )

@@ -141,13 +141,15 @@ def done(folder: Path, stage: Search | None = None, **how: Any) -> Conducted:
 
 
 def done_aloud(told: Any, folder: Path, stage: Search, **how: Any) -> None:
-    """As `done`, in a process of its own: says when it begins, and at its end the most memory that it had [KiB]."""
+    """As `done`, in a process of its own: says when it begins, and at its end by how much memory it grew [KiB], since
+    a copy has from the beginning what it was made of."""
     from resource import RUSAGE_SELF, getrusage
 
     machine()
+    before = getrusage(RUSAGE_SELF).ru_maxrss
     told.send("begins")
     done(folder, stage, **how)
-    told.send(getrusage(RUSAGE_SELF).ru_maxrss)
+    told.send(getrusage(RUSAGE_SELF).ru_maxrss - before)
 
 
 def begun(folder: Path, stage: Search, **how: Any) -> tuple[Any, Any]:

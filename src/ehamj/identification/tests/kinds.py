@@ -1,0 +1,7 @@
+"""The kinds of test there are: one more is a file beside this one, and an entry here."""
+
+from ehamj.identification.tests.record import RecordTest
+from ehamj.identification.tests.test import TestSettings
+
+TESTS: tuple[type[TestSettings], ...] = (RecordTest,)
+"""Every kind; a table [[test]] holds one of them."""
