@@ -24,7 +24,7 @@ ROUNDS: Final = 1000
 FIRST_CLIP: Final = 0.8
 """Share of the peak at which the first clipping is; the last one is at the peak."""
 PER_PERIOD: Final = 8
-"""Samples per period of the highest line among which peaks are looked for: they are seen to (π/8)²/2 = 8 % of that line."""
+"""Samples per period of the highest line among which peaks are looked for: they are seen to 8 % of that line."""
 FINE: Final = 64
 """The same where a crest factor is stated: to 0.12 %."""
 

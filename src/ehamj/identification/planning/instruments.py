@@ -14,7 +14,9 @@ from ehamj.plant.axes import AXES, CHAMBERS
 from ehamj.scenario.model import Scenario
 
 SHARE: Final = 0.01
-"""Noise of a channel that nobody told about, as a share of its RMS."""
+"""What a channel has beside its instrument's noise, as a share of its RMS: rigs hum, and no model is the machine."""
+QUIET: Final = 0.1
+"""Share of the largest RMS among channels of one variable that one counts with at least: instruments are alike."""
 UNITS: Final = {
     "displacement": "m",
     "velocity": "m/s",
@@ -30,7 +32,7 @@ class Instruments:
     """Channels and how each is read, at ``rate`` samples per second [Hz].
 
     ``noise`` has standard deviations of a sample [unit], by channel or by its first word; of a channel that is not
-    there, the scenario's instrument counts, and else a ``share`` of the channel's own RMS.
+    there, that of the scenario's instrument counts and, beside it, a ``share`` of the channel's own RMS.
     """
 
     channels: tuple[str, ...]
@@ -94,22 +96,22 @@ class Instruments:
         """
         found = np.empty((hertz.size, len(self.channels)))
         for k, name in enumerate(self.channels):
-            stated, sensor = self.stated(name), self.sensors.of(name)
-            if stated is None and sensor is not None and (sensor.noise > 0.0 or sensor.resolution > 0.0):
-                steps = sensor.resolution**2 / 12.0 * 2.0 / self.rate
-                found[:, k] = sensor.noise_density(hertz) ** 2 + steps
-            else:
-                found[:, k] = 2.0 / self.rate * (self.share * rms[k] if stated is None else stated) ** 2
+            alike = [rms[j] for j, other in enumerate(self.channels) if other.split(" ")[0] == name.split(" ")[0]]
+            level = max(rms[k], QUIET * max(alike))
+            stated, sensor = self.stated(name), None if self.stated(name) else self.sensors.of(name)
+            found[:, k] = 2.0 / self.rate * (self.share * level if stated is None else stated) ** 2
+            if sensor is not None:
+                steps = sensor.resolution**2 / 12.0
+                found[:, k] += sensor.noise_density(hertz) ** 2 + 2.0 / self.rate * steps
         return found
 
     def told(self, channel: str) -> str:
         """Where its noise is known from, in words."""
-        stated, sensor = self.stated(channel), self.sensors.of(channel)
+        stated = self.stated(channel)
         if stated is not None:
             return f"{stated:.3g} {unit_of_channel(channel)} a sample"
-        if sensor is not None and (sensor.noise > 0.0 or sensor.resolution > 0.0):
-            return f"[sensors.{class_of(channel.split(' ')[0])}]"
-        return f"{100.0 * self.share:g} % of its RMS"
+        share = f"{100.0 * self.share:g} % of its RMS"
+        return share if self.sensors.of(channel) is None else f"[sensors.{class_of(channel.split(' ')[0])}] and {share}"
 
 
 def default_channels(scenario: Scenario) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.identification.planning.excitation import excitation_of, into_model
+from ehamj.identification.planning.forecast import Lines
 from ehamj.identification.planning.trial import Excitation, Trial
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.linear.machine import linear_model
@@ -71,18 +72,17 @@ class Linear:
         states = np.linalg.solve(self._resolvent(excitation.frequency), model.B @ drive)
         return np.asarray(C @ states + D @ drive)
 
-    def slopes(self, trial: Trial, channels: Sequence[str], rate: float) -> tuple[Excitation, ComplexArray]:
-        """The test's lines, and what channels do in them: (f, channel, experiment, 1 + k), their values and then
-        derivatives in the scaled unknowns."""
+    def lines(self, trial: Trial, channels: Sequence[str], rate: float) -> Lines:
+        """What channels do in the lines of a test that is recorded at ``rate`` [Hz]."""
         found = excitation_of(trial, rate)
-        model, hertz = self._models[0], found.frequency
+        hertz = found.frequency
         scenarios = [self._having(trial.scenario, point) for point in self._near.points]
         drives = [
             into_model(found.inputs, one, its, hertz) @ found.amplitudes
             for one, its in zip(scenarios, self._models, strict=True)
         ]
         parts = [(its.A, its.B, *its.rows(channels)) for its in self._models]
-        A, B, C, D = parts[0]
+        _, B, C, D = parts[0]
         resolvent = self._resolvent(hertz)
         states = np.linalg.solve(resolvent, B @ drives[0])
         values = [C @ states + D @ drives[0]]
@@ -91,7 +91,7 @@ class Linear:
             below, above = drives[1 + 2 * k], drives[2 + 2 * k]
             moved = np.linalg.solve(resolvent, (A2 - A1) @ states + B2 @ above - B1 @ below)
             values.append((C @ moved + (C2 - C1) @ states + D2 @ above - D1 @ below) / width)
-        return found, np.stack(values, axis=-1)
+        return Lines(hertz, found.weights, np.stack(values, axis=-1))
 
     def _resolvent(self, hertz: Array) -> ComplexArray:
         A = self._models[0].A

@@ -34,6 +34,10 @@ class Trial:
     """The same as the user has them: force [N], point [m], direction."""
     seconds: float = 0.0
     """What it takes at the rig [s]."""
+    inputs: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    """What is recorded of what drives the machine, as entries of [test.measurement]."""
+    otherwise: Mapping[str, object] = field(default_factory=dict)
+    """How the machine is in this test, as ``set`` of [[test]] has it."""
 
     @property
     def compared(self) -> float:
