@@ -190,6 +190,32 @@ def test_what_is_written_judges_itself(cli: Cli) -> None:
     assert replayed().returncode == 2
 
 
+CALLS = """
+#include "ehamj_law.h"
+ehamj_law_t EHAMJ_LAW_PREFIX;
+void EHAMJ_LAW_NAME(EHAMJ_LAW_PREFIX, begins)(void) { ehamj_law_init(&EHAMJ_LAW_PREFIX); }
+"""
+BOTH = "void front_begins(void); void rear_begins(void); int main(void) { front_begins(); rear_begins(); return 0; }"
+
+
+@needs_compiler
+def test_two_laws_run_in_one_program(whole: Law, tmp_path: Path) -> None:
+    """Each has a prefix; without, the linker finds everything twice."""
+    (tmp_path / "calls.c").write_text(CALLS)
+    (tmp_path / "main.c").write_text(BOTH)
+    objects = []
+    for prefix in ("front", "rear"):
+        for source in (whole.folder / "ehamj_law.c", tmp_path / "calls.c"):
+            objects.append(tmp_path / f"{prefix}-{source.stem}.o")
+            flags = (*STRICT, f"-DEHAMJ_LAW_PREFIX={prefix}", f"-I{whole.folder}", "-c")
+            subprocess.run(["cc", *flags, "-o", objects[-1], source], check=True)
+    program = tmp_path / "both"
+    subprocess.run(["cc", "-o", program, tmp_path / "main.c", *objects, "-lm"], check=True)
+    subprocess.run([program], check=True)
+    said = subprocess.run(["nm", program], capture_output=True, text=True, check=True).stdout
+    assert all(f" {prefix}_ehamj_law_step\n" in said for prefix in ("front", "rear"))
+
+
 @needs_compiler
 def test_in_single_precision_it_compiles_and_is_near(tmp_path: Path) -> None:
     scenario = load_scenario("recorded", ["duration=0.5"])

@@ -493,10 +493,10 @@ def test_memory_does_not_depend_on_the_number_of_steps() -> None:
     driven = {"ground": sine_floor("z", 1e-6, 10.0, 0.1), "control": sines(*HARD.values())}
 
     def run(timestep: float) -> Result:
-        return simulate(scenario(duration=2.0, record_rate=100, timestep=timestep, **driven))
+        return simulate(scenario(duration=1.0, record_rate=100, timestep=timestep, **driven))
 
-    run(2.5e-4)  # whatever is allocated once
-    few, many = (min(peak_memory(lambda step=step: run(step)) for _ in range(2)) for step in (2.5e-4, 6.25e-5))
-    # 8,000 and 32,000 steps: a float per step and input would be 3 MB more. 5 %: chance of the garbage collector; the
+    run(1e-3 / 8)  # whatever is allocated once
+    few, many = (min(peak_memory(lambda step=step: run(step)) for _ in range(2)) for step in (1e-3 / 8, 1e-3 / 16))
+    # 8,000 and 16,000 steps: a float per step and input would be 1 MB more. 5 %: chance of the garbage collector; the
     # less of two runs: on a machine that is busy, what is sampled ahead waits beside what is stepped.
     assert many <= 1.05 * few

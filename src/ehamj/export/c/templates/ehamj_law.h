@@ -15,6 +15,19 @@
 extern "C" {
 #endif
 
+/*
+ * Several laws in one program: compile each, and the one file of yours that calls it, with a prefix of its own, such as
+ * -DEHAMJ_LAW_PREFIX=front: its functions are then front_ehamj_law_step() and so on, and are written as below.
+ */
+#ifdef EHAMJ_LAW_PREFIX
+#define EHAMJ_LAW_JOINED(prefix, name) prefix##_##name
+#define EHAMJ_LAW_NAME(prefix, name) EHAMJ_LAW_JOINED(prefix, name)
+#define ehamj_law_init EHAMJ_LAW_NAME(EHAMJ_LAW_PREFIX, ehamj_law_init)
+#define ehamj_law_rest EHAMJ_LAW_NAME(EHAMJ_LAW_PREFIX, ehamj_law_rest)
+#define ehamj_law_step EHAMJ_LAW_NAME(EHAMJ_LAW_PREFIX, ehamj_law_step)
+#define ehamj_law_tables EHAMJ_LAW_NAME(EHAMJ_LAW_PREFIX, ehamj_law_tables)
+#endif
+
 #ifdef EHAMJ_LAW_FLOAT
 typedef float ehamj_real_t;
 #else
