@@ -17,6 +17,8 @@ from ehamj.arrays import Array
 Criterion = Literal["d", "a"]
 """Volume of the uncertainty's ellipsoid; sum of the squared deviations, each over what it was."""
 
+TOLD: Final = 2.0
+"""Factor by which a test must sharpen a parameter to be said to tell it."""
 REMOVED: Final = 1e-12
 """Share of the largest information on a test's own unknowns below which one of them is not told at all."""
 

@@ -3,20 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.identification.planning.information import TOLD
 from ehamj.identification.planning.instruments import Instruments
 from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.scenario.model import Scenario
 
 Method = Literal["linear", "nonlinear"]
-
-TOLD: Final = 2.0
-"""Factor by which a test must sharpen a parameter to be said to tell it."""
 
 
 @dataclass(frozen=True)

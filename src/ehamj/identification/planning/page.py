@@ -1,18 +1,21 @@
 """A plan as a person reads it: answers, tables, a figure, a page."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
-from ehamj.identification.planning.outcome import TOLD, Forecast, Plan
+from ehamj.identification.planning.information import TOLD
 from ehamj.pages import ANNEX, Page, Section, Table
 from ehamj.pages.words import DASH
 from ehamj.plots import Figure
 from ehamj.plots.effects import Effects, effects_chart
 from ehamj.studies.outcome import Drawing, Outcome
 from ehamj.studies.page import headline_of, pictures_of, said_besides
+
+if TYPE_CHECKING:
+    from ehamj.identification.planning.outcome import Forecast, Plan
 
 NOTES: Final = (
     "Deviations are those that no unbiased fit of such a test goes below (Cramér and Rao), at the values that the "
@@ -24,7 +27,7 @@ NOTES: Final = (
 )
 
 
-def outcome_of(plan: Plan) -> Outcome:
+def outcome_of(plan: "Plan") -> Outcome:
     """The plan as an outcome, as studies and designs have it."""
     return Outcome(
         title=plan.title,
@@ -37,7 +40,7 @@ def outcome_of(plan: Plan) -> Outcome:
     )
 
 
-def tables_of(plan: Plan) -> dict[str, xr.Dataset]:
+def tables_of(plan: "Plan") -> dict[str, xr.Dataset]:
     """Predicted deviations and factors, (test, parameter); and along the sequence."""
     units = ("parameter", [one.unit or "1" for one in plan.unknowns], {"long_name": "unit of the parameter"})
     keys = ("parameter", list(plan.keys), {"long_name": "parameter"})
@@ -69,7 +72,7 @@ def _dataset(title: str, keys: object, units: object, tests: list[str], deviatio
     return xr.Dataset(values, coordinates, {"title": title})
 
 
-def drawings_of(plan: Plan) -> dict[str, Drawing]:
+def drawings_of(plan: "Plan") -> dict[str, Drawing]:
     """How much sharper each parameter would become."""
     if not plan.forecasts:
         return {}
@@ -89,19 +92,19 @@ def drawings_of(plan: Plan) -> dict[str, Drawing]:
     return {"sharpened": Drawing(caption, draw)}
 
 
-def factor_table(plan: Plan) -> Table:
+def factor_table(plan: "Plan") -> Table:
     """By which factor each test alone sharpens each parameter; a dash where it does not tell it."""
     head = ["test", *(key.rpartition(".")[2] if not key[-1].isdigit() else key for key in plan.keys)]
     rows = [[one.trial.name, *shown_factors(one)] for one in plan.forecasts]
     return Table("By which factor each test alone sharpens each parameter", head, rows, numeric=range(1, len(head)))
 
 
-def shown_factors(one: Forecast) -> list[str]:
+def shown_factors(one: "Forecast") -> list[str]:
     """Factors as a person reads them."""
     return [f"{factor:.3g}" if factor >= TOLD else DASH for factor in one.factors]
 
 
-def deviation_table(plan: Plan) -> Table:
+def deviation_table(plan: "Plan") -> Table:
     """Parameters with their deviations before, after each test of the sequence, and by the nonlinear engine."""
     steps = plan.sequence
     head = ["parameter", "value", "unit", "before ±", *(f"after test {k} ±" for k in range(1, len(steps) + 1))]
@@ -116,7 +119,7 @@ def deviation_table(plan: Plan) -> Table:
     return Table("Predicted standard deviations along the recommended tests", head, rows, numeric=numeric)
 
 
-def page_of(plan: Plan, outcome: Outcome, files: str) -> Page:
+def page_of(plan: "Plan", outcome: Outcome, files: str) -> Page:
     """The page; ``files`` says what stands beside it."""
     tests = [f"{one.trial.name}: {one.trial.words}" for one in plan.forecasts]
     channels = [(name, plan.instruments.told(name)) for name in plan.instruments.channels]

@@ -10,12 +10,12 @@ from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.identification.planning.candidate import Bench, CandidateSettings
 from ehamj.identification.planning.forecast import Lines, told_by
-from ehamj.identification.planning.information import Knowledge, best_sequence
+from ehamj.identification.planning.information import TOLD, Knowledge, best_sequence
 from ehamj.identification.planning.instruments import Instruments
 from ehamj.identification.planning.kinds import CANDIDATES
 from ehamj.identification.planning.lanes import runs_of
 from ehamj.identification.planning.linear import Linear, Machines
-from ehamj.identification.planning.outcome import TOLD, Forecast, Method, Plan, Step
+from ehamj.identification.planning.outcome import Forecast, Method, Plan, Step
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown, Values

@@ -3,17 +3,19 @@
 import csv
 import json
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import tomli_w
 
 from ehamj.identification.planning.instruments import unit_of_channel
-from ehamj.identification.planning.outcome import Plan
 from ehamj.identification.planning.page import outcome_of, page_of
 from ehamj.identification.planning.trial import Trial
 from ehamj.pages import safe_name, write_page
 from ehamj.result import written_whole
+
+if TYPE_CHECKING:
+    from ehamj.identification.planning.outcome import Plan
 
 NUMBERS_FILE: Final = "plan.json"
 MACHINE_FILE: Final = "scenario.toml"
@@ -25,7 +27,7 @@ MEASURED: Final = "-measured.csv"
 """How the names end of files that a logger is to write."""
 
 
-def save(plan: Plan, folder: Path) -> None:
+def save(plan: "Plan", folder: Path) -> None:
     """Write the plan; see `ehamj.identification.planning.outcome.Plan.save`."""
     outcome = outcome_of(plan)
     _write_text(folder / MACHINE_FILE, plan.machine.to_toml())
@@ -44,12 +46,12 @@ def save(plan: Plan, folder: Path) -> None:
     _write_text(folder / NUMBERS_FILE, json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def made(plan: Plan) -> list[Trial]:
+def made(plan: "Plan") -> list[Trial]:
     """Tests of the sequence, each once."""
     return list({step.forecast.trial.name: step.forecast.trial for step in plan.sequence}.values())
 
 
-def identification_file(plan: Plan) -> dict[str, Any]:
+def identification_file(plan: "Plan") -> dict[str, Any]:
     """An identification file that takes what the recommended tests will have measured, one file each."""
     parameters = {
         one.name: {"bounds": [one.low, one.high]}
@@ -63,7 +65,7 @@ def identification_file(plan: Plan) -> dict[str, Any]:
 
 def _test(trial: Trial, outputs: dict[str, dict[str, str]]) -> dict[str, Any]:
     found: dict[str, Any] = {"name": trial.name, "kind": "record", "file": safe_name(trial.name) + MEASURED}
-    found |= {"settle": trial.settle} if trial.settle else {}
+    found["settle"] = trial.settle
     found |= {"set": dict(trial.otherwise)} if trial.otherwise else {}
     return found | {"measurement": {**{name: dict(one) for name, one in trial.inputs.items()}, **outputs}}
 
