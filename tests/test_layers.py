@@ -49,7 +49,7 @@ RANKS = (
     ("criteria",),
     ("memory", "ground", "forces", "judge"),
     ("control",),
-    ("faults",),
+    ("faults", "measured"),
     ("mujoco",),
     ("linear",),
     ("synthesis",),
