@@ -1,13 +1,14 @@
 """A test's file as channels of ehamj: components picked, in SI, judged, and brought onto one clock."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
-from ehamj.measured.channels import FORCE, check_measured, role_of, unit_of
+from ehamj.measured.channels import FORCE, ChannelUnit, check_measured, role_of, unit_of
 from ehamj.measured.doubts import faults, hum, resolution
 from ehamj.measured.measured import ForcePlace, Measured, MeasuredChannel, Role
 from ehamj.measured.resampling import resampled, usable_to
@@ -41,54 +42,55 @@ def read_measured(
         InputError: naming key, component and way out: for a component that is not there, of another unit than its
             channel's, dead, clipped or coarse (unless accepted), too short, or of another time than the others.
     """
-    if not measurement:
-        raise InputError(f"{key}.measurement is empty: state what the components of {path.name!r} are")
-    keys = {component: f"{key}.measurement.{toml_key(component)}" for component in measurement}
-    names = {component: channel_of(component, one) for component, one in measurement.items()}
-    roles: dict[str, Role] = {}
-    for component, one in measurement.items():
-        if one.channel is not None:
-            check_measured(one.channel, mounts, keys[component])
-        roles[component] = role_of(names[component], one.role, keys[component])
-        earlier = next((other for other in roles if other != component and names[other] == names[component]), None)
-        if earlier is not None:
-            raise InputError(
-                f"{keys[component]}.channel: {earlier} is {names[component]} already; leave one of them out"
-            )
-    picks = [_pick(component, one, names[component], keys[component]) for component, one in measurement.items()]
-    found = read_picked(path, picks, reading, key)
-    notes = list(dict.fromkeys(note for series in found for note in series.notes))
-    doubted, resolutions = [], []
-    for series, (component, one) in zip(found, measurement.items(), strict=True):
-        notes += _judged(series, one, roles[component], names[component], keys[component])
-        doubted.append(None if roles[component] == "input" else hum(series.samples, series.rate))
-        step = resolution(series.samples)
-        resolutions.append(None if step is None else abs(step * one.scale) / unit_of(names[component]).size)
-    driven = {
-        hum(series.samples, series.rate) for series, role in zip(found, roles.values(), strict=True) if role == "input"
-    }
-    notes += [
-        f"{series.component} has a line at {line:g} Hz, as of the mains; it is fitted as if the machine made it"
-        for series, line in zip(found, doubted, strict=True)
-        if line is not None and line not in driven  # which explain it
-    ]
+    wanted = wanted_of(measurement, mounts, key, path.name)
+    found = read_picked(path, [one.pick for one in wanted], reading, key)
+    notes = [*dict.fromkeys(note for series in found for note in series.notes)]
+    for series, one in zip(found, wanted, strict=True):
+        notes += _judged(series, one)
+    notes += _humming(found, wanted)
     rate, begin, columns, remarks = on_one_clock(found, key, path.name)
-    channels = tuple(
-        MeasuredChannel(
-            names[component],
-            unit_of(names[component]).text,
-            samples * (one.scale / unit_of(names[component]).size),
-            roles[component],
-            series.component,
-            _place(one),
-            _full_scale(one, names[component]),
-            step,
-        )
-        for (component, one), series, samples, step in zip(
-            measurement.items(), found, columns, resolutions, strict=True
-        )
-    )
+    channels = tuple(_channel(*one) for one in zip(wanted, found, columns, strict=True))
     return Measured(name or path.name, rate, channels, begin, usable_to(rate), (*notes, *remarks))
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A component that is wanted, and what it is."""
+
+    component: str
+    """Its key in the table."""
+    said: MeasuredComponent
+    channel: str
+    role: Role
+    key: str
+    """For messages."""
+
+    @property
+    def unit(self) -> ChannelUnit:
+        """Of the channel."""
+        return unit_of(self.channel)
+
+    @property
+    def pick(self) -> Pick:
+        """What is picked of the file."""
+        name = self.said.component or self.component
+        return Pick(self.key, self.unit.kind, self.channel, name, self.said.unit, self.said.full_scale)
+
+
+def wanted_of(measurement: Measurement, mounts: tuple[str, ...], key: str, label: str) -> list[Wanted]:
+    """What a table wants of a file; raises InputError for what is no channel, cannot be an input, or stands twice."""
+    if not measurement:
+        raise InputError(f"{key}.measurement is empty: state what the components of {label!r} are")
+    found: list[Wanted] = []
+    for component, said in measurement.items():
+        own, channel = f"{key}.measurement.{toml_key(component)}", channel_of(component, said)
+        if said.channel is not None:
+            check_measured(channel, mounts, own)
+        earlier = next((one.component for one in found if one.channel == channel), None)
+        if earlier is not None:
+            raise InputError(f"{own}.channel: {earlier} is {channel} already; leave one of them out")
+        found.append(Wanted(component, said, channel, role_of(channel, said.role, own), own))
+    return found
 
 
 def channel_of(component: str, one: MeasuredComponent) -> str:
@@ -96,33 +98,46 @@ def channel_of(component: str, one: MeasuredComponent) -> str:
     return one.channel or f"{FORCE} {component}"
 
 
-def _pick(component: str, one: MeasuredComponent, channel: str, key: str) -> Pick:
-    return Pick(key, unit_of(channel).kind, channel, one.component or component, one.unit, one.full_scale)
+def _channel(one: Wanted, series: Series, samples: Array) -> MeasuredChannel:
+    said, size = one.said, one.said.scale / one.unit.size
+    place = None if said.force is None else ForcePlace(said.force.point, of_length_one(said.force.direction))
+    step, full = resolution(series.samples), None
+    if said.full_scale is not None:  # of a WAV file
+        full = abs(size) * said.full_scale * (1.0 if said.unit in (None, SI) else unit(str(said.unit)).size)
+    return MeasuredChannel(
+        one.channel,
+        one.unit.text,
+        samples * size,
+        one.role,
+        series.component,
+        place,
+        full,
+        None if step is None else abs(size) * step,
+    )
 
 
-def _place(one: MeasuredComponent) -> ForcePlace | None:
-    return None if one.force is None else ForcePlace(one.force.point, of_length_one(one.force.direction))
-
-
-def _full_scale(one: MeasuredComponent, channel: str) -> float | None:
-    """Of a WAV file's converter, in the channel's unit."""
-    if one.full_scale is None:
-        return None
-    size = 1.0 if one.unit in (None, SI) else unit(str(one.unit)).size
-    return abs(one.scale) * one.full_scale * size / unit_of(channel).size
-
-
-def _judged(series: Series, one: MeasuredComponent, role: Role, channel: str, key: str) -> list[str]:
+def _judged(series: Series, one: Wanted) -> list[str]:
     """Remarks on faults that are accepted, or that an input may have; raises InputError for others."""
     notes = []
     for fault in faults(series.samples):
-        said = f"{series.component} ({channel}) {fault.said}"
-        if role == "output" and fault.word not in one.accept:
+        told = f"{series.component} ({one.channel}) {fault.said}"
+        if one.role == "output" and fault.word not in one.said.accept:
             raise InputError(
-                f'{key}: {said}; leave it out, or state accept = ["{fault.word}"] if it is as it should be'
+                f'{one.key}: {told}; leave it out, or state accept = ["{fault.word}"] if it is as it should be'
             )
-        notes.append(said)
+        notes.append(told)
     return notes
+
+
+def _humming(found: Sequence[Series], wanted: Sequence[Wanted]) -> list[str]:
+    """Remarks on hum of outputs that no input explains."""
+    lines = [hum(series.samples, series.rate) for series in found]
+    driven = {line for line, one in zip(lines, wanted, strict=True) if one.role == "input"}
+    return [
+        f"{series.component} has a line at {line:g} Hz, as of the mains; it is fitted as if the machine made it"
+        for series, one, line in zip(found, wanted, lines, strict=True)
+        if one.role == "output" and line is not None and line not in driven
+    ]
 
 
 def on_one_clock(found: Sequence[Series], key: str, label: str) -> tuple[float, float, list[Array], list[str]]:
