@@ -28,7 +28,7 @@ def override(table: dict[str, Any], text: str) -> None:
 
 
 def parts_of(key: str) -> list[str]:
-    """Parts of a dotted key as a user writes it; a part in quotes may hold dots itself, as in ``vary."machine.mass"``."""
+    """Parts of a dotted key as a user writes it; one in quotes may hold dots, as in ``vary."machine.mass"``."""
     if '"' in key or "'" in key:
         try:
             found, at = [], toml_of(f"{key} = 0")
