@@ -66,7 +66,7 @@ def _values_chart(found: Identification, names: dict[str, str]) -> Figure:
         ends = max(off(one, one.value - reach), low), min(off(one, one.value + reach), high)
         said = "" if one.deviation is None else f"± {number(100.0 * one.deviation / size_of(one), 2)} %"
         rows.append(Interval(names[key], off(one, one.value), *ends, (low, high), said))
-    return intervals_chart("What the data tell", "off the value at the start [%]", rows)
+    return intervals_chart("Values", "off the value at the start [%]", rows)
 
 
 def off(one: Identified, value: float) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
+from markupsafe import Markup
 
 from ehamj.campaign.names import short_names
 from ehamj.identification.figures import drawings_of_test, fit_words, off, reading, size_of, value_drawings
@@ -17,16 +18,16 @@ from ehamj.studies.outcome import Drawing
 LONGEST: Final = 40
 """Samples of a channel without an order that a table shows."""
 STATUS: Final = {"identified": "identified", "unidentifiable": "not told", "prior": "known before"}
-LOOK: Final = {"identified": "identified", "unidentifiable": "assumed", "prior": "given"}
+LOOK: Final = {"identified": "identified", "unidentifiable": "assumed", "prior": "known"}
 """Badge of each status."""
 
 
-def page_of(found: Identification, files: str) -> Page:
+def page_of(found: Identification, studied: bool) -> Page:
     """The page.
 
     Args:
         found: the identification.
-        files: what stands beside the page, in words.
+        studied: whether a study of what is left open stands beside it.
     """
     sections = [
         *_warnings(found),
@@ -38,7 +39,7 @@ def page_of(found: Identification, files: str) -> Page:
         *(_test(test, ", held out") for test in found.validation),
         ANNEX,
         Section("how", "How it was found", facts=list(_facts(found))),
-        Section("files", "Files", notes=[files]),
+        Section("files", "Files", notes=[files_words(studied)]),
     ]
     lead = f"{len(found.values)} values of {found.scenario.name}, from {_counted(len(found.tests), 'test')}."
     return Page(f"{found.file.title}: {found.scenario.name}", found.file.title, lead, sections, list(verdict(found)),
@@ -65,7 +66,7 @@ def verdict(found: Identification) -> Iterator[tuple[str, str]]:
     yield "", said + "."
     lost = [names[key] for key in found.values if key not in told]
     if lost:
-        yield "worse off", f"Not told by these data, and without a number: {', '.join(lost)}."
+        yield "", f"Not told by these data, and without a number: {', '.join(lost)}."
 
 
 def _alerts(found: Identification) -> Iterator[tuple[str, str]]:
@@ -90,7 +91,7 @@ def values_table(found: Identification) -> Table:
         rows.append([named(key, names[key]), value_words(one), one.unit, exact(float(f"{one.start:.6g}")), change,
                      bounds_words(one), status_words(one)])  # fmt: skip
     head = ("quantity", "value ± deviation", "unit", "start", "change [%]", "bounds", "status")
-    return Table("Values", head, rows, kind="words", numeric=(1, 3, 4))
+    return Table("Values", head, rows, kind="words", numeric=(1, 3, 4, 5))
 
 
 def value_words(one: Identified) -> str:
@@ -133,7 +134,7 @@ def _choice(found: Identification) -> Iterator[Section]:
     rows = []
     for name, one in about["options"].items():
         kind = (
-            ("justified", "identified") if one["justified"] else ("not needed" if one["told"] else "not told", "given")
+            ("justified", "identified") if one["justified"] else ("not needed" if one["told"] else "not told", "plain")
         )
         rows.append([name.replace("_", " "), badge(*kind), one["words"]])
     table = Table("Options of the valve", ("option", "", "why"), rows, kind="words")
@@ -210,6 +211,21 @@ def _facts(found: Identification) -> Iterator[tuple[str, str]]:
     if "seconds" in found.told:
         yield "time", f"{number(float(found.told['seconds']))} s"
     yield "−2·log likelihood", number(found.cost, 7)
+
+
+def files_words(studied: bool) -> str:
+    """What stands beside the page, and what it is for."""
+    said = Markup(
+        "Beside this page: scenario.toml, the identified machine, each value with its source and deviation "
+        "(<code>ehamj run scenario.toml</code>); identification.nc, what was measured and what the model predicts, a "
+        "group for each test; identification.json, all numbers; figures/."
+    )
+    if not studied:
+        return said
+    return said + Markup(
+        " robustness.toml draws machines from what the data leave open, with their correlations: "
+        "<code>ehamj study robustness.toml</code>."
+    )
 
 
 def _counted(many: int, what: str) -> str:

@@ -16,6 +16,8 @@ HEIGHT: Final = 66.0
 """Of a channel's panel [pt]."""
 LEFT_OVER: Final = 30.0
 """Of the panel below it, which shows what is left [pt]."""
+DEEPEST: Final = 0.1
+"""Share of the least that was measured, or is left, below which a spectrum is not drawn."""
 MEASURED: Final[dict[str, Any]] = {"color": "#8A939C", "linewidth": 2.2}
 PREDICTED: Final[dict[str, Any]] = {"color": style.BLUE, "linewidth": 1.0}
 LEFT: Final[dict[str, Any]] = {"color": style.VERMILLION, "linewidth": 0.9}
@@ -80,6 +82,7 @@ def spectra_chart(title: str, channels: Sequence[Beside]) -> Figure:
         one.plot(channel.x, np.broadcast_to(channel.noise, channel.x.shape), **LEFT)
         _names(one, channel)
         one.set_ylabel(f"[{channel.unit}]")
+        one.set_ylim(bottom=DEEPEST * min(float(channel.measured.min()), float(np.min(channel.noise))))
         log_axis(one.yaxis, few=True)
     last = axes[-1]
     last.margins(x=0)
