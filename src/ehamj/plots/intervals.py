@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -58,7 +58,7 @@ def intervals_chart(title: str, axis: str, rows: Sequence[Interval], within: str
 
 def _row(axes: Axes, top: float, row: Interval) -> None:
     across = axes.get_yaxis_transform()
-    look = {"facecolor": "#EEF1F4", "edgecolor": style.FAINT, "linewidth": 0.7}
+    look: dict[str, Any] = {"facecolor": "#EEF1F4", "edgecolor": style.FAINT, "linewidth": 0.7}
     if row.value is None:
         look |= {"facecolor": "white", "hatch": "////"}
     axes.barh(top + AT, np.diff(row.bounds), left=row.bounds[0], height=8.0, zorder=1.0, **look)
