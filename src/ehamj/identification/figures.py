@@ -2,19 +2,21 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.campaign.names import axis_of, short_names
-from ehamj.identification.outcome import ChannelFit, Identification, Identified, TestFit
 from ehamj.pages.words import DASH, ENGINEERING, number
 from ehamj.plots import BLUE, GREY, VERMILLION, Figure, Line, Response, lines_chart, response
 from ehamj.plots.beside import Beside, beside_chart, spectra_chart
 from ehamj.plots.intervals import Interval, intervals_chart
 from ehamj.plots.squares import squares_chart
 from ehamj.studies.outcome import Drawing
+
+if TYPE_CHECKING:
+    from ehamj.identification.outcome import ChannelFit, Identification, Identified, TestFit
 
 INTERVAL: Final = 1.96
 """Deviations to the ends of a 95 % interval."""
@@ -32,7 +34,7 @@ LINES: Final = 8
 """Channels whose autocorrelation is drawn."""
 
 
-def value_drawings(found: Identification) -> Iterator[tuple[str, Drawing]]:
+def value_drawings(found: "Identification") -> Iterator[tuple[str, Drawing]]:
     """Values beside where they began, and how they go together."""
     names = short_names(found.values)
     caption = (
@@ -55,7 +57,7 @@ def value_drawings(found: Identification) -> Iterator[tuple[str, Drawing]]:
         yield f"profile {key}", Drawing(caption, partial(_profile_chart, names[key], found.values[key], profile))
 
 
-def _values_chart(found: Identification, names: dict[str, str]) -> Figure:
+def _values_chart(found: "Identification", names: dict[str, str]) -> Figure:
     rows = []
     for key, one in found.values.items():
         low, high = off(one, one.bounds[0]), off(one, one.bounds[1])
@@ -69,31 +71,31 @@ def _values_chart(found: Identification, names: dict[str, str]) -> Figure:
     return intervals_chart("Values", "off the value at the start [%]", rows)
 
 
-def off(one: Identified, value: float) -> float:
+def off(one: "Identified", value: float) -> float:
     """How far a value is off the start [%]."""
     return 100.0 * (value - one.start) / size_of(one)
 
 
-def size_of(one: Identified) -> float:
+def size_of(one: "Identified") -> float:
     """What a value's changes are shares of: its start, or half of the bounds' distance where that is far less."""
     half = 0.5 * (one.bounds[1] - one.bounds[0])
     return abs(one.start) if abs(one.start) > 0.05 * half else half
 
 
-def _correlation_chart(found: Identification, names: list[str], told: list[int]) -> Figure:
+def _correlation_chart(found: "Identification", names: list[str], told: list[int]) -> Figure:
     rows = [f"{names[k]}  {place}" for place, k in enumerate(told, 1)]
     columns = [str(place) for place in range(1, len(told) + 1)]
     return squares_chart("Correlations", rows, columns, found.correlation[np.ix_(told, told)])
 
 
-def _profile_chart(name: str, one: Identified, profile: Array) -> Figure:
+def _profile_chart(name: str, one: "Identified", profile: Array) -> Figure:
     axis, values = axis_of(name, one.unit, profile[:, 0])
     limit = Line("95 %", values[[0, -1]], [3.84, 3.84], GREY, 1, width=1.0)
     rise = Line("all others fitted", values, profile[:, 1])
     return lines_chart(f"Profile: {name}", axis, {"rise of −2·log likelihood [-]": [rise, limit]})
 
 
-def drawings_of_test(test: TestFit, held_out: bool = False) -> Iterator[tuple[str, Drawing]]:
+def drawings_of_test(test: "TestFit", held_out: bool = False) -> Iterator[tuple[str, Drawing]]:
     """A test's channels measured beside predicted, and what is left."""
     yield from _time_drawings(test)
     responses = [one for one in test.channels if np.iscomplexobj(one.measured) and one.axis == "frequency"]
@@ -114,7 +116,7 @@ def drawings_of_test(test: TestFit, held_out: bool = False) -> Iterator[tuple[st
         yield f"{test.name}: shapes", Drawing(caption, partial(_shapes_chart, test))
 
 
-def _time_drawings(test: TestFit) -> Iterator[tuple[str, Drawing]]:
+def _time_drawings(test: "TestFit") -> Iterator[tuple[str, Drawing]]:
     records = [one for one in test.channels if one.axis == "time" and len(one.at) > 1]
     if not records:
         return
@@ -127,7 +129,7 @@ def _time_drawings(test: TestFit) -> Iterator[tuple[str, Drawing]]:
         yield f"{test.name}: spectra", Drawing(caption, partial(_spectra_chart, test, shown))
 
 
-def least(channels: Sequence[ChannelFit], most: int = PANELS) -> list[ChannelFit]:
+def least(channels: "Sequence[ChannelFit]", most: int = PANELS) -> "list[ChannelFit]":
     """Those channels that fit least, in their order."""
     worst = sorted(channels, key=lambda one: (not np.isnan(one.fit), one.fit))[:most]
     return [one for one in channels if any(one is other for other in worst)]
@@ -138,7 +140,7 @@ def reading(unit: str) -> tuple[float, str]:
     return ENGINEERING.get(unit.replace("²", "^2").replace("³", "^3"), (1.0, "-" if unit in ("", "1") else unit))
 
 
-def _time_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
+def _time_chart(test: "TestFit", channels: "Sequence[ChannelFit]") -> Figure:
     part = liveliest(channels)
     shown = []
     for one in channels:
@@ -150,7 +152,7 @@ def _time_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
     return beside_chart(f"{test.name}: measured beside model", "time [s]", shown)
 
 
-def liveliest(channels: Sequence[ChannelFit]) -> tuple[float, float]:
+def liveliest(channels: "Sequence[ChannelFit]") -> tuple[float, float]:
     """From when to when a part of a record goes in which most happens, in all its channels [s]."""
     time = channels[0].at
     size = int(np.clip(len(time) // 10, *WINDOW))
@@ -166,7 +168,7 @@ def liveliest(channels: Sequence[ChannelFit]) -> tuple[float, float]:
     return float(time[first]), float(time[first + size])
 
 
-def _spectra_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
+def _spectra_chart(test: "TestFit", channels: "Sequence[ChannelFit]") -> Figure:
     from scipy.signal import welch
 
     shown = []
@@ -182,7 +184,7 @@ def _spectra_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
     return spectra_chart(f"{test.name}: spectra", shown)
 
 
-def _response_chart(test: TestFit, one: ChannelFit) -> Figure:
+def _response_chart(test: "TestFit", one: "ChannelFit") -> Figure:
     coherence = np.full(one.at.shape, np.nan) if one.coherence is None else one.coherence
     curves = [
         Response("model", one.at, np.asarray(one.predicted, complex), BLUE),
@@ -192,7 +194,7 @@ def _response_chart(test: TestFit, one: ChannelFit) -> Figure:
     return response(f"{test.name}: {one.name}", curves, one.unit or "1")
 
 
-def _whiteness_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
+def _whiteness_chart(test: "TestFit", channels: "Sequence[ChannelFit]") -> Figure:
     lines = []
     for place, one in enumerate(channels):
         own = one.whiteness
@@ -208,12 +210,12 @@ def _whiteness_chart(test: TestFit, channels: Sequence[ChannelFit]) -> Figure:
     return lines_chart(f"{test.name}: what is left", "lag [samples]", {axis: lines}, limits={axis: (-reach, reach)})
 
 
-def _shapes_chart(test: TestFit) -> Figure:
+def _shapes_chart(test: "TestFit") -> Figure:
     mac = test.found["after"]["mac"]
     values = [[np.nan if value is None else value for value in row] for row in mac["values"]]
     return squares_chart(f"{test.name}: shapes", mac["measured"], mac["computed"], values, signed=False)
 
 
-def fit_words(one: ChannelFit) -> str:
+def fit_words(one: "ChannelFit") -> str:
     """How well a channel fits, in a few words."""
     return "" if np.isnan(one.fit) else f"fit {number(one.fit)} %"

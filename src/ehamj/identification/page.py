@@ -1,7 +1,7 @@
 """The page of an identification: what the data tell and how well, what they cannot, and how the model fits them."""
 
 from collections.abc import Iterable, Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from markupsafe import Markup
@@ -9,11 +9,13 @@ from markupsafe import Markup
 from ehamj.campaign.names import short_names
 from ehamj.identification.figures import drawings_of_test, fit_words, off, reading, size_of, value_drawings
 from ehamj.identification.modes_shown import mode_tables
-from ehamj.identification.outcome import ChannelFit, Identification, Identified, TestFit
 from ehamj.pages import ANNEX, Page, Picture, Section, Table, badge
 from ehamj.pages.words import DASH, exact, number, within
 from ehamj.report.sections.inputs import named
 from ehamj.studies.outcome import Drawing
+
+if TYPE_CHECKING:
+    from ehamj.identification.outcome import ChannelFit, Identification, Identified, TestFit
 
 LONGEST: Final = 40
 """Samples of a channel without an order that a table shows."""
@@ -22,7 +24,7 @@ LOOK: Final = {"identified": "identified", "unidentifiable": "assumed", "prior":
 """Badge of each status."""
 
 
-def page_of(found: Identification, studied: bool) -> Page:
+def page_of(found: "Identification", studied: bool) -> Page:
     """The page.
 
     Args:
@@ -52,7 +54,7 @@ FIT: Final = (
 )
 
 
-def verdict(found: Identification) -> Iterator[tuple[str, str]]:
+def verdict(found: "Identification") -> Iterator[tuple[str, str]]:
     """What came out, in two sentences."""
     names = short_names(found.values)
     told = {key: one for key, one in found.values.items() if one.value is not None}
@@ -69,7 +71,7 @@ def verdict(found: Identification) -> Iterator[tuple[str, str]]:
         yield "", f"Not told by these data, and without a number: {', '.join(lost)}."
 
 
-def _alerts(found: Identification) -> Iterator[tuple[str, str]]:
+def _alerts(found: "Identification") -> Iterator[tuple[str, str]]:
     if found.told.get("converged") is False:
         yield (
             "Not converged.",
@@ -77,12 +79,12 @@ def _alerts(found: Identification) -> Iterator[tuple[str, str]]:
         )
 
 
-def _warnings(found: Identification) -> Iterator[Section]:
+def _warnings(found: "Identification") -> Iterator[Section]:
     if found.notes:
         yield Section("warnings", items=found.notes, items_title="To be known", kind="warnings")
 
 
-def values_table(found: Identification) -> Table:
+def values_table(found: "Identification") -> Table:
     """Every value beside its start."""
     names = short_names(found.values)
     rows = []
@@ -94,20 +96,20 @@ def values_table(found: Identification) -> Table:
     return Table("Values", head, rows, kind="words", numeric=(1, 3, 4, 5))
 
 
-def value_words(one: Identified) -> str:
+def value_words(one: "Identified") -> str:
     """A value with its deviation."""
     if one.value is None:
         return DASH
     return number(one.value, 4) if one.deviation is None else within(one.value, one.deviation)
 
 
-def bounds_words(one: Identified) -> str:
+def bounds_words(one: "Identified") -> str:
     """The bounds of a value; those that there are not are left open."""
     low, high = (number(end, 3) if np.isfinite(end) else DASH for end in one.bounds)
     return f"{low} to {high}"
 
 
-def status_words(one: Identified) -> str:
+def status_words(one: "Identified") -> str:
     """Whether the data tell it, and what is to be said of it."""
     at = (
         badge(f"at its {one.at_bound} bound", "assumed")
@@ -117,7 +119,7 @@ def status_words(one: Identified) -> str:
     return at if not one.why or one.at_bound else at + " " + one.why
 
 
-def _untold(found: Identification) -> Iterator[Section]:
+def _untold(found: "Identification") -> Iterator[Section]:
     lost = [one.words for one in found.combinations]
     if lost:
         note = (
@@ -127,7 +129,7 @@ def _untold(found: Identification) -> Iterator[Section]:
         yield Section("cannot-tell", "What the data cannot tell", items=lost, notes=[note])
 
 
-def _choice(found: Identification) -> Iterator[Section]:
+def _choice(found: "Identification") -> Iterator[Section]:
     if found.choice is None:
         return
     about = found.choice.to_dict()
@@ -143,7 +145,7 @@ def _choice(found: Identification) -> Iterator[Section]:
     yield Section("choice", "Which options of the valve the data justify", tables=[table], notes=[note])
 
 
-def fit_table(found: Identification) -> Table:
+def fit_table(found: "Identification") -> Table:
     """Every channel of every test: fit, noise, whiteness."""
     rows = [
         [test.name + held, *_fit_row(one)]
@@ -161,7 +163,7 @@ def fit_table(found: Identification) -> Table:
     return Table("Channels", head, rows, kind="words", numeric=(2, 3, 4, 6), folded=folded)
 
 
-def _fit_row(one: ChannelFit) -> list[str]:
+def _fit_row(one: "ChannelFit") -> list[str]:
     factor, unit = reading(one.unit)
     left = factor * float(np.sqrt(np.mean(np.abs(one.measured - one.predicted) ** 2)))
     noise = factor * float(np.sqrt(np.mean(one.deviation**2)))
@@ -169,7 +171,7 @@ def _fit_row(one: ChannelFit) -> list[str]:
     return [one.name, number(one.fit), number(noise), number(left), unit, str(len(one.at)), white]
 
 
-def _test(test: TestFit, held: str) -> Section:
+def _test(test: "TestFit", held: str) -> Section:
     tables = [*mode_tables(test.found), *_number_tables(test), *_unknowns(test)]
     return Section(f"test-{test.name}".replace(" ", "-"), f"Test {test.name}: {test.kind}{held}",
                    list(_pictures(drawings_of_test(test, bool(held)))), tables,
@@ -181,7 +183,7 @@ def _pictures(drawings: Iterable[tuple[str, Drawing]]) -> Iterator[Picture]:
         yield Picture(name, one.draw(), one.caption)
 
 
-def _number_tables(test: TestFit) -> Iterator[Table]:
+def _number_tables(test: "TestFit") -> Iterator[Table]:
     """Channels without an order beside each other; modes have tables of their own."""
     for one in test.channels:
         if one.axis != "number" or "after" in test.found or len(one.at) > LONGEST or np.iscomplexobj(one.measured):
@@ -193,7 +195,7 @@ def _number_tables(test: TestFit) -> Iterator[Table]:
         yield Table(title, ("reading", "measured", "model", "deviation"), rows)
 
 
-def _unknowns(test: TestFit) -> Iterator[Table]:
+def _unknowns(test: "TestFit") -> Iterator[Table]:
     """Offsets, gains and delays of its own."""
     rows = [[name, value_words(one), one.unit] for name, one in test.unknowns.items()]
     if rows:
@@ -202,7 +204,7 @@ def _unknowns(test: TestFit) -> Iterator[Table]:
         )
 
 
-def _facts(found: Identification) -> Iterator[tuple[str, str]]:
+def _facts(found: "Identification") -> Iterator[tuple[str, str]]:
     yield "data", f"{found.samples:,} numbers of {_counted(sum(len(one.channels) for one in found.tests), 'channel')}"
     yield "engine", found.file.engine
     for key in ("starts", "steps", "runs"):
