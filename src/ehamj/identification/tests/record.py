@@ -1,5 +1,6 @@
 """A record of a test: channels over time, inputs among them, compared in time or in frequency."""
 
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
@@ -15,6 +16,7 @@ from ehamj.identification.tests.test import Context, TestSettings
 from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
 from ehamj.identification.unknowns import Values
 from ehamj.measured.measured import Measured, MeasuredChannel
+from ehamj.measured.reading import read_measured
 from ehamj.measured.settings import Measurement
 from ehamj.records.choices import Reading
 from ehamj.scenario.model import Scenario
@@ -94,7 +96,9 @@ class RecordTest(Reading, TestSettings):
             raise InputError(
                 f"test {self.name!r}: file is missing, and no measurement was given in Python by this name"
             )
-        raise InputError(f"test {self.name!r}: file = {self.file!r}: give what was measured in Python (measured)")
+        return read_measured(
+            Path(self.file), self.measurement, context.scenario.plant.mounts, self, self.place(context), self.name
+        )
 
     def driven(self, measured: Measured, context: Context, clock: Clock) -> Driven:
         """The scenario of the test, driven as the rig was, at any point."""

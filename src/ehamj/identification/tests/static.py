@@ -123,7 +123,7 @@ class StaticResiduals:
                     predicted[:, k] + (values[zero] if free else 0.0),
                     np.full(size, self._test.deviation.get(name, np.nan)),
                     {zero: np.ones(size)} if free else {},
-                )  # fmt: skip
+                )
             )
         return tuple(found)
 
