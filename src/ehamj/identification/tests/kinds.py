@@ -1,8 +1,9 @@
 """The kinds of test there are: one more is a file beside this one, and an entry here."""
 
+from ehamj.identification.tests.modes import ModesTest
 from ehamj.identification.tests.record import RecordTest
 from ehamj.identification.tests.static import StaticTest
 from ehamj.identification.tests.test import TestSettings
 
-TESTS: tuple[type[TestSettings], ...] = (RecordTest, StaticTest)
+TESTS: tuple[type[TestSettings], ...] = (RecordTest, StaticTest, ModesTest)
 """Every kind; a table [[test]] holds one of them."""

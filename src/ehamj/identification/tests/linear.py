@@ -101,7 +101,7 @@ class LinearResiduals:
             response = self._response(self._scenario_at(values))
         except InputError as error:
             return Failed(str(error))
-        s = 2j * np.pi * self.frequency
+        s = np.asarray(2j * np.pi * self.frequency, np.complex128)
         into = [_sensor(port, values, s) for port in self.inputs]
         out = [_sensor(port, values, s) for port in self.outputs]
         return tuple(self._line(line, response, into, out, values, s) for line in self.lines)
@@ -135,7 +135,7 @@ class LinearResiduals:
         """Outputs over inputs of the model, (f, output, input)."""
         model = linear_model(scenario.plant)
         names = [port.name for port in self.outputs]
-        s = 2j * np.pi * self.frequency
+        s = np.asarray(2j * np.pi * self.frequency, np.complex128)
         whole = model.response(self.frequency, names, model.inputs)
         columns = {name: whole[:, :, k] for k, name in enumerate(model.inputs)}
         found = np.stack([_input(port, model, scenario, columns, s) for port in self.inputs], axis=2)

@@ -118,7 +118,7 @@ class StaticResiduals:
                     name,
                     unit_of(name).text,
                     "number",
-                    np.arange(size) + 1.0,
+                    np.arange(1.0, size + 1.0),
                     np.array(measured),
                     predicted[:, k] + (values[zero] if free else 0.0),
                     np.full(size, self._test.deviation.get(name, np.nan)),
