@@ -78,7 +78,8 @@ def prepared(
     unknown = next((name for name in measured if name not in [test.name for test in file.test]), None)
     if unknown is not None:
         raise InputError(f"measured: {unknown!r} is none of the tests {', '.join(test.name for test in file.test)}")
-    context = Context(scenario, tuple(file.parameters), file.engine, threads, measured)
+    names = tuple(test.name for test in file.test)
+    context = Context(scenario, tuple(file.parameters), file.engine, threads, names, measured)
     return parameters, tuple(test.residuals(context) for test in file.test)
 
 
