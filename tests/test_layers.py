@@ -49,7 +49,7 @@ RANKS = (
     ("criteria",),
     ("memory", "ground", "forces", "judge"),
     ("control",),
-    ("faults",),
+    ("faults", "measured"),
     ("mujoco",),
     ("linear",),
     ("synthesis",),
@@ -63,6 +63,7 @@ RANKS = (
     ("merits",),
     ("report", "studies"),
     ("design", "export", "verify", "store", "campaign"),
+    ("identification",),
     ("bench",),
     ("cli", "__init__"),
 )

@@ -3,13 +3,15 @@
 A source is one of
 
 - ``paper``: Table I or the text of the source paper,
-- ``identified``: fitted to something that the paper states,
+- ``identified``: fitted to measurements, or to something that the paper states; what was fitted to measurements has its
+  standard deviation in ``deviations``,
 - ``assumed``: chosen, because nobody measured it,
 - ``given``: set by the user.
 """
 
 import json
 import math
+import operator
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
 from typing import Annotated, Any, Final, Literal, Self, Union, get_args, get_origin
@@ -52,6 +54,10 @@ def _lasts(fade: float) -> float:
 
 Fade = Annotated[float, Field(ge=0), AfterValidator(_lasts)]
 """Time over which something fades; at once, 0, or in a time that its rate of change does not suffer from [s]."""
+Deviation = NotNegative | tuple[NotNegative, ...] | tuple[tuple[NotNegative, ...], ...]
+"""Standard deviation of a value, of the value's own shape and unit; zero for an entry that was not fitted."""
+PROVENANCE: Final = ("sources", "deviations")
+"""Keys beside physical values that say where these come from and how well they are known; they are no values."""
 Unlimited = Annotated[float, Field(allow_inf_nan=True)]
 
 FILE = "file"
@@ -169,10 +175,17 @@ class Parameters(Settings):
     """Settings whose every value carries a source; a value that differs from the default is ``given``."""
 
     sources: dict[str, Source] = Field(default_factory=dict, description="where each value comes from")
+    deviations: dict[str, Deviation] = Field(
+        default_factory=dict,
+        description="standard deviations of values that were identified, each in its quantity's unit [unit]",
+        exclude_if=operator.not_,
+    )
 
     @model_validator(mode="after")
     def _complete_sources(self) -> Self:
         self._complete()
+        for name, deviation in self.deviations.items():
+            self._check_deviation(name, deviation)
         return self
 
     def _complete(self) -> None:
@@ -185,6 +198,19 @@ class Parameters(Settings):
             is_default = getattr(self, name) == type(self).model_fields[name].default
             complete[name] = self.sources.get(name, source if is_default else "given")
         object.__setattr__(self, "sources", complete)
+
+    def _check_deviation(self, name: str, deviation: Any) -> None:
+        """Refuse the deviation of what has none, or one that is not of its value's shape."""
+        if name not in self.sources:
+            raise ValueError(f"deviations names {name!r}, which is not one of {', '.join(self.sources)}")
+        if self.sources[name] != "identified":
+            raise ValueError(
+                f"deviations.{name} = {deviation}: the value's source is {self.sources[name]!r}; only one with "
+                f"sources.{name} = 'identified' has a deviation"
+            )
+        value = getattr(self, name)
+        if not _alike(deviation, value):
+            raise ValueError(f"deviations.{name} = {deviation}: must be as {name} = {value}, a number for each number")
 
     @classmethod
     def stated(cls, **values: Any) -> Self:
@@ -205,14 +231,24 @@ class Parameters(Settings):
     def beyond(self, known: Collection[str]) -> dict[str, Any]:
         """Values that differ from their defaults and are none of ``known``: what a model of those would leave out."""
         fields = type(self).model_fields.items()
-        others = {name: field.default for name, field in fields if name not in known and name != "sources"}
+        others = {name: field.default for name, field in fields if name not in (*known, *PROVENANCE)}
         return {name: getattr(self, name) for name, default in others.items() if getattr(self, name) != default}
 
     def with_values(self, values: dict[str, Any]) -> Self:
-        """A copy with other values, which become ``given`` unless they are what they were."""
+        """A copy with other values, which become ``given``, without a deviation, unless they are what they were."""
         changed = {
-            name: value for name, value in values.items() if name == "sources" or getattr(self, name, None) != value
+            name: value
+            for name, value in values.items()
+            if name not in PROVENANCE and getattr(self, name, None) != value
         }
-        sources = {name: source for name, source in self.sources.items() if name not in changed}
-        sources.update(changed.pop("sources", {}))
-        return type(self).model_validate({**self.model_dump(exclude={"sources"}), **changed, "sources": sources})
+        sources = {name: one for name, one in self.sources.items() if name not in changed} | values.get("sources", {})
+        known = {name: one for name, one in self.deviations.items() if sources.get(name) == "identified"}
+        own = {"sources": sources, "deviations": known | values.get("deviations", {})}
+        return type(self).model_validate({**self.model_dump(exclude=set(PROVENANCE)), **changed, **own})
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Whether two values are numbers, or lists as long as each other of what is alike."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    return not isinstance(one, tuple | list) and not isinstance(other, tuple | list)

@@ -20,6 +20,7 @@ from ehamj.linear.values import ACTUATOR_VALUES
 from ehamj.plant.axes import DOFS
 from ehamj.plant.mounts import DEFAULT_MOUNTS, MOUNTS
 from ehamj.scenario.load import load_scenario, parse_scenario
+from ehamj.settings import PROVENANCE
 
 UNEVEN: dict[str, Any] = {
     "machine": {"cg": [0.15, -0.1, 0.9], "inertia": [2500.0, 3600.0, 4100.0]},
@@ -351,7 +352,7 @@ def test_every_option_is_known_or_refused() -> None:
     changed = {"overlap": (0.1,) * 4, "null_offset": 0.1, "hysteresis": 0.1, "threshold": 0.1}
     changed |= {"outside_leakage_1": 1e-12, "outside_leakage_2": 1e-12, "check_valve": True, "spool_stuck": True}
     changed |= {"spool_stuck_at": 0.1, "null_drift_from": 1.0, "null_drift_limit": 0.1}
-    assert set(Actuator.model_fields) - known == {*changed, "null_drift", "sources"}
+    assert set(Actuator.model_fields) - known == {*changed, "null_drift", *PROVENANCE}
     with pytest.raises(InputError, match=r"actuators\.isolator\.null_drift = .*: must be .* here"):
         one(null_drift=0.1, null_drift_limit=0.1)
     for name, value in changed.items():

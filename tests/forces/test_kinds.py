@@ -1,5 +1,6 @@
 """Every kind of force that is registered runs."""
 
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -19,6 +20,7 @@ TABLES: dict[str, dict[str, Any]] = {
     "sine": {"amplitude": 100.0, "frequency": 20.0},
     "multisine": {"amplitude": 100.0, "frequencies": [20.0, 30.0]},
     "random": {"rms": 100.0},
+    "recorded": {"file": "push.csv"},
 }
 """What a kind needs beside its defaults to push within the short run."""
 
@@ -32,8 +34,10 @@ def test_every_kind_is_a_force_of_the_scenario() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_runs(kind: str) -> None:
+def test_every_kind_runs(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The machine moves as it would not without it, and the step follows the force."""
+    monkeypatch.chdir(tmp_path)
+    Path("push.csv").write_text("time [s],F [N]\n" + "".join(f"{k / 1000},{100 * (k % 10)}\n" for k in range(40)))
     needed = {name for name, field in KINDS[kind].model_fields.items() if field.is_required()} - {"kind"}
     assert needed <= set(TABLES.get(kind, {})), f"a force that cannot run on its defaults needs a line in {__file__}"
     table = {"kind": kind, "direction": [1.0, 0.0, 0.0], **TABLES.get(kind, {})}

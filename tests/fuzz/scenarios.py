@@ -16,7 +16,7 @@ from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
 from ehamj.scenario_files import scenario_table, shipped_scenarios
-from ehamj.settings import Settings
+from ehamj.settings import PROVENANCE, Settings
 from fuzz.case import Case
 from fuzz.together import FILES, HOOKS, LEVELS, law_file
 from fuzz.values import DEEP, HUGE, Drawer, wild
@@ -184,7 +184,7 @@ def _any_key(random: Random, table: dict[str, Any]) -> Found:
     draw.names = {"mount": list(MOUNTS), "mounts": list(MOUNTS), "point": ["cg"], "level": LEVELS}
     while True:
         keys = keys_of(kind)
-        key = random.choice([one for one in keys if one != "sources"])
+        key = random.choice([one for one in keys if one not in PROVENANCE])
         name = f"{name}.{key}".removeprefix(".")
         field = next(f for n, f in kind.model_fields.items() if (f.alias or n) == key)
         tables = list(by_kind(keys[key]).values()) or [one for one in [only(keys[key])] if _is_table(one)]

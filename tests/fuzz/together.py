@@ -9,6 +9,7 @@ BANDS = (5.0, 6.3, 8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0)
 LEVELS = ["VC-A", "VC-C", "VC-E", "workshop", "office", "residential"]
 FILES = {
     "record.csv": "time [s],z [mm/s]\n" + "".join(f"{k / 500:.3f},{k * 37 % 101 / 500:.4f}\n" for k in range(600)),
+    "drive.csv": "time [s],U [V],F [N]\n" + "".join(f"{k / 500:.3f},{k % 7 / 50},{k % 11}\n" for k in range(600)),
     "floor.csv": "band [Hz],z [µm/s],x [µm/s],y [µm/s]\n" + "".join(f"{band:g},9,8,7\n" for band in BANDS),
     "moves.csv": "0,0\n0.02,0.001\n0.05,0.0\n",
     "limits.csv": "band [Hz],good [µm/s],bad [µm/s]\n" + "".join(f"{band:g},5,50\n" for band in BANDS),
@@ -191,6 +192,16 @@ def _combined(draw: Drawer, table: dict[str, Any]) -> dict[str, Any]:
     return _control(draw, table)
 
 
+def _driven(component: str) -> Any:
+    """A hook: a component of the file that drives."""
+
+    def hook(draw: Drawer, table: dict[str, Any]) -> dict[str, Any]:
+        kept = {key: table[key] for key in ("mounts", "hold", "point", "direction", "fade_in") if key in table}
+        return {"kind": "recorded", "file": "drive.csv", "component": component, **kept}
+
+    return hook
+
+
 def _file_target(draw: Drawer, table: dict[str, Any]) -> dict[str, Any]:
     return {"kind": "file", "file": "floor.csv"}
 
@@ -246,6 +257,7 @@ HOOKS = {
        "RecordGround": _record, "SumGround": _sum, "Machine": _machine, "Part": _body, "Slide": _slide, "Moves": _moves,
     "TableProfile": _table_profile, "Isolator": _isolator, "MultisineForce": _sines, "RandomForce": _one_or_all,
     "Upstream": _upstream,
+    "RecordedCommand": _driven("U"), "RecordedForce": _driven("F"),
     "SpoolFeedback": _spool_feedback, "MultisineCommand": _sines, "ChirpCommand": rising("first", "last"),
     "CriteriaSettings": _criteria,
     "ResponseSpectrumSettings": _one_or_all, "Relative": _relative, "Law": _law, "Learning": _learning,

@@ -13,7 +13,7 @@ from typing_extensions import is_typeddict
 
 from ehamj.bounds import BOUNDS, NOISE, unit_of
 from ehamj.scenario.places import choices, keys_of
-from ehamj.settings import FILE, Settings
+from ehamj.settings import FILE, PROVENANCE, Settings
 
 TYPICAL = {
     "Hz": 20.0, "s": 0.02, "m": 0.2, "m/s": 0.1, "m/s²": 5.0, "m/s³": 100.0, "kg": 200.0, "kg m": 1e-4, "kg m²": 300.0,
@@ -48,7 +48,7 @@ class Drawer:
         found: dict[str, Any] = {}
         for name, field in kind.model_fields.items():
             key, types = field.alias or name, keys_of(kind)
-            if name == "sources":
+            if name in PROVENANCE:
                 continue
             if name == "kind":
                 found["kind"] = get_args(field.annotation)[0]

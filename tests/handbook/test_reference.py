@@ -16,6 +16,7 @@ from ehamj.control import Controller
 from ehamj.control.channels import channel_names
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import check_scenario, scenario_schema
+from ehamj.settings import PROVENANCE
 from ehamj.verify import CASES
 from handbook.reference.api import api_pages, inner_names
 from handbook.reference.commands import command_pages, commands, examples
@@ -38,7 +39,7 @@ def test_every_key_has_its_place() -> None:
         assert list(tables.below(top, node)) or top in headed, top
     for name, places in tables.places.items():
         starts = {start for one in places for start in (one.anchor, one.path.split(".")[0])}
-        for key in tables.definitions[name]["properties"].keys() - {"kind", "sources"}:
+        for key in tables.definitions[name]["properties"].keys() - {"kind", *PROVENANCE}:
             assert {f"{start}.{key}" for start in starts} & headed, f"{name}: {key}"
     gain = pages["reference/keys/isolators.md"].partition("### `flow_gain` { #actuators.NAME.flow_gain }")[2][:400]
     for said in ("oil to the piston", "`1.94e-6`** m³/s/mA", "$K_{Q}$", "badge paper", "number > 0", "1e-15 to 1"):

@@ -27,6 +27,7 @@ from ehamj.paper.actuator import (
 )
 from ehamj.paper.loop import PositionLoop
 from ehamj.paper.merits import figures_of_merit
+from ehamj.settings import PROVENANCE
 
 HERTZ = np.geomspace(0.01, 3000.0, 200)
 S = 2j * np.pi * HERTZ
@@ -356,7 +357,7 @@ def test_every_other_setting_is_known_to_have_no_effect() -> None:
         "overlap",
         "flow_curve",
         "rated_flow",
-        "sources",
+        *PROVENANCE,
         "spool_stuck",
         "outside_leakage_1",
         "outside_leakage_2",

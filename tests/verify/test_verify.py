@@ -16,6 +16,7 @@ from ehamj.result import Result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.settings import PROVENANCE
 from ehamj.verify import CASES, Case, CaseOutcome, Finding, Subject, run_case, to_dict, verify, write_table
 from ehamj.verify.reference import equations, simulate_reference
 
@@ -144,5 +145,5 @@ def test_the_reference_refuses_what_it_does_not_have() -> None:
 def test_the_reference_knows_every_option_by_name() -> None:
     """A new option is refused by the reference, and named, until its equations are there as well."""
     known = {*equations.OF_ISOLATOR, "flow_curve", *equations.WITHOUT_EFFECT}
-    assert set(Actuator.model_fields) - known == {"foot_stiffness", "rated_flow", "sources"}
-    assert set(Supply.model_fields) - set(equations.OF_SUPPLY) == {"sources"}
+    assert set(Actuator.model_fields) - known == {"foot_stiffness", "rated_flow", *PROVENANCE}
+    assert set(Supply.model_fields) - set(equations.OF_SUPPLY) == set(PROVENANCE)

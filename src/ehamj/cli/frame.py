@@ -29,6 +29,7 @@ COMMANDS: Final = {
     "export": "export",
     "study": "study",
     "merits": "merits",
+    "identify": "identify",
     "replay": "stored",
     "report": "stored",
     "bench": "bench",

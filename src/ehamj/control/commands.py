@@ -1,11 +1,15 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
+import re
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ehamj.control.settings import ControlSettings
+from ehamj.errors import InputError
+from ehamj.records.inputs import RecordedInput
 from ehamj.settings import Positive, Settings, SineSum
 from ehamj.signals import Chirp, Multisine, Signal, Step, Total, Zero
 
@@ -17,6 +21,14 @@ class SignalSettings(Settings):
         None, description="mounts that receive the signal, by name; without: all", min_length=1
     )
 
+    @abstractmethod
+    def signal(self, duration: float) -> Signal:
+        """Build the signal [V] for a run of ``duration`` [s].
+
+        Raises:
+            InputError: if a record cannot be used.
+        """
+
 
 class SineCommand(SignalSettings):
     """amplitude·sin(2πft + phase)."""
@@ -26,8 +38,7 @@ class SineCommand(SignalSettings):
     frequency: Positive = Field(description="frequency [Hz]")
     phase: float = Field(0.0, description="phase [rad]")
 
-    def signal(self) -> Signal:
-        """Build the signal."""
+    def signal(self, duration: float) -> Signal:
         return Multisine.of(self.amplitude, self.frequency, self.phase)
 
 
@@ -37,8 +48,7 @@ class MultisineCommand(SineSum, SignalSettings):
     kind: Literal["multisine"]
     amplitude: float = Field(description="amplitude of each sine [V]")
 
-    def signal(self) -> Signal:
-        """Build the signal."""
+    def signal(self, duration: float) -> Signal:
         return Multisine.of(self.amplitude, self.frequencies, self.phases)
 
 
@@ -49,8 +59,7 @@ class StepCommand(SignalSettings):
     amplitude: float = Field(description="height of the step [V]")
     start: float = Field(0.0, description="time of the step [s]")
 
-    def signal(self) -> Signal:
-        """Build the signal."""
+    def signal(self, duration: float) -> Signal:
         return Step(self.amplitude, self.start)
 
 
@@ -64,12 +73,25 @@ class ChirpCommand(SignalSettings):
     sweep_time: Positive = Field(description="duration of the sweep [s]")
     start: float = Field(0.0, ge=0, description="time at which the sweep begins [s]")
 
-    def signal(self) -> Signal:
-        """Build the signal."""
+    def signal(self, duration: float) -> Signal:
         return Chirp(self.amplitude, self.first, self.last, self.sweep_time, self.start)
 
 
-CommandSignal = Annotated[SineCommand | MultisineCommand | StepCommand | ChirpCommand, Field(discriminator="kind")]
+class RecordedCommand(RecordedInput, SignalSettings):
+    """What a logger wrote of the command."""
+
+    kind: Literal["recorded"]
+
+    def signal(self, duration: float) -> Signal:
+        return self.replayed("voltage", "valve_command", KEY, duration)
+
+
+CommandSignal = Annotated[
+    SineCommand | MultisineCommand | StepCommand | ChirpCommand | RecordedCommand, Field(discriminator="kind")
+]
+
+KEY = "control.signals"
+"""Of the list of signals, in messages of one of them."""
 
 
 class Passive(ControlSettings):
@@ -84,15 +106,23 @@ class OpenLoop(ControlSettings):
     kind: Literal["open-loop"]
     signals: tuple[CommandSignal, ...] = Field(description="the signals", min_length=1)
 
-    def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
-        """One signal per mount [V]."""
+    def commands(self, mounts: Sequence[str], duration: float) -> tuple[Signal, ...]:
+        """One signal per mount [V]; raises InputError, naming the signal's key, where a record cannot be used."""
         found = []
+        signals = [_numbered(one, number, duration) for number, one in enumerate(self.signals)]
         for mount in mounts:
-            driving = (one for one in self.signals if one.mounts is None or mount in one.mounts)
-            own = tuple(setting.signal() for setting in driving)
+            driving = zip(self.signals, signals, strict=True)
+            own = tuple(signal for one, signal in driving if one.mounts is None or mount in one.mounts)
             found.append(Total(own) if own else Zero())
         return tuple(found)
 
     def named_mounts(self) -> Iterator[tuple[str, str]]:
         for k, signal in enumerate(self.signals):
             yield from ((f"signals.{k}.mounts", mount) for mount in signal.mounts or ())
+
+
+def _numbered(one: SignalSettings, number: int, duration: float) -> Signal:
+    try:
+        return one.signal(duration)
+    except InputError as error:
+        raise InputError(re.sub(rf"\b{re.escape(KEY)}(?=[.:])", f"{KEY}.{number}", str(error))) from error

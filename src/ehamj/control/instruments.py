@@ -26,7 +26,7 @@ from pydantic import Field, model_validator
 from ehamj.arrays import Array
 from ehamj.control.blocks import Block
 from ehamj.control.channels import STATIC
-from ehamj.settings import Parameters, Unlimited, quantity
+from ehamj.settings import PROVENANCE, Parameters, Unlimited, quantity
 
 ALIGNMENT, NOISE = 1, 2
 """Streams of random numbers of a channel."""
@@ -213,7 +213,7 @@ def discretise(instrument: Instrument, step: float) -> Discrete:
 
     A law reads dozens that are alike, and of many runs all the same: they get the same, which nobody is to change.
     """
-    names = (name for name in type(instrument).model_fields if name != "sources")
+    names = (name for name in type(instrument).model_fields if name not in PROVENANCE)
     return _discretised(_Alike(type(instrument), tuple(getattr(instrument, name) for name in names), instrument), step)
 
 

@@ -67,8 +67,8 @@ class ControlSettings(Settings):
         """The control with all its defaults; none where something must be given."""
         return None if any(field.is_required() for field in cls.model_fields.values()) else cls.stated()
 
-    def commands(self, mounts: Sequence[str]) -> tuple[Signal, ...]:
-        """Open-loop command of each mount [V]; beside a digital law there is none."""
+    def commands(self, mounts: Sequence[str], duration: float) -> tuple[Signal, ...]:
+        """Open-loop command of each mount [V] in a run of ``duration`` [s]; beside a digital law there is none."""
         return tuple(Zero() for _ in mounts)
 
     def named_mounts(self) -> Iterable[tuple[str, str]]:

@@ -16,7 +16,7 @@ from ehamj.plant.machine import Machine
 from ehamj.plant.plant import Plant
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Settings
+from ehamj.settings import PROVENANCE, Settings
 
 FOOTPRINT: Final = {"footprint.x": "x", "footprint.y": "y"}
 """Keys of the mounts' distance [m], front to rear and left to right (their means); positions scale about the centre."""
@@ -227,8 +227,9 @@ def _own_actuators(scenario: Scenario, values: Mapping[str, Any]) -> dict[str, A
                     f"mount.{mount.name}.actuator.{name}: {near}must be one of {', '.join(ACTUATOR_VALUES)}"
                 )
         table = actuator.model_dump(include=set(Actuator.model_fields)) | own
-        sources = {name: source for name, source in actuator.sources.items() if name not in own}
-        found[f"actuators.{mount.name}"] = table | {"sources": sources}
+        for key in PROVENANCE:
+            table[key] = {name: one for name, one in getattr(actuator, key).items() if name not in own}
+        found[f"actuators.{mount.name}"] = table
         found[f"mount.{number}.actuator"] = mount.name
     return found
 

@@ -1,5 +1,6 @@
 """The kinds of force there are, and all forces of a scenario together."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from ehamj.errors import InputError, did_you_mean
 from ehamj.forces.force import ForceSettings, Load
+from ehamj.forces.recorded import RecordedForce
 from ehamj.forces.transients import AxisJerk, Hammer
 from ehamj.forces.vibrations import MultisineForce, RandomForce, SineForce, Unbalance
 from ehamj.plant.axes import DOFS
@@ -20,6 +22,7 @@ FORCES: tuple[type[ForceSettings], ...] = (
     SineForce,
     MultisineForce,
     RandomForce,
+    RecordedForce,
 )
 """Every kind of force; a table [[force]] holds one of them."""
 
@@ -63,6 +66,8 @@ def load_of(
         at = cg if force.point == "cg" else points[force.point] if isinstance(force.point, str) else force.point
         try:
             parts = force.parts(duration, np.random.default_rng([seed, STREAM, k]))
+        except InputError as error:
+            raise InputError(re.sub(r"^force(?=[.:])|\bforce(?=\.[a-z])", f"force.{k}", str(error))) from error
         except MemoryError:
             raise InputError(f"force.{k}: {duration:g} s of it do not fit in memory") from None
         arm = lever(np.array(at) - np.array(about or cg))

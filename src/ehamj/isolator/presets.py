@@ -6,6 +6,7 @@ from typing import Any, Final, Literal
 from pydantic import Field, model_validator
 
 from ehamj.isolator.actuator import Actuator
+from ehamj.settings import PROVENANCE
 
 FIRST_GENERATION = Actuator.stated()
 """The paper's first prototype (Table I)."""
@@ -128,7 +129,7 @@ class Isolator(Actuator):
             return table  # the field's own validation says what is allowed
         preset = ACTUATOR_PRESETS[chosen["preset"]]
         own_values = {**OILS[chosen["oil"]], **VALVES[chosen["valve"]]}
-        values = {name: getattr(preset, name) for name in Actuator.model_fields if name != "sources"} | own_values
+        values = {name: getattr(preset, name) for name in Actuator.model_fields if name not in PROVENANCE} | own_values
         known = {**preset.sources, **dict.fromkeys(own_values, "assumed")}
         sources = {k: v for k, v in known.items() if k not in table or table[k] == values[k]}
         own = table.get("sources", {})

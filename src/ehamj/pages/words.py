@@ -68,6 +68,22 @@ def exact(value: float) -> str:
     return text.replace("-", "−")
 
 
+def within(value: float, deviation: float, digits: int = 2) -> str:
+    """A number with its standard deviation, both to so many significant digits of the latter: ``1.94 ± 0.012``, or
+    ``(1.943 ± 0.012) × 10⁻⁶``; without a deviation as it was written."""
+    if deviation == 0.0:
+        return exact(value)
+    if not (math.isfinite(value) and math.isfinite(deviation)):
+        return f"{number(value)} ± {number(deviation)}"
+    largest = max(abs(value), deviation)
+    power = math.floor(math.log10(largest)) if largest >= 1e6 or largest < 1e-3 else 0
+    first = math.floor(math.log10(float(f"{deviation:.{digits - 1}e}")))
+    places = max(power - first + digits - 1, 0)
+    one, other = (f"{part / 10.0**power:.{places}f}".replace("-", "−") for part in (value, deviation))
+    both = f"{one} ± {other}"
+    return f"({both}) × 10{str(power).translate(SUPERSCRIPTS)}" if power else both
+
+
 def measured(value: float | None) -> str:
     """A number in engineering units, of which nobody reads less than a thousandth."""
     return "< 0.001" if value is not None and 0.0 < abs(value) < 1e-3 else number(value)
@@ -112,6 +128,15 @@ def plain(value: Any) -> str:
             return f"{len(value)} values, {plain(value[0])} to {plain(value[-1])}"
         return ", ".join(f"({plain(part)})" if isinstance(part, tuple) else plain(part) for part in value) or DASH
     return DASH if value is None or value == "" else str(value)
+
+
+def plain_within(value: Any, deviation: Any) -> str:
+    """A setting as text, each number of it with its standard deviation; None: no number has one."""
+    if deviation is None:
+        return plain(value)
+    if isinstance(value, tuple | list):
+        return ", ".join(map(plain_within, value, deviation))
+    return within(value, deviation)
 
 
 def scaled(value: float | None, factor: float) -> float | None:

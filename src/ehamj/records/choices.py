@@ -1,6 +1,6 @@
 """What the user says about a record: the keys that resolve what a file leaves open."""
 
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -15,7 +15,28 @@ GapChoice = Literal["error", "interpolate"]
 ResponseChoice = Literal["stages", "sensitivity"]
 
 
-class Choices(Settings):
+class Reading(Settings):
+    """What the user says about how a file is read, whatever is in it."""
+
+    gaps: GapChoice = Field(
+        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
+    )
+    overlap: Literal["refuse", "first", "last"] = Field(
+        "refuse",
+        description="what to do where traces of a channel overlap and differ (seismic formats): refuse the record, or "
+        "take the trace that begins first, or last",
+    )
+    damaged: Literal["refuse", "skip"] = Field(
+        "refuse",
+        description="what to do about damaged records of miniSEED and broken rows of tables: refuse the file, or "
+        "leave them out, as gaps",
+    )
+    table: TableChoices | None = Field(
+        None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
+    )
+
+
+class Choices(Reading):
     """What the user says about a record."""
 
     quantity: QuantityChoice = Field(
@@ -43,26 +64,10 @@ class Choices(Settings):
         "UFF direction z or node 12:+Z, WAV channel 1, MATLAB variable z or data.z, TDMS or IDE group/channel), or "
         "axis of one mount, by its name ('front-left z'); the others are left out; default: E, N, Z to x, y, z",
     )
-    gaps: GapChoice = Field(
-        "error", description="what to do about gaps: refuse the record, or fill with straight lines"
-    )
     response: ResponseChoice | None = Field(
         None,
         description="which counts where the instrument's stages and its overall sensitivity disagree: the stages, or "
         "the sensitivity, to which their shape is scaled; default: neither, the record is refused",
-    )
-    overlap: Literal["refuse", "first", "last"] = Field(
-        "refuse",
-        description="what to do where traces of a channel overlap and differ (seismic formats): refuse the record, or "
-        "take the trace that begins first, or last",
-    )
-    damaged: Literal["refuse", "skip"] = Field(
-        "refuse",
-        description="what to do about damaged records of miniSEED and broken rows of tables: refuse the file, or "
-        "leave them out, as gaps",
-    )
-    table: TableChoices | None = Field(
-        None, description="how a table of text (*.csv, *.txt, …) is written, where the file does not show it"
     )
 
     @model_validator(mode="after")
@@ -88,3 +93,13 @@ class Choices(Settings):
 
 SILENT = Choices.stated()
 """The user says nothing."""
+
+
+class Picks(Choices):
+    """What the program wants of a record that is no ground: readers show it all components, and it ``takes`` its own.
+
+    ``axes`` only says to readers that components are named, and nothing is of an instrument whose response is known.
+    """
+
+    takes: Any = None
+    """As `ehamj.records.picked.taking` makes it."""

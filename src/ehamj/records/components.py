@@ -9,7 +9,7 @@ from math import inf, isclose, isfinite
 import numpy as np
 
 from ehamj.records.channel import Channel, Place, Record, Response
-from ehamj.records.choices import AxisChoice, Choices
+from ehamj.records.choices import AxisChoice, Choices, Picks
 from ehamj.records.units import Quantity, is_motion, is_silent, kind_of, motion_unit, unit
 from ehamj.signals import Array
 
@@ -54,7 +54,7 @@ class Component:
 def record_of(
     label: str, components: Sequence[Component], choices: Choices, remedy: str, notes: Sequence[str] = ()
 ) -> Record:
-    """The record of a file: components picked, loaded, in SI and on one clock.
+    """The record of a file: components picked, loaded, in SI and on one clock; or what `Picks` take of it.
 
     Args:
         label: the file's name.
@@ -66,6 +66,9 @@ def record_of(
     Raises:
         ValueError: naming the key that resolves it, where components, units, or times cannot be agreed.
     """
+    if isinstance(choices, Picks):
+        found: Record = choices.takes(label, components, remedy, notes)
+        return found
     chosen = choose_axes(components, choices.axes)
     sources = sorted({components[k].source for k in chosen})
     if len(sources) > 1 and not per_mount(chosen.values()):

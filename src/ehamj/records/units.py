@@ -4,14 +4,43 @@ A unit is read by a small grammar, so that spellings need no table of their own:
 ``(mm/s²)``, ``m s-2`` and ``m·s⁻²`` are products of powers of the names below; names may have a prefix.
 """
 
+import math
 import re
 import unicodedata
 from fractions import Fraction
 from functools import lru_cache
 from typing import Final, Literal, NamedTuple
 
+from ehamj.records.powers import (
+    ACCELERATION,
+    HERTZ,
+    METRE,
+    NEWTON,
+    ONE,
+    PASCAL,
+    RADIAN,
+    SECOND,
+    SPEED,
+    Power,
+    of,
+)
+
 Quantity = Literal["displacement", "velocity", "acceleration"]
-Kind = Literal["displacement", "velocity", "acceleration", "time", "frequency", "counts", "voltage"]
+Kind = Literal[
+    "displacement",
+    "velocity",
+    "acceleration",
+    "angle",
+    "angular velocity",
+    "angular acceleration",
+    "force",
+    "pressure",
+    "current",
+    "voltage",
+    "time",
+    "frequency",
+    "counts",
+]
 
 ORDERS: dict[Quantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """How often the displacement is differentiated to get the quantity."""
@@ -22,6 +51,9 @@ GRAVITY = 9.80665
 INCH = 0.0254
 """[m]"""
 
+POUND_FORCE = 4.4482216152605
+"""[N] (NIST SP 811)"""
+
 
 class Unit(NamedTuple):
     """A unit: its SI value, and what it is of."""
@@ -30,70 +62,82 @@ class Unit(NamedTuple):
     kind: Kind
 
 
-class Power(NamedTuple):
-    """SI value, and powers of metre, second, count and volt."""
-
-    size: float
-    metre: Fraction = Fraction(0)
-    second: Fraction = Fraction(0)
-    counts: Fraction = Fraction(0)
-    volt: Fraction = Fraction(0)
-
-    def times(self, other: "Power", power: Fraction) -> "Power":
-        """The product with a power of another."""
-        exponents = (a + power * b for a, b in zip(self[1:], other[1:], strict=True))
-        return Power(self.size * other.size ** float(power), *exponents)
-
-
-ONE: Final = Power(1.0)
-_METRE, _SECOND = Power(1.0, metre=Fraction(1)), Power(1.0, second=Fraction(1))
-_SPEED, _ACCELERATION = _METRE.times(_SECOND, Fraction(-1)), _METRE.times(_SECOND, Fraction(-2))
-_HERTZ = ONE.times(_SECOND, Fraction(-1))
-
-
-def _of(size: float, power: Power) -> Power:
-    return power._replace(size=size)
-
-
 PREFIXES: Final = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "k": 1e3}
-"""By letter, in either case: no floor is measured in mega or peta."""
+"""By letter, in either case: no floor is measured in mega or peta; `MEGA` has what is."""
 
 LONG_PREFIXES: Final = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "centi": "c", "deci": "d", "kilo": "k"}
 
 _SCALED: dict[str, tuple[Power, str]] = {
-    **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), (_METRE, "pnumcdk")),
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), (_SECOND, "num")),
-    **dict.fromkeys(("g", "gn"), (_of(GRAVITY, _ACCELERATION), "num")),
-    **dict.fromkeys(("gal", "gals"), (_of(1e-2, _ACCELERATION), "num")),
-    **dict.fromkeys(("in", "inch", "inches"), (_of(INCH, _METRE), "um")),
-    **dict.fromkeys(("hz", "hertz"), (_HERTZ, "k")),
+    **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), (METRE, "pnumcdk")),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), (SECOND, "num")),
+    **dict.fromkeys(("g", "gn"), (of(GRAVITY, ACCELERATION), "num")),
+    **dict.fromkeys(("gal", "gals"), (of(1e-2, ACCELERATION), "num")),
+    **dict.fromkeys(("in", "inch", "inches"), (of(INCH, METRE), "um")),
+    **dict.fromkeys(("hz", "hertz"), (HERTZ, "k")),
     **dict.fromkeys(("v", "volt", "volts"), (Power(1.0, volt=Fraction(1)), "num")),
+    **dict.fromkeys(("a", "amp", "amps", "ampere", "amperes"), (Power(1.0, ampere=Fraction(1)), "num")),
+    **dict.fromkeys(("n", "newton", "newtons"), (NEWTON, "umdk")),
+    **dict.fromkeys(("pa", "pascal", "pascals"), (PASCAL, "umk")),
+    "bar": (of(1e5, PASCAL), "um"),
+    **dict.fromkeys(("rad", "radian", "radians"), (RADIAN, "num")),
 }
 """What a name stands for, and the prefixes that it may have."""
 
 _WHOLE: dict[str, Power] = {
-    **dict.fromkeys(("micron", "microns"), _of(1e-6, _METRE)),
-    **dict.fromkeys(("mil", "mils", "thou"), _of(1e-3 * INCH, _METRE)),
-    **dict.fromkeys(("ft", "foot", "feet"), _of(0.3048, _METRE)),
-    "ips": _of(INCH, _SPEED),
-    "kine": _of(1e-2, _SPEED),
-    "sps": _HERTZ,
-    **dict.fromkeys(("min", "mins", "minute", "minutes"), _of(60.0, _SECOND)),
-    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), _of(3600.0, _SECOND)),
-    **dict.fromkeys(("d", "day", "days"), _of(86400.0, _SECOND)),
+    **dict.fromkeys(("lbf", "lbsf"), of(POUND_FORCE, NEWTON)),
+    **dict.fromkeys(("kgf", "kp"), of(GRAVITY, NEWTON)),
+    **dict.fromkeys(("psi", "psia"), of(POUND_FORCE / INCH**2, PASCAL)),
+    "hpa": of(100.0, PASCAL),
+    **dict.fromkeys(("deg", "degs", "degree", "degrees"), of(math.pi / 180.0, RADIAN)),
+    "rpm": of(2.0 * math.pi / 60.0, RADIAN.times(SECOND, Fraction(-1))),
+    **dict.fromkeys(("micron", "microns"), of(1e-6, METRE)),
+    **dict.fromkeys(("mil", "mils", "thou"), of(1e-3 * INCH, METRE)),
+    **dict.fromkeys(("ft", "foot", "feet"), of(0.3048, METRE)),
+    "ips": of(INCH, SPEED),
+    "kine": of(1e-2, SPEED),
+    "sps": HERTZ,
+    **dict.fromkeys(("min", "mins", "minute", "minutes"), of(60.0, SECOND)),
+    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), of(3600.0, SECOND)),
+    **dict.fromkeys(("d", "day", "days"), of(86400.0, SECOND)),
     **dict.fromkeys(("count", "counts", "cts", "adu", "lsb", "digit", "digits"), Power(1.0, counts=Fraction(1))),
 }
 """Names that take no prefix."""
 
 _KINDS: dict[tuple[Fraction, ...], Kind] = {
-    _METRE[1:]: "displacement",
-    _SPEED[1:]: "velocity",
-    _ACCELERATION[1:]: "acceleration",
-    _SECOND[1:]: "time",
-    _HERTZ[1:]: "frequency",
+    METRE[1:]: "displacement",
+    SPEED[1:]: "velocity",
+    ACCELERATION[1:]: "acceleration",
+    SECOND[1:]: "time",
+    HERTZ[1:]: "frequency",
     _WHOLE["counts"][1:]: "counts",
     _SCALED["v"][0][1:]: "voltage",
+    _SCALED["a"][0][1:]: "current",
+    NEWTON[1:]: "force",
+    PASCAL[1:]: "pressure",
+    RADIAN[1:]: "angle",
+    RADIAN.times(SECOND, Fraction(-1))[1:]: "angular velocity",
+    RADIAN.times(SECOND, Fraction(-2))[1:]: "angular acceleration",
 }
+
+MEGA: Final = frozenset(("pa", "pascal", "pascals", "n", "newton", "newtons"))
+"""Names before which a capital M is mega, as in MPa."""
+
+CAPITAL: Final = frozenset("an")
+"""Names that stand alone in capitals only: a and n are names of columns, of normal or acceleration."""
+
+SAID: Final[dict[Kind, str]] = {
+    "displacement": "m, mm, µm, in, ft, mil",
+    "velocity": "m/s, mm/s, in/s",
+    "acceleration": "m/s^2, g, Gal",
+    "angle": "rad, mrad, deg",
+    "angular velocity": "rad/s, deg/s, rpm",
+    "angular acceleration": "rad/s^2, deg/s^2",
+    "force": "N, kN, lbf, kgf",
+    "pressure": "Pa, kPa, MPa, bar, mbar, psi",
+    "current": "A, mA",
+    "voltage": "V, mV",
+}
+"""Units of what is measured, as messages list them; each may have its usual prefixes."""
 
 KNOWN: Final = "m, m/s, m/s^2 (with k, c, m, u, n before m; also in, ft, mil), g, Gal"
 """Units of motion, as messages list them."""
@@ -125,7 +169,7 @@ def unit(text: str) -> Unit:
     """The unit that a text states.
 
     Raises:
-        ValueError: if it is not one of motion, time, frequency, counts or voltage.
+        ValueError: if it is none that is known.
     """
     power = powers(text)
     kind = _KINDS.get(power[1:])
@@ -185,7 +229,7 @@ def density_unit(text: str) -> tuple[Quantity, float, bool]:
     power = powers(text)
     for root in (False, True):
         squared = ONE.times(power, Fraction(2)) if root else power
-        whole = squared.times(_HERTZ, Fraction(1))  # per Hz taken off
+        whole = squared.times(HERTZ, Fraction(1))  # per Hz taken off
         kind = _KINDS.get(ONE.times(whole, Fraction(1, 2))[1:])
         if kind in ("displacement", "velocity", "acceleration"):
             return kind, power.size if root else power.size**0.5, root
@@ -216,7 +260,7 @@ def _plain(text: str) -> str:
     plain = unicodedata.normalize("NFKC", raised).translate(
         {0x3BC: "u", 0x2212: "-", 0x22C5: "*", 0xB7: "*", 0xD7: "*"}
     )
-    plain = plain.replace("√", "sqrt ").replace("**", "^")
+    plain = plain.replace("√", "sqrt ").replace("°", "deg").replace("**", "^")
     plain = re.sub(r"(?<=[a-z])\.(?=[\^)/*\s]|$)", "", plain, flags=re.IGNORECASE)  # sec.
     return re.sub(r"\s+per\s+", "/", plain, flags=re.IGNORECASE).strip()
 
@@ -256,8 +300,8 @@ class _Parser:
         if abs(power) > 9 or power == 0 or (below and power < 0):
             raise ValueError(f"the power {power} makes no sense")
         length = _named(name[:-1]) if power < 0 and name[-1:] in ("s", "S") else None
-        if length is not None and length[1:] == _METRE[1:]:  # ms-2 is m s^-2, which nobody means as milliseconds
-            return length.times(_SECOND, Fraction(power))
+        if length is not None and length[1:] == METRE[1:]:  # ms-2 is m s^-2, which nobody means as milliseconds
+            return length.times(SECOND, Fraction(power))
         named = _named(name) if name else found
         if named is None:
             raise ValueError(f"{name!r} is unknown")
@@ -280,10 +324,14 @@ def _named(name: str) -> Power | None:
     low = name.lower()
     if low in _WHOLE:
         return _WHOLE[low]
+    if name in CAPITAL:
+        return None
     if low in _SCALED:
         return _SCALED[low][0]
     for long, letter in LONG_PREFIXES.items():
         if low.startswith(long):
             low = letter + low.removeprefix(long)
     power, allowed = _SCALED.get(low[1:], (ONE, ""))
+    if name[:1] == "M" and low[1:] in MEGA:
+        return power._replace(size=1e6 * power.size)
     return power._replace(size=PREFIXES[low[0]] * power.size) if low[:1] and low[0] in allowed else None

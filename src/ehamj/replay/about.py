@@ -171,6 +171,8 @@ def _quantities(values: Parameters) -> str:
     rows = []
     for name, (unit, symbol, _) in values.quantities().items():
         value = f"{_number(getattr(values, name))} {'' if unit == '-' else unit}".strip()
+        if name in values.deviations:
+            value += f" ± {_number(values.deviations[name])}"
         rows.append([name.replace("_", " "), symbol, value, values.sources[name]])
     return table(["quantity", "symbol", "value", "source"], rows)
 

@@ -167,7 +167,7 @@ def prepare(
     if controller is None:
         found, controller = found_for(scenario), scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
-        commands, keys = Passive().commands(scenario.plant.mounts), GIVEN
+        commands, keys = Passive().commands(scenario.plant.mounts, scenario.duration), GIVEN
     try:
         timestep = choose_timestep(scenario, controller, keys)
         check_steps(scenario, timestep)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from ehamj.scenario.keys import differences
+from ehamj.settings import PROVENANCE
 
 if TYPE_CHECKING:
     from ehamj.scenario.model import Scenario
@@ -25,7 +26,7 @@ def _flat(key: str, value: Any) -> Iterator[tuple[str, str]]:
     """Values of nested tables by dotted key."""
     if isinstance(value, Mapping) and value:
         for name, own in value.items():
-            if name != "sources":
+            if name not in PROVENANCE:
                 yield from _flat(f"{key}.{name}", own)
     elif value is not None:
         text = str(value)

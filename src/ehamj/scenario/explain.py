@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from ehamj.bounds import unit_of
 from ehamj.errors import InputError, did_you_mean
 from ehamj.scenario.places import by_kind, choices, inside, keys_of, only
-from ehamj.settings import Settings
+from ehamj.settings import PROVENANCE, Settings
 
 T = TypeVar("T", bound=Settings)
 
@@ -104,7 +104,7 @@ def _in_its_unit(location: tuple[int | str, ...], settings: type[Settings]) -> s
 
 def _no_such_key(key: str, allowed: Sequence[str]) -> str:
     """The keys that stand where an unknown one was found, nearest first."""
-    told = sorted(allowed, key=lambda one: one == "sources")  # which none writes by hand comes last
+    told = sorted(allowed, key=lambda one: one in PROVENANCE)  # which none writes by hand comes last
     return f"unknown key; {did_you_mean(key, allowed)}allowed: {', '.join(told)}"
 
 

@@ -11,6 +11,7 @@ from ehamj.errors import InputError
 from ehamj.isolator.presets import ACTUATOR_PRESETS, NAMED
 from ehamj.plain.text import toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
+from ehamj.settings import PROVENANCE
 
 
 def override(table: dict[str, Any], text: str) -> None:
@@ -71,40 +72,45 @@ def place(table: dict[str, Any], key: str | Sequence[str], value: Any, said: str
 
     Tables and lists within ``table`` are replaced, not changed: others may hold them too.
 
-    A table as a result holds it states its values' sources. The source of a replaced value goes; so do values that
-    came from the preset, oil or valve that is replaced, and an inertia that nobody gave with the mass or size that is.
+    A table as a result holds it states its values' sources. Source and deviation of a value go where it, or a number
+    of it, is replaced; so do values that came from the preset, oil or valve that is replaced, and an inertia that
+    nobody gave with the mass or size that is.
     """
     *parents, last = (part.strip() for part in (key.split(".") if isinstance(key, str) else key))
     if parents[:1] == ["mount"]:
         table.setdefault("mount", [mount.model_dump(mode="json") for mount in DEFAULT_MOUNTS])
     at: Any = table
+    owner, owned = table, last
     for depth, part in enumerate(parents):
         of: Any = _index(at, part, said) if isinstance(at, list) else part
         inner = at[of] if isinstance(at, list) else at.get(of, {})
         if not isinstance(inner, dict | list):
             raise InputError(f"{said}: {'.'.join(parents[: depth + 1])} is a value, not a table")
+        if isinstance(at, dict):
+            owner, owned = at, part
         at[of] = inner.copy()
         at = at[of]
-    if isinstance(at, list):
-        at[_index(at, last, said)] = value
-        return
-    sources = at.get("sources")
-    if isinstance(sources, dict):
-        at["sources"] = sources = sources.copy()
-        _follow(at, sources, (*parents, last), value)
-        sources.pop(last, None)
-    at[last] = value
+    if isinstance(at, dict):
+        owner, owned = at, last
+    known = {key: owner[key].copy() for key in PROVENANCE if isinstance(owner.get(key), dict)}
+    owner |= known
+    if "sources" in known and owner is at:
+        _follow(owner, known["sources"], (*parents, last), value)
+    for told in known.values():
+        told.pop(owned, None)
+    at[_index(at, last, said) if isinstance(at, list) else last] = value
 
 
 def _follow(at: dict[str, Any], sources: dict[str, Any], key: tuple[str, ...], value: Any) -> None:
     """Let go of what a table holds only because of the value that is replaced."""
     *parents, last = key
     if parents[-2:-1] == ["actuators"] and last in NAMED and value != at.get(last):
-        for name in [name for name, source in sources.items() if source != "given"]:
+        own = at.get("deviations", {})  # fitted to measurements: no preset's
+        for name in [name for name, source in sources.items() if source != "given" and name not in own]:
             at.pop(name, None)
             del sources[name]
         former = ACTUATOR_PRESETS.get(str(at.get("preset")))
-        for name in [name for name in at if name not in (*NAMED, *sources, "sources")]:  # without a source
+        for name in [name for name in at if name not in (*NAMED, *sources, *PROVENANCE)]:  # without a source
             if last == "preset" and former is not None and at[name] == getattr(former, name, None):
                 at.pop(name)
     if parents[-1:] == ["machine"] and last in ("mass", "size") and sources.get("inertia") == "assumed":
@@ -125,7 +131,7 @@ def _index(place: list[Any], part: str, said: str) -> int:
 
 def merge(table: dict[str, Any], other: Mapping[str, Any], said: str) -> None:
     """Place every value of a nested table into another one; lists replace what is there."""
-    for key, value in sorted(leaves(other), key=lambda leaf: "sources" in leaf[0]):
+    for key, value in sorted(leaves(other), key=lambda leaf: not set(PROVENANCE).isdisjoint(leaf[0])):
         place(table, key, value, said)
 
 
@@ -157,11 +163,11 @@ def plain(value: Any) -> Any:
 
 
 def differences(one: Mapping[str, Any], other: Mapping[str, Any], before: str = "") -> dict[str, tuple[Any, Any]]:
-    """Values of two nested tables that differ, by dotted key; sources do not count."""
+    """Values of two nested tables that differ, by dotted key; where they come from does not count."""
     found: dict[str, tuple[Any, Any]] = {}
     for key in dict.fromkeys((*one, *other)):
         ours, theirs = one.get(key), other.get(key)
-        if key == "sources" or ours == theirs:
+        if key in PROVENANCE or ours == theirs:
             continue
         if isinstance(ours, Mapping) and isinstance(theirs, Mapping):
             found |= differences(ours, theirs, f"{before}{key}.")

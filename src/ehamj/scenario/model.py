@@ -169,8 +169,12 @@ class Scenario(Installation, Course):
         return html_table(brief.rows(self))
 
     def commands(self) -> tuple[Signal, ...]:
-        """The open-loop command of each mount [V]."""
-        return self.control.commands(self.plant.mounts)
+        """The open-loop command of each mount [V].
+
+        Raises:
+            InputError: if a record cannot be used.
+        """
+        return self.control.commands(self.plant.mounts, self.duration)
 
     def load(self) -> Load:
         """The forces on the machine itself, about its centre of gravity with its slides where they start."""

@@ -65,10 +65,13 @@ def _index(tables: Tables) -> str:
         "the number of an entry, from 0.\n\n"
         "Each physical value carries its source: "
         '<span class="badge paper">paper</span> Table I or the text of the source paper, '
-        '<span class="badge identified">identified</span> fitted to something that the paper states, '
+        '<span class="badge identified">identified</span> fitted to measurements or to what the paper states, '
         '<span class="badge assumed">assumed</span> chosen, because nobody measured it, '
         '<span class="badge">given</span> set by you. Besides what is allowed, a *magnitude* that no such thing has is '
-        "refused as a slip of the unit or of the decimal point.\n"
+        "refused as a slip of the unit or of the decimal point.\n\n"
+        'A table of physical values may state both itself: `sources = { mass = "identified" }`, and of what was '
+        "identified from measurements the deviation in `deviations = { mass = 12.0 }`, in the value's unit and "
+        "as long as the value. A value that is replaced loses both; the report shows them beside the value.\n"
     )
     table = summary_table({name: (name, node) for name, node in properties.items()})
     return f"# Keys of a scenario\n\n{told}\n{listed}\n\n## Top level\n\n{table}\n" + "\n".join(parts)

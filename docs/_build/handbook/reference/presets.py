@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from ehamj.isolator.actuator import Actuator
 from ehamj.isolator.presets import ACTUATOR_PRESETS, OILS, VALVES
+from ehamj.settings import PROVENANCE
 from handbook.reference.words import value
 
 LONGEST: Final = 30
@@ -30,7 +31,7 @@ def preset_section() -> str:
 
 def _set_by(preset: Actuator) -> dict[str, Any]:
     """What differs from the defaults."""
-    fields = {name: field.default for name, field in type(preset).model_fields.items() if name != "sources"}
+    fields = {name: field.default for name, field in type(preset).model_fields.items() if name not in PROVENANCE}
     return {name: getattr(preset, name) for name, default in fields.items() if getattr(preset, name) != default}
 
 

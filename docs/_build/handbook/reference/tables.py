@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from ehamj.settings import PROVENANCE
 from handbook.reference.words import Node, allowed, magnitude, referred, unit, value
 
 SHARED_BY = 3
@@ -85,7 +86,7 @@ class Tables:
         found: dict[str, list[tuple[Node, str]]] = {}
         for name in names:
             for key, node in self.definitions[name]["properties"].items():
-                if key not in ("kind", "name", "sources"):
+                if key not in ("kind", "name", *PROVENANCE):
                     found.setdefault(key, []).append((node, self.places[name][0].kind or ""))
         alike = {key: [kind for node, kind in have if node == have[0][0]] for key, have in found.items()}
         return {key: (found[key][0][0], kinds) for key, kinds in alike.items() if len(kinds) >= SHARED_BY}
@@ -109,7 +110,7 @@ class Tables:
         if others:
             parts.append(f"The same keys: {', '.join(others)}.\n")
         elsewhere = [one for one, (_, kinds) in shared.items() if place.kind in kinds]
-        left = {*elsewhere, "kind", "sources"}
+        left = {*elsewhere, "kind", *PROVENANCE}
         here = {one: node for one, node in definition.get("properties", {}).items() if one not in left}
         required = definition.get("required", ())
         if len(here) > 3:

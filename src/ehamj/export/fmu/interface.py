@@ -14,6 +14,7 @@ from ehamj.control.units import plain_unit, signal_units
 from ehamj.errors import InputError
 from ehamj.plant.axes import AXES
 from ehamj.scenario.model import Scenario
+from ehamj.settings import PROVENANCE
 from ehamj.variables import FIXED, MOTIONS, VARIABLES, labels_of, variables_of
 
 TABLES: Final = (
@@ -113,7 +114,7 @@ def _numbers(scenario: Scenario) -> Iterator[tuple[tuple[str, ...], Any, str]]:
 def _within(keys: tuple[str, ...], value: Any, description: str) -> Iterator[tuple[tuple[str, ...], Any, str]]:
     if isinstance(value, BaseModel):
         for name, about in type(value).model_fields.items():
-            if name not in ("sources", "designed_for"):
+            if name not in (*PROVENANCE, "designed_for"):
                 yield from _within((*keys, about.alias or name), getattr(value, name), about.description or "")
     elif isinstance(value, dict):
         for name, entry in value.items():

@@ -201,7 +201,9 @@ def is_unit_row(cells: Sequence[str]) -> bool:
     bare = [named(cell).unit if _opening(cell) == 0 else cell for cell in cells]
     known = [kind_of(cell or "") is not None for cell in bare]
     silent = [is_silent(cell or "") for cell in bare]
-    return sum(known) > 0 and sum(known) + sum(silent) >= 0.5 * len(cells)
+    # N and A are north and a name as often as newton and ampere: beside others only they are believed.
+    sure = [one and cell not in ("A", "N") for one, cell in zip(known, bare, strict=True)]
+    return any(sure) and sum(known) + sum(silent) >= 0.5 * len(cells)
 
 
 def bare_unit(cell: str) -> str | None:

@@ -10,17 +10,17 @@ from markupsafe import Markup, escape
 from pydantic import BaseModel
 
 from ehamj.pages import Section, Table, badge
-from ehamj.pages.words import BAR, exact, plain
+from ehamj.pages.words import BAR, exact, plain, plain_within
 from ehamj.plant.bodies import written_inertia
 from ehamj.plant.points import default_points
 from ehamj.report.sections.headline import told
 from ehamj.report.shown import Shown
 from ehamj.scenario.model import Scenario
-from ehamj.settings import Parameters
+from ehamj.settings import PROVENANCE, Parameters
 
 SOURCES: Final = {
     "paper": "the source paper's table or text",
-    "identified": "fitted to something that the paper states",
+    "identified": "fitted to measurements, with its standard deviation, or to something that the paper states",
     "assumed": "chosen, because nobody measured it",
     "given": "set by the user",
 }
@@ -67,11 +67,11 @@ def _quantities(title: str, parameters: Parameters) -> Table:
     known = parameters.quantities()
     rows = []
     for name, about in type(parameters).model_fields.items():
-        if name == "sources":
+        if name in PROVENANCE:
             continue
         unit, symbol, _ = known.get(name, ("", "", ""))
         value, text = getattr(parameters, name), (about.description or "").removesuffix(f" [{unit}]")
-        shown = f"{plain(value)} {'' if unit == '-' else unit}".strip()
+        shown = f"{plain_within(value, parameters.deviations.get(name))} {'' if unit == '-' else unit}".strip()
         if unit == "Pa" and isinstance(value, float) and 1e4 <= value < 1e8:
             shown += f" ({exact(BAR * value)} bar)"
         rows.append([named(name, text), _symbol(symbol), shown, badge(parameters.sources.get(name, ""))])

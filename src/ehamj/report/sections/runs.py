@@ -17,8 +17,9 @@ from ehamj.result import Result
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import named as named_differences
 from ehamj.scenario.variation import unlike
+from ehamj.settings import PROVENANCE
 
-ASIDE: Final = ("name", "description", "compare", "output", "sources", "designed_for")
+ASIDE: Final = ("name", "description", "compare", "output", *PROVENANCE, "designed_for")
 """Settings that say what a run is called, what is written of it and where its values come from, not what it does; and
 the machine that a law is for, which has a line of its own."""
 MOST: Final = 4

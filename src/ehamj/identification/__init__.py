@@ -1,0 +1,1 @@
+"""Parameters from measurements: scenario and tests → model → residuals → fit → statistics → outcome, one way."""

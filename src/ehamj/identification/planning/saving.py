@@ -1,0 +1,89 @@
+"""What a plan leaves in its folder: page and numbers, and what it takes to make the tests and to identify from them."""
+
+import csv
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import tomli_w
+
+from ehamj.identification.planning.instruments import unit_of_channel
+from ehamj.identification.planning.page import outcome_of, page_of
+from ehamj.identification.planning.trial import Trial
+from ehamj.pages import safe_name, write_page
+from ehamj.result import written_whole
+
+if TYPE_CHECKING:
+    from ehamj.identification.planning.outcome import Plan
+
+NUMBERS_FILE: Final = "plan.json"
+MACHINE_FILE: Final = "scenario.toml"
+FILE: Final = "plan.toml"
+"""The identification file for what the tests will have measured."""
+MARKS: Final = (NUMBERS_FILE, FILE)
+"""Files without which a folder is none of a plan."""
+MEASURED: Final = "-measured.csv"
+"""How the names end of files that a logger is to write."""
+
+
+def save(plan: "Plan", folder: Path) -> None:
+    """Write the plan; see `ehamj.identification.planning.outcome.Plan.save`."""
+    outcome = outcome_of(plan)
+    _write_text(folder / MACHINE_FILE, plan.machine.to_toml())
+    _write_text(folder / FILE, tomli_w.dumps(identification_file(plan)))
+    files = [MACHINE_FILE, f"{FILE} (identifies from the tests, once they are made)", NUMBERS_FILE]
+    for trial in made(plan):
+        stem = safe_name(trial.name)
+        if trial.course != "rest":
+            _write_text(folder / f"{stem}.toml", trial.scenario.to_toml())
+            files.append(f"{stem}.toml (the test as a scenario)")
+        if trial.played:
+            write_signals(folder / f"{stem}.csv", trial, plan.instruments.rate)
+            files.append(f"{stem}.csv (what is played)")
+    write_page(folder, "plan.html", page_of(plan, outcome, f"Files beside this page: {', '.join(files)}"), figures=".")
+    numbers = plan.to_dict() | {"answers": list(plan.answers)}
+    _write_text(folder / NUMBERS_FILE, json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def made(plan: "Plan") -> list[Trial]:
+    """Tests of the sequence, each once."""
+    return list({step.forecast.trial.name: step.forecast.trial for step in plan.sequence}.values())
+
+
+def identification_file(plan: "Plan") -> dict[str, Any]:
+    """An identification file that takes what the recommended tests will have measured, one file each."""
+    parameters = {
+        one.name: {"bounds": [one.low, one.high]}
+        | ({} if one.prior is None else {"prior": {"mean": one.prior.mean, "deviation": one.prior.deviation}})
+        for one in plan.unknowns
+    }
+    outputs = {name: {"channel": name, "unit": unit_of_channel(name)} for name in plan.instruments.channels}
+    tests = [_test(trial, outputs) for trial in made(plan) if trial.course != "rest"]
+    return {"title": plan.title, "scenario": MACHINE_FILE, "parameters": parameters, "test": tests}
+
+
+def _test(trial: Trial, outputs: dict[str, dict[str, str]]) -> dict[str, Any]:
+    found: dict[str, Any] = {"name": trial.name, "kind": "record", "file": safe_name(trial.name) + MEASURED}
+    found["settle"] = trial.settle
+    found |= {"set": dict(trial.otherwise)} if trial.otherwise else {}
+    return found | {"measurement": {**{name: dict(one) for name, one in trial.inputs.items()}, **outputs}}
+
+
+def write_signals(path: Path, trial: Trial, rate: float) -> None:
+    """What is played, over the whole test, as a converter takes it: time and a column for each signal, units in the
+    heads."""
+    time = np.arange(round(trial.scenario.duration * rate)) / rate
+    columns = [one.signal().sample(time).value for one in trial.played.values()]
+    units = ["N" if name == "force" else "V" for name in trial.played]
+    head = ["time [s]", *(f"{name} [{unit}]" for name, unit in zip(trial.played, units, strict=True))]
+    with written_whole(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(head)
+        rows = zip(time, *columns, strict=True)
+        writer.writerows([f"{values[0]:.9g}", *(f"{value:.6g}" for value in values[1:])] for values in rows)
+
+
+def _write_text(path: Path, text: str) -> None:
+    with written_whole(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
