@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
+from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
@@ -61,6 +62,7 @@ class IdentifyFile(Settings):
     )
     test: tuple[one_of(TESTS), ...] = Field(description="tests", min_length=1)  # type: ignore[valid-type]
     fit: FitSettings = Field(FitSettings.stated(starts=4, seed=0, iterations=30, profile=()), description="how")
+    choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
@@ -77,14 +79,15 @@ class IdentifyFile(Settings):
 
     @property
     def machine(self) -> Scenario:
-        """What the tests were made on, as far as it is known.
+        """What the tests were made on, as far as it is known, with what the options of its valves need.
 
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
         own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
         scenario = as_scenario(self.scenario)
-        return changed(scenario, own) if own else scenario
+        machine = changed(scenario, own) if own else scenario
+        return machine if self.choice is None else with_neutral(self.choice, machine)
 
 
 def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrides: Iterable[str] = ()) -> IdentifyFile:

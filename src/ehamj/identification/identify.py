@@ -10,8 +10,10 @@ import numpy as np
 
 from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.identification.choice import Choosing
 from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
+from ehamj.identification.optional import neutral_of, places_of
 from ehamj.identification.outcome import Identification
 from ehamj.identification.parameters import parameters_of
 from ehamj.identification.problem import Problem
@@ -52,9 +54,14 @@ def identify(
     file = load_identify(source, overrides)
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)
-    problem = Problem(tests, parameters)
+    choosing = None if file.choice is None else _choosing(file, tests, parameters, progress)
+    problem = Problem(tests, parameters, held=choosing.held if choosing is not None else None)
     starts = begun(problem, file.fit, progress)
-    found = best(problem, starts.points, file, progress)
+    found, choice = best(problem, starts.points, file, progress), None
+    if choosing is not None:
+        progress("which options of the valve the data justify")
+        model, choice = choosing.choose(found)
+        problem, found = model.problem, model.fitted
     progress("what the data tell")
     at = problem.linearised(found.point, central=True)
     found = found if isinstance(at, Failed) else replace(found, at=at)
@@ -62,7 +69,14 @@ def identify(
         "starts": len(starts.costs), "steps": found.steps, "runs": problem.runs + starts.runs,
         "seconds": round(clock.perf_counter() - began, 3), "converged": found.converged,
     }  # fmt: skip
-    return identification_of(file, problem, tests, found, told)
+    return replace(identification_of(file, problem, tests, found, told), choice=choice)
+
+
+def _choosing(
+    file: IdentifyFile, tests: tuple[Residuals, ...], parameters: tuple[Unknown, ...], progress: Told
+) -> Choosing:
+    assert file.choice is not None
+    return Choosing(file.choice, file.machine, tests, parameters, file.fit.iterations, progress)
 
 
 def prepared(
@@ -78,8 +92,9 @@ def prepared(
     unknown = next((name for name in measured if name not in [test.name for test in file.test]), None)
     if unknown is not None:
         raise InputError(f"measured: {unknown!r} is none of the tests {', '.join(test.name for test in file.test)}")
-    names = tuple(test.name for test in file.test)
-    context = Context(scenario, tuple(file.parameters), file.engine, threads, names, measured)
+    options = {} if file.choice is None else places_of(file.choice, scenario, list(file.parameters))
+    keys, names = (*file.parameters, *neutral_of(options)), tuple(test.name for test in file.test)
+    context = Context(scenario, keys, file.engine, threads, names, measured)
     return parameters, tuple(test.residuals(context) for test in file.test)
 
 
