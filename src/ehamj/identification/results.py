@@ -8,10 +8,10 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.identification.file import IdentifyFile
 from ehamj.identification.fit import Fitted
-from ehamj.identification.machine import with_values
 from ehamj.identification.noise import Noise, noises
 from ehamj.identification.outcome import ChannelFit, Combination, Identification, Identified, TestFit, fit_percent
 from ehamj.identification.problem import Problem
+from ehamj.identification.provenance import identified_machine
 from ehamj.identification.residual import Compared, Failed, Residuals
 from ehamj.identification.statistics import Statistics, statistics, words_of
 from ehamj.identification.unknowns import Unknown
@@ -150,7 +150,7 @@ def _correlation(about: Statistics, count: int) -> Array:
 
 def _scenario(file: IdentifyFile, found: Mapping[str, Identified]) -> Any:
     """The machine with what was told of it."""
-    return with_values(file.machine, {key: one.value for key, one in found.items() if one.value is not None})
+    return identified_machine(file.machine, found)
 
 
 def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], tests: Sequence[TestFit]) -> list[str]:
