@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -48,6 +48,12 @@ class FitSettings(Settings):
     seed: int = Field(0, ge=0, description="of these points")
     iterations: int = Field(30, ge=1, le=1000, description="steps of one fit at most")
     profile: tuple[str, ...] = Field((), description="parameters whose profile likelihood is wanted")
+    doubtful: Literal["refuse", "note"] = Field(
+        "refuse",
+        description="what becomes of channels that look reversed, of another unit or of another clock beside the "
+        "model: "
+        "refuse all, or fit them and note it",
+    )
 
 
 class IdentifyFile(Settings):
@@ -61,7 +67,9 @@ class IdentifyFile(Settings):
         description="values that are looked for, by the scenario's keys", min_length=1
     )
     test: tuple[one_of(TESTS), ...] = Field(description="tests", min_length=1)  # type: ignore[valid-type]
-    fit: FitSettings = Field(FitSettings.stated(starts=4, seed=0, iterations=30, profile=()), description="how")
+    fit: FitSettings = Field(
+        FitSettings.stated(starts=4, seed=0, iterations=30, profile=(), doubtful="refuse"), description="how"
+    )
     choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
 
     @model_validator(mode="after")
