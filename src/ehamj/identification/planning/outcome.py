@@ -79,8 +79,10 @@ class Plan:
     def answers(self) -> tuple[str, ...]:
         """What a person wants to know first, a line each."""
         found = []
-        for number, step in enumerate(self.sequence, 1):
-            found.append(f"test {number}: {step.forecast.trial.name}: {step.forecast.trial.words}")
+        names = [step.forecast.trial.name for step in self.sequence]
+        for k, step in enumerate(self.sequence):
+            again = "once more" if names[k] in names[:k] else step.forecast.trial.words
+            found.append(f"test {k + 1}: {names[k]}: {again}")
         if not self.sequence:
             found.append("no candidate would tell more than is known")
         for key in self.keys:

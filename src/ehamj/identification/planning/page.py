@@ -96,12 +96,12 @@ def factor_table(plan: "Plan") -> Table:
     """By which factor each test alone sharpens each parameter; a dash where it does not tell it."""
     head = ["test", *(key.rpartition(".")[2] if not key[-1].isdigit() else key for key in plan.keys)]
     rows = [[one.trial.name, *shown_factors(one)] for one in plan.forecasts]
-    return Table("By which factor each test alone sharpens each parameter", head, rows, numeric=range(1, len(head)))
+    return Table("By which factor each test alone sharpens each parameter", head, rows, kind="numbers wide")
 
 
 def shown_factors(one: "Forecast") -> list[str]:
     """Factors as a person reads them."""
-    return [f"{factor:.3g}" if factor >= TOLD else DASH for factor in one.factors]
+    return [DASH if factor < TOLD else f"{factor:.3g}" if factor < 100.0 else f"{factor:.0f}" for factor in one.factors]
 
 
 def deviation_table(plan: "Plan") -> Table:
@@ -116,7 +116,7 @@ def deviation_table(plan: "Plan") -> Table:
         row += [f"{step.deviations[k]:.2g}" for step in steps]
         rows.append(row + ([f"{last[k]:.2g}"] if last is not None else []))
     numeric = [k for k in range(len(head)) if k not in (0, 2)]
-    return Table("Predicted standard deviations along the recommended tests", head, rows, numeric=numeric)
+    return Table("Predicted standard deviations along the recommended tests", head, rows, kind="words", numeric=numeric)
 
 
 def page_of(plan: "Plan", outcome: Outcome, files: str) -> Page:

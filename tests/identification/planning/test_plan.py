@@ -1,0 +1,122 @@
+"""A plan names the test that tells, says what none tells, and leaves files that the tests can be made with."""
+
+import csv
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ehamj.designs.parameters import changes_of, quantity_of, value_of
+from ehamj.errors import InputError
+from ehamj.identification.planning.outcome import Plan
+from ehamj.identification.planning.plan import Subject, plan_tests
+from ehamj.identification.planning.settings import PlanSettings
+from ehamj.identification.unknowns import Unknown
+from ehamj.run.simulate import observed
+from ehamj.scenario.explain import checked
+from ehamj.scenario.load import changed, load_scenario, parse_scenario
+from ehamj.scenario.model import Scenario
+
+SHARE, MEMBRANE, VALVE = (
+    f"actuators.isolator.{name}" for name in ("edge_leakage_share", "membrane_stiffness", "valve_frequency")
+)
+VALVES = {"kind": "valves", "band": [5.0, 60.0], "lines": 8}
+LEAK, STATIC = {"kind": "leak-down", "watched": 0.3}, {"kind": "static", "loads": [{"force": 1000.0}]}
+COMMON: dict[str, Any] = {"duration": 3.0, "rate": 1000.0}
+
+
+def having(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
+    return changed(scenario, changes_of(scenario, dict(values)))
+
+
+def subject(*keys: str) -> Subject:
+    scenario = parse_scenario({"name": "rig", "timestep": 1e-4})
+    at = {key: value_of(scenario, key) for key in keys}
+    unknowns = tuple(Unknown(key, quantity_of(scenario, key)[0], at[key], 0.5 * at[key], 2.0 * at[key]) for key in keys)
+    return Subject("Rig", scenario, unknowns, at, having)
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    settings = checked(PlanSettings, {**COMMON, "candidates": [VALVES, LEAK, STATIC], "tests": 2})
+    return plan_tests(subject(SHARE, MEMBRANE, VALVE), settings)
+
+
+def test_each_parameter_has_its_test(plan: Plan) -> None:
+    """Leakage over the edges is what empties the chambers; a static load feels membranes and never the valve."""
+    valves, leak, static = plan.forecasts
+    assert plan.best_for(SHARE) is leak
+    assert plan.best_for(VALVE) is valves
+    assert static.factors[1] > 10.0
+    assert static.factors[[0, 2]] == pytest.approx([1.0, 1.0], rel=1e-6)
+    assert {step.forecast.trial.kind for step in plan.sequence} == {"valves", "leak-down"}
+    assert not plan.untold
+
+
+def test_a_static_load_tells_the_membranes_as_by_hand(plan: Plan) -> None:
+    """1000 N on four membranes of k: each stroke F/4k, its logarithmic slope as large; four strokes and 1 % of RMS."""
+    static = plan.forecasts[2]
+    one = 1.0 / (0.01 * np.sqrt(2.0 / 1000.0))  # of a reading averaged over 1 s, less another one
+    told = np.sqrt(np.linalg.inv(static.information[1:2, 1:2]))[0, 0]
+    strokes = 4 * one**2 * 0.5
+    assert 1.0 / told**2 >= 0.5 * strokes
+
+
+def test_the_nonlinear_engine_agrees_on_the_recommended_tests(plan: Plan) -> None:
+    last = plan.sequence[-1]
+    assert last.nonlinear is not None
+    np.testing.assert_allclose(last.nonlinear, last.deviations, rtol=0.1)
+
+
+def test_what_no_candidate_tells_is_named() -> None:
+    settings = checked(PlanSettings, {**COMMON, "candidates": [STATIC]})
+    found = plan_tests(subject(MEMBRANE, VALVE), settings)
+    assert list(found.untold) == [VALVE]
+    assert found.best_for(VALVE) is None
+    assert any(VALVE in answer and "no candidate tells it" in answer for answer in found.answers)
+
+
+def test_limits_hold_in_the_nonlinear_run(plan: Plan) -> None:
+    trial = plan.forecasts[0].trial
+    run = observed(trial.scenario.model_copy(update={"engine": "small-motion", "record_rate": 4000.0}))
+    own = trial.scenario.plant.actuators[0]
+    spool, command = run.dataset["spool"].values, run.dataset["valve_command"].values
+    drive = own.valve_frequency**2 * np.abs(own.valve_gain * command - spool)
+    late = run.dataset["time"].values >= trial.settle
+    assert np.abs(command).max() <= own.voltage_limit
+    assert np.abs(spool[late]).max() < own.spool_stroke
+    assert 0.7 * own.spool_drive_limit < drive[late].max() < own.spool_drive_limit  # 80 % of it, by the words
+    assert "spool_drive_limit" in trial.words
+
+
+def test_the_folder_holds_what_it_takes_to_make_the_tests(plan: Plan, tmp_path: Path) -> None:
+    plan.save(tmp_path)
+    numbers = json.loads((tmp_path / "plan.json").read_text())
+    assert [one["name"] for one in numbers["sequence"]] == [step.forecast.trial.name for step in plan.sequence]
+    (signals,) = tmp_path.glob("*.csv")
+    head, *rows = list(csv.reader(signals.open()))
+    assert head == ["time [s]", *(f"valve_command {mount} [V]" for mount in plan.machine.plant.mounts)]
+    values = np.array(rows, float)
+    played = load_scenario(signals.with_suffix(".toml")).commands()
+    np.testing.assert_allclose(values[:, 2], played[1].sample(values[:, 0]).value, atol=1e-4)
+    assert (tmp_path / "plan.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"sharpen": ["machine.mas"]}, "plan.sharpen: 'machine.mas' must be one of"),
+        ({"channels": ["strok front-left"]}, "plan.channels: channel 'strok front-left' is unknown"),
+        ({"channels": ["ground_velocity front-left z"]}, "an input of a test, not compared"),
+        ({"noise": {"spool": 1.0}}, "plan.noise: 'spool' must be one of the channels"),
+        ({"candidates": [{**VALVES, "mounts": ["front"]}]}, "mounts: 'front'"),
+        ({"candidates": [{**VALVES, "period": 2.0}]}, "period = 2 s: must fit twice into plan.duration = 3 s"),
+        ({"candidates": [{"kind": "floor"}]}, "the scenario's floor is at rest"),
+    ],
+)
+def test_what_cannot_be_is_refused(table: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        plan_tests(subject(MEMBRANE), checked(PlanSettings, {**COMMON, **table}))
