@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ehamj.errors import DerivedAnew as DerivedAnew
     from ehamj.errors import InputError as InputError
     from ehamj.errors import SimulationFailed as SimulationFailed
+    from ehamj.identification.identify import identify as identify
     from ehamj.result import Result as Result
     from ehamj.result import load_result as load_result
     from ehamj.run.many import simulate_many as simulate_many
@@ -53,6 +54,7 @@ _HOME: Final = {
     "Scenario": "scenario.model",
     "SimulationFailed": "errors",
     "Stepper": "run.stepper",
+    "identify": "identification.identify",
     "linearise": "views.linear",
     "load_controller": "control",
     "load_result": "result",

@@ -42,6 +42,7 @@ from ehamj.plain.text import text_of
 from ehamj.plain.xml import check_xml
 from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
+from ehamj.scenario.variants import labels
 from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove
 from ehamj.variables import DIMENSIONS, FIXED, VARIABLES, check_histories
 
@@ -175,6 +176,28 @@ def load_result(folder: str | Path) -> Result:
         if digest.result() != found.belongs.files[HISTORIES]:
             raise changed(folder, HISTORIES)
     return Result(scenario, dataset, summary, model, law, kept)
+
+
+def side_by_side(results: Sequence["Result"], to: str, folders: Sequence[Path] = ()) -> dict[str, "Result"]:
+    """Results by what tells each from the others, in memory.
+
+    Args:
+        results: at least one.
+        to: what is done with them, for the message.
+        folders: that they are from; by default they have numbers.
+
+    Raises:
+        InputError: if one is no result, or holds no row.
+    """
+    for one in results:
+        if not isinstance(one, Result):
+            raise InputError(f"{to}: {one!r} is no result; ehamj.load_result(FOLDER) reads one")
+    places = folders or [Path(str(number)) for number in range(1, len(results) + 1)]
+    names = labels([one.scenario for one in results], places)
+    for name, one in zip(names, results, strict=True):
+        if not one.dataset.time.size:
+            raise InputError(f"result {name!r}: failed before its first row, so that there is nothing to {to}")
+    return dict(zip(names, (one.in_memory() for one in results), strict=True))
 
 
 def _ran(folder: Path, whose: str) -> tuple[Scenario, LinearController | None]:

@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
 import pytest
@@ -126,6 +127,26 @@ def test_kept_code_that_is_damaged_is_compiled_anew(place: Path, which: int, dam
         again = doubling()
     assert not again["taken"]
     assert doubling()["taken"]
+
+
+class Before(NamedTuple):
+    value: float
+
+
+class After(NamedTuple):
+    value: float
+
+
+def _value(one: Before | After) -> float:
+    return one.value
+
+
+def test_code_kept_by_a_version_with_other_names_is_compiled_anew(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a kept file names, such as the class of an argument, this version may not have."""
+    assert kept.compiled(_value)(Before(1.0)) == 1.0
+    monkeypatch.delattr(sys.modules[__name__], "Before")
+    assert kept.compiled(_value)(After(2.0)) == 2.0
+    assert list(place.rglob("*.nbi"))
 
 
 def test_code_that_cannot_be_kept_runs(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:

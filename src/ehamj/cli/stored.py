@@ -164,15 +164,11 @@ def _side_by_side(folders: Sequence[Path], to: str) -> "dict[str, Result]":
     Raises:
         InputError: if a folder is named twice, or holds no row.
     """
-    from ehamj.scenario.variants import labels
+    from ehamj.result import side_by_side
 
     results = [_in_memory(folder) for folder in folders]
     paths = [folder.resolve() for folder in folders]
     for folder, path in zip(folders, paths, strict=True):
         if paths.count(path) > 1:
             raise InputError(f"result {str(folder)!r}: is named twice; each result is shown once")
-    names = labels([result.scenario for result in results], paths)
-    for label, result in zip(names, results, strict=True):
-        if not result.dataset.time.size:
-            raise InputError(f"result {label!r}: failed before its first row, so that there is nothing to {to}")
-    return dict(zip(names, results, strict=True))
+    return side_by_side(results, to, paths)

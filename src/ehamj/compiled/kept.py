@@ -67,12 +67,20 @@ class _Checked(caching.IndexDataCacheFile):
             super().save(key, data)
 
     def _load_index(self) -> dict[Any, str]:
-        return super()._load_index() if _sound(Path(self._index_path)) else {}
+        if not _sound(Path(self._index_path)):
+            return {}
+        try:
+            return super()._load_index()
+        except (AttributeError, ImportError):  # it names a class that another version of ehamj has, and this one not
+            return {}
 
     def _load_data(self, name: str) -> Any:
         if not _sound(Path(self._data_path(name))):
             raise FileNotFoundError(name)  # Numba then compiles
-        return super()._load_data(name)
+        try:
+            return super()._load_data(name)
+        except (AttributeError, ImportError) as error:
+            raise FileNotFoundError(name) from error
 
 
 def _digest(content: bytes) -> bytes:

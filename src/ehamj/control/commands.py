@@ -1,5 +1,6 @@
 """Open-loop valve commands: a signal per mount [V], or none."""
 
+import re
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal
@@ -124,4 +125,4 @@ def _numbered(one: SignalSettings, number: int, duration: float) -> Signal:
     try:
         return one.signal(duration)
     except InputError as error:
-        raise InputError(str(error).replace(f"{KEY}.", f"{KEY}.{number}.")) from error
+        raise InputError(re.sub(rf"\b{re.escape(KEY)}(?=[.:])", f"{KEY}.{number}", str(error))) from error

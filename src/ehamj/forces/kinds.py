@@ -67,7 +67,7 @@ def load_of(
         try:
             parts = force.parts(duration, np.random.default_rng([seed, STREAM, k]))
         except InputError as error:
-            raise InputError(re.sub(r"\bforce\.(?!\d)", f"force.{k}.", str(error))) from error
+            raise InputError(re.sub(r"^force(?=[.:])|\bforce(?=\.[a-z])", f"force.{k}", str(error))) from error
         except MemoryError:
             raise InputError(f"force.{k}: {duration:g} s of it do not fit in memory") from None
         arm = lever(np.array(at) - np.array(about or cg))

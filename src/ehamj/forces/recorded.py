@@ -12,6 +12,7 @@ from ehamj.signals import Array, Signal, faded
 
 KEY = "force"
 """Of the table, in messages."""
+WHAT = "[[force]]"
 
 
 class RecordedForce(RecordedInput, ForceSettings):
@@ -22,7 +23,7 @@ class RecordedForce(RecordedInput, ForceSettings):
 
     @property
     def longest_step(self) -> float:
-        return 1.0 / self.series("force", KEY, KEY).rate
+        return 1.0 / self.series("force", WHAT, KEY).rate
 
     def parts(self, duration: float, random: np.random.Generator) -> list[tuple[Array, Signal]]:
-        return [(self.axis, faded(self.replayed("force", KEY, KEY, duration), self.fade_in))]
+        return [(self.axis, faded(self.replayed("force", WHAT, KEY, duration), self.fade_in))]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
 from ehamj.identification.residual import Axis
+from ehamj.identification.whiteness import Whiteness
 from ehamj.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -46,19 +47,6 @@ class Combination:
     vector: Array
     """Direction over all parameters in the order of `Identification.values`, scaled as they are looked for, (k,)."""
     words: str
-
-
-@dataclass(frozen=True)
-class Whiteness:
-    """What is left of a channel's errors after the noise model: white, or not."""
-
-    correlation: Array
-    """Autocorrelation of the whitened errors at lags 0, 1, …, (lag,)."""
-    limit: float
-    """Magnitude below which 99 % of them stay if the errors are white."""
-    probability: float
-    """Of so large a Ljung–Box statistic if they are white."""
-    white: bool
 
 
 @dataclass(frozen=True)

@@ -13,16 +13,38 @@ if TYPE_CHECKING:
 
 SCENARIO_FILE: Final = "scenario.toml"
 NUMBERS_FILE: Final = "identification.json"
+HISTORIES_FILE: Final = "identification.nc"
+STUDY_FILE: Final = "robustness.toml"
+PAGE_FILE: Final = "identification.html"
 MARKS: Final = (NUMBERS_FILE,)
 """Files without which a folder is none of an identification."""
 
 
 def save(found: "Identification", folder: Path) -> None:
-    """Write the identified scenario and the numbers."""
-    with written_whole(folder / SCENARIO_FILE) as path:
-        found.scenario.save(path)
-    with written_whole(folder / NUMBERS_FILE) as path:
-        path.write_text(json.dumps(to_dict(found), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    """Write the identified scenario, the numbers, what was measured beside what is predicted, a study of what is left
+    open, and the page with its figures, into a folder that is there.
+
+    Raises:
+        OSError: if a file cannot be written.
+    """
+    from ehamj.identification.histories import write_histories
+    from ehamj.identification.page import page_of
+    from ehamj.identification.robustness import robustness
+    from ehamj.pages import write_page
+
+    _write(folder / SCENARIO_FILE, found.scenario.to_toml())
+    _write(folder / NUMBERS_FILE, json.dumps(to_dict(found), indent=2, allow_nan=False) + "\n")
+    with written_whole(folder / HISTORIES_FILE) as path:
+        write_histories(found, path)
+    study = robustness(found, SCENARIO_FILE)
+    if study is not None:
+        _write(folder / STUDY_FILE, study)
+    write_page(folder, PAGE_FILE, page_of(found, study is not None))
+
+
+def _write(place: Path, text: str) -> None:
+    with written_whole(place) as path:
+        path.write_text(text, encoding="utf-8")
 
 
 def to_dict(found: "Identification") -> dict[str, Any]:

@@ -36,6 +36,9 @@ class Unknown:
     test: str | None = None
     size: float = 0.0
     """Change that matters, in ``unit``; 0: a quarter of the bounds' distance."""
+    closed: bool = False
+    """Whether the test gives the prediction's derivative in it (`ehamj.identification.residual.Compared.slopes`), so
+    that it is not differenced."""
 
     @property
     def log(self) -> bool:

@@ -70,7 +70,7 @@ class Stretch(NamedTuple):
     timestep: float
 
 
-class Driving(NamedTuple):
+class Given(NamedTuple):
     """Inputs and load at the start and at the end of each step, and what drives slides in it, read-only."""
 
     start: Array
@@ -82,7 +82,7 @@ class Driving(NamedTuple):
     slides: Array
 
     @classmethod
-    def of(cls, given: tuple[Array, Array], load: tuple[Array, Array, Array]) -> "Driving":
+    def of(cls, given: tuple[Array, Array], load: tuple[Array, Array, Array]) -> "Given":
         """The arrays as the loop takes them."""
         start, end = (np.ascontiguousarray(part) for part in given)
         flat = start.reshape(start.shape[0], math.prod(start.shape[1:]))
@@ -281,7 +281,7 @@ def _arguments(
     silent = np.zeros((0, loop.sensing.channels))
     tables = (loop.laws, loop.law_memory, loop.sensing, loop.readings)
     heard = silent if noise is None else np.ascontiguousarray(noise)
-    return (engine, stretch, Driving.of(given, load), recording, *tables, heard, loop.samples(*stretch[:2])[0])
+    return (engine, stretch, Given.of(given, load), recording, *tables, heard, loop.samples(*stretch[:2])[0])
 
 
 def compile_loop() -> None:

@@ -99,7 +99,7 @@ def _read(path: Path, picks: Sequence[Pick], reading: Reading, key: str) -> tupl
         loaded = {k: _loaded(components[k], pick) for k, pick in zip(chosen, picks, strict=True)}
         for k, pick in zip(chosen, picks, strict=True):
             name = components[k].name or f"component {k + 1}"
-            found.append(_series(label, name, loaded[k], pick, remedy, notes))
+            found.append(_series(label, name, loaded[k], pick, _keyed(remedy, key), notes))
         return Record(label, ())
 
     shared = {name: getattr(reading, name) for name in Reading.model_fields}
@@ -186,7 +186,7 @@ def _series(label: str, name: str, one: Loaded, pick: Pick, remedy: str, notes: 
     if one.calibration != 1.0:
         told.append(f"{name}: the file's calibration factor {one.calibration:g} is applied")
     samples.flags.writeable = False  # it is shared
-    return Series(name, pick.kind, one.rate, one.time, samples, tuple(told))
+    return Series(name, pick.kind, one.rate, one.time + 0.0, samples, tuple(told))  # no −0
 
 
 def _size(name: str, one: Loaded, pick: Pick, remedy: str) -> float:

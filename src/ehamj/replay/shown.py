@@ -15,8 +15,7 @@ from typing import Any, Final
 from ehamj.errors import InputError
 from ehamj.extras import check_extra
 from ehamj.replay import open_viewer, write_replay
-from ehamj.result import Result
-from ehamj.scenario.variants import labels
+from ehamj.result import Result, side_by_side
 
 WIDTH, HEIGHT = "auto", 640
 """Of the viewer in a notebook [px]; all of the page's width."""
@@ -33,24 +32,18 @@ def shown(result: Result, beside: Sequence[Result] = ()) -> Any:
     Raises:
         InputError: if there is no viewer: no package for the notebook, no screen; or a result without a row.
     """
-    results = (result, *beside)
-    if wrong := [one for one in results if not isinstance(one, Result)]:
-        raise InputError(f"replay: {wrong[0]!r} is no result; ehamj.load_result(FOLDER) reads one")
-    if any(not one.dataset.time.size for one in results):
-        raise InputError("replay: a result failed before its first row, so that there is nothing to replay")
+    results = side_by_side((result, *beside), "replay")
     within = _in_notebook()
     if within:
         check_extra("rerun_notebook", "replay: in a notebook")
-    names = labels([one.scenario for one in results], [Path(str(k)) for k in range(1, len(results) + 1)])
-    loaded = dict(zip(names, (one.in_memory() for one in results), strict=True))
     if within:
         with TemporaryDirectory(prefix=PREFIX) as folder:
             path = Path(folder) / "replay.rrd"
-            write_replay(path, loaded, result.scenario.output.exaggeration)
+            write_replay(path, results, result.scenario.output.exaggeration)
             return viewer(path)
     _clear()
     path = Path(mkdtemp(prefix=PREFIX)) / "replay.rrd"
-    write_replay(path, loaded, result.scenario.output.exaggeration)
+    write_replay(path, results, result.scenario.output.exaggeration)
     if why := open_viewer(path):
         shutil.rmtree(path.parent)
         raise InputError(f"replay: {why}; result.save(FOLDER) keeps FOLDER/replay.rrd, which any Rerun viewer opens")

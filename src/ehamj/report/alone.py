@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ehamj import plots
@@ -17,8 +16,7 @@ from ehamj.report.sections.histories import figures_of as of_histories
 from ehamj.report.sections.spectrogram import figures_of as of_spectrogram
 from ehamj.report.sections.transmissibility import figures_of as of_transmissibility
 from ehamj.report.shown import Shown
-from ehamj.result import Result
-from ehamj.scenario.variants import labels
+from ehamj.result import Result, side_by_side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,13 +34,8 @@ class Plots:
     """
 
     def __init__(self, *results: Result) -> None:
-        scenarios = [result.scenario for result in results]
-        names = labels(scenarios, [Path(str(number)) for number in range(1, len(results) + 1)])
-        for name, result in zip(names, results, strict=True):
-            if not result.dataset.time.size:
-                raise InputError(f"plot: result {name!r} failed before its first row: there is nothing to draw")
-        self.results = dict(zip(names, results, strict=True))
-        self._shown = Shown.of({name: result.in_memory() for name, result in self.results.items()})
+        self.results = side_by_side(results, "draw")
+        self._shown = Shown.of(self.results)
 
     def __repr__(self) -> str:
         drawn = "attenuation, criteria, histories, transmissibility, spectrogram"

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, get_args
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from ehamj.arrays import ComplexArray
 from ehamj.errors import InputError, did_you_mean
@@ -18,6 +17,7 @@ from ehamj.estimate.identification import Stable, agreed
 from ehamj.linear.eigen import mac
 from ehamj.linear.machine import linear_model
 from ehamj.linear.modes import Mode, modes
+from ehamj.linear.pairing import likely_pairs, likeness
 from ehamj.linear.shapes import weights
 from ehamj.linear.unstable import unstable_pole
 from ehamj.mujoco.model import reduced
@@ -157,9 +157,8 @@ def _named(
     expected = np.array([mode.shape for mode in computed]).T
     to_cg = np.vstack([lever(machine.cg), np.eye(len(DOFS))[3:]])
     alike = mac(to_cg @ shapes, to_cg @ expected, weights(machine))
-    apart = np.log(np.array([[abs(m.pole) / (2 * np.pi * c.frequency) for c in computed] for m in found]))
-    likeness = alike * np.exp(-((apart.reshape(alike.shape) / NEAR) ** 2))
-    pairs = {int(r): int(c) for r, c in zip(*linear_sum_assignment(-likeness), strict=True) if likeness[r, c] > 0.1}
+    hertz = np.array([abs(mode.pole) for mode in found]) / (2 * np.pi)
+    pairs = likely_pairs(likeness(alike, hertz, np.array([mode.frequency for mode in computed]), NEAR))
     named = []
     for k, mode in enumerate(found):
         partner = computed[pairs[k]] if k in pairs else None

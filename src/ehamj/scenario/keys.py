@@ -21,10 +21,24 @@ def override(table: dict[str, Any], text: str) -> None:
         InputError: if it has not that form, or the key leads nowhere.
     """
     key, equals, value = text.partition("=")
-    said = f"--set {text!r}"
-    if not equals or not all(part.strip() for part in key.split(".")):
+    said, parts = f"--set {text!r}", parts_of(key)
+    if not equals or not all(parts):
         raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
-    place(table, key, written(value), said)
+    place(table, parts, written(value), said)
+
+
+def parts_of(key: str) -> list[str]:
+    """Parts of a dotted key as a user writes it; one in quotes may hold dots, as in ``vary."machine.mass"``."""
+    if '"' in key or "'" in key:
+        try:
+            found, at = [], toml_of(f"{key} = 0")
+            while isinstance(at, dict):
+                ((part, at),) = at.items()
+                found.append(part)
+            return found
+        except ValueError:  # the quotes are part of a name
+            pass
+    return [part.strip() for part in key.split(".")]
 
 
 def other_kinds(overrides: Sequence[str], before: Mapping[str, Any], found: str) -> str:
@@ -32,7 +46,7 @@ def other_kinds(overrides: Sequence[str], before: Mapping[str, Any], found: str)
     kind that it was ``before`` stayed; empty where that is not so."""
     said = ""
     for key, _, value in (text.partition("=") for text in overrides):
-        *parents, last = (part.strip() for part in key.split("."))
+        *parents, last = parts_of(key)
         where, kind = ".".join(parents), written(value)
         if last != "kind" or not re.search(rf"^{re.escape(where)}\.\S+ = .*unknown key", found, re.MULTILINE):
             continue

@@ -1,7 +1,8 @@
 """The kinds of test there are: one more is a file beside this one, and an entry here."""
 
+from ehamj.identification.tests.modes import ModesTest
 from ehamj.identification.tests.record import RecordTest
 from ehamj.identification.tests.test import TestSettings
 
-TESTS: tuple[type[TestSettings], ...] = (RecordTest,)
+TESTS: tuple[type[TestSettings], ...] = (RecordTest, ModesTest)
 """Every kind; a table [[test]] holds one of them."""

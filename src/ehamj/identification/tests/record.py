@@ -1,30 +1,79 @@
 """A record of a test: channels over time, inputs among them, compared in time or in frequency."""
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field
 
 from ehamj.errors import InputError
+from ehamj.identification.channels import check_seen
 from ehamj.identification.residual import Residuals
+from ehamj.identification.tests.driven import Driven, driven, entry_of
 from ehamj.identification.tests.test import Context, TestSettings
-from ehamj.settings import FileName
+from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
+from ehamj.measured.measured import Measured
+from ehamj.measured.settings import Measurement
+from ehamj.records.choices import Reading
+from ehamj.settings import FileName, Positive
 
 Comparison = Literal["time", "frequency", "both"]
 
 
-class RecordTest(TestSettings):
+class RecordTest(Reading, TestSettings):
     """Commands, strokes, pressures, motions and forces over time."""
 
     kind: Literal["record"]
     file: FileName | None = Field(None, description="file of the record; without: given in Python, by the test's name")
-    measurement: dict[str, Any] = Field(default_factory=dict, description="what each component of the file is")
+    measurement: Measurement = Field(default_factory=dict, description="what each component of the file is")
     settle: float = Field(0.2, ge=0, description="at the beginning, not compared [s]")
-    compare: Comparison = Field(
-        "time",
-        description="time: the nonlinear engine; frequency: the linear model; both: frequency to find where to begin, "
-        "then time",
-    )
+    rate: Positive = Field(1000.0, description="rate of compared samples, where the logger's is a multiple of it [Hz]")
 
     def residuals(self, context: Context) -> Residuals:
         """See `TestSettings.residuals`."""
-        raise InputError(f"test {self.name!r}: kind = 'record' is not compared yet")
+        measured = self.read(context)
+        outputs = self._outputs(measured, context)
+        clock = Clock(
+            measured.rate, measured.channels[0].samples.size, self.settle, any(one.delay for one in outputs), self.rate
+        )
+        if clock.part(int(clock.duration * clock.compared)).start + 10 >= clock.duration * clock.compared:
+            raise InputError(
+                f"test {self.name!r}: lasts {clock.duration:g} s, of which settle = {self.settle:g} s and filters "
+                "leave nothing to compare"
+            )
+        made = self.driven(measured, context, clock)
+        return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context)
+
+    def read(self, context: Context) -> Measured:
+        """What was measured.
+
+        Raises:
+            InputError: if there is neither a file nor a measurement in memory, or the file is not as it must be.
+        """
+        given = context.measured.get(self.name)
+        if given is not None:
+            assert isinstance(given, Measured)
+            return given
+        if self.file is None:
+            raise InputError(
+                f"test {self.name!r}: file is missing, and no measurement was given in Python by this name"
+            )
+        raise InputError(f"test {self.name!r}: file = {self.file!r}: give what was measured in Python (measured)")
+
+    def driven(self, measured: Measured, context: Context, clock: Clock) -> Driven:
+        """The scenario of the test, driven as the rig was, at any point."""
+        base = self.scenario(context).model_copy(update={"compare": (), "engine": context.engine})
+        return driven(self, base, measured, clock, context.keys)
+
+    def _outputs(self, measured: Measured, context: Context) -> list[Output]:
+        found = []
+        for channel in measured.outputs:
+            check_seen(channel.name, context.scenario.plant, f"test {self.name!r}: {channel.component or channel.name}")
+            key = entry_of(self, channel)
+            said = self.measurement.get(key)
+            names = {
+                what: f"{self.name}.{key}.{what}" if said is not None and getattr(said, what) else ""
+                for what in ("offset", "gain", "delay")
+            }
+            found.append(Output(channel.name, channel.unit, channel.samples, **names))
+        if not found:
+            raise InputError(f"test {self.name!r}: measurement: no channel is compared; all are inputs")
+        return found
