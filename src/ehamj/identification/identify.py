@@ -50,6 +50,10 @@ def identify(
     """
     began = clock.perf_counter()
     file = load_identify(source, overrides)
+    if not file.test:
+        raise InputError(
+            "test: there is none; state what was measured, [[test]], or plan what to measure (`ehamj.plan_tests`)"
+        )
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)
     problem = Problem(tests, parameters)
