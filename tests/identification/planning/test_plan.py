@@ -11,12 +11,15 @@ import pytest
 from ehamj import plan_tests
 from ehamj.errors import InputError
 from ehamj.identification.planning.outcome import Plan
+from ehamj.measured.measured import Measured, MeasuredChannel
 from ehamj.plant.mounts import MOUNTS
+from ehamj.rig.logger import Tap, logged
 from ehamj.run.simulate import observed
-from ehamj.scenario.load import load_scenario
+from ehamj.scenario.load import changed, load_scenario
 
-SHARE, MEMBRANE, VALVE = (
-    f"actuators.isolator.{name}" for name in ("edge_leakage_share", "membrane_stiffness", "valve_frequency")
+SHARE, MEMBRANE, VALVE, BULK = (
+    f"actuators.isolator.{name}"
+    for name in ("edge_leakage_share", "membrane_stiffness", "valve_frequency", "bulk_modulus")
 )
 VALVES = {"kind": "valves", "band": [5.0, 60.0], "lines": 8}
 LEAK, STATIC = {"kind": "leak-down", "watched": 0.3}, {"kind": "static", "loads": [{"force": 1000.0}]}
@@ -28,7 +31,13 @@ def asked(*keys: str, **table: Any) -> dict[str, Any]:
     return {
         "title": "Rig",
         "scenario": "recorded",
-        "set": {"ground": {"kind": "rest"}, "control": {"kind": "passive"}, "sensors": {}, "timestep": 1e-4},
+        "set": {
+            "ground": {"kind": "rest"},
+            "control": {"kind": "passive"},
+            "sensors": {},
+            "compare": [],
+            "timestep": 1e-4,
+        },
         "parameters": {key: {} for key in keys},
         "plan": COMMON | table,
     }
@@ -98,6 +107,29 @@ def test_the_folder_holds_what_it_takes_to_make_the_tests(plan: Plan, tmp_path: 
     played = load_scenario(signals.with_suffix(".toml")).commands()
     np.testing.assert_allclose(values[:, 2], played[1].sample(values[:, 0]).value, atol=1e-4)
     assert (tmp_path / "plan.html").is_file()
+
+
+def test_a_test_that_was_made_counts_for_what_its_measurement_tells() -> None:
+    """What a fit to a simulated measurement of 1 % noise says of its deviations was predicted before it was made."""
+    channels = ["stroke front-left", "stroke rear-right", "chamber_pressure front-left 1"]
+    own = {"duration": 2.0, "rate": 500.0, "channels": channels, "candidates": [VALVES], "tests": 1}
+    table = asked(MEMBRANE, BULK, **own)
+    before = plan_tests(table)
+    (made,) = before.sequence
+    run = observed(changed(made.forecast.trial.scenario, {"engine": "small-motion"}))
+    log = logged(run, [Tap(channel=name, noise=0.01) for name in channels])
+    columns = zip(log.names, log.units, strict=True)
+    measured = Measured("made", log.rate, tuple(MeasuredChannel(name, unit, log[name]) for name, unit in columns))
+    # The commands are the scenario's own, so that only outputs are measured.
+    signals = [one.model_dump() for one in made.forecast.trial.scenario.control.signals]
+    driven = {"control": {"kind": "open-loop", "signals": signals}, "duration": 2.0}
+    test: dict[str, Any] = {"name": "made", "kind": "record", "rate": 500.0, "settle": 1.0, "set": driven}
+    test["measurement"] = {name: {"channel": name, "offset": "free"} for name in channels}
+    found = plan_tests({**table, "test": [test], "fit": {"starts": 1}}, measured={"made": measured})
+    assert found.done == ("made",)
+    np.testing.assert_allclose(found.before, made.deviations, rtol=0.2)
+    for one, spread in zip(found.unknowns, found.before, strict=True):
+        assert abs(found.at[one.name] - one.start) < 4.0 * spread
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def plan_tests(
 
 def _begun(file: IdentifyFile, threads: int | None) -> Subject:
     """What is looked for, nothing measured."""
-    machine = file.machine
+    machine = file.machine.model_copy(update={"compare": ()})
     unknowns = parameters_of(machine, file.parameters)
     return Subject(file.title, machine, unknowns, {one.name: one.start for one in unknowns}, threads=threads)
 

@@ -19,6 +19,8 @@ BITS: Final = 16
 """Of the logger's converters."""
 PEAK: Final = 4.0
 """Range of a converter, over the RMS of the liveliest channel that it is set for."""
+STILL: Final = 1e-4
+"""Share of a converter's range, three of its steps, below which a channel that moves is none to record."""
 QUIET: Final = 0.1
 """Share of the largest RMS among channels of one variable that one counts with at least: instruments are alike."""
 UNITS: Final = {
@@ -121,6 +123,10 @@ class Instruments:
             word = name.split(" ")[0]
             found[word] = max(found.get(word, 0.0), PEAK * float(rms))
         return replace(self, ranges=found)
+
+    def moving(self, rms: Array) -> tuple[str, ...]:
+        """Channels whose RMS (channel,) is at least `STILL` of their converters' range."""
+        return tuple(name for name, own in zip(self.channels, rms, strict=True) if own > STILL * self._range(name))
 
     def _range(self, channel: str) -> float:
         return self.ranges.get(channel.split(" ")[0], 0.0)

@@ -83,7 +83,7 @@ def planned(subject: Subject, settings: PlanSettings, progress: Progress = silen
     sequence = _sequence(subject, [forecasts[k] for k in chosen], predict)
     return Plan(
         subject.title, machine, unknowns, subject.at, before.deviations * subject.slopes, subject.done,
-        predict.instruments, forecasts, predict.refused, sequence, _untold(subject, forecasts),
+        predict.instruments, forecasts, predict.refused, sequence, settings.free, _untold(subject, forecasts),
     )  # fmt: skip
 
 
@@ -105,13 +105,19 @@ class Predictor:
         except NotSmooth as error:
             self._why = str(error)
 
-    def all(self, trials: Sequence[Trial]) -> list[tuple[Trial, Array, Method]]:
-        """Information of each test that can be predicted, and how it was found; `refused` tells of the others."""
+    def all(self, trials: Sequence[Trial]) -> list[tuple[Trial, Array, Method, tuple[str, ...]]]:
+        """Information of each test that can be predicted, how it was found, and which channels move in it; `refused`
+        tells of the others."""
         found = [(trial, lines, method) for trial in trials for lines, method in self._predicted(trial)]
-        if found:
-            rms = [rms_of(lines, self.instruments, trial.compared) for trial, lines, _ in found]
-            self.instruments = self.instruments.ranged(np.max(rms, axis=0))
-        return [(trial, self._told(lines, trial), method) for trial, lines, method in found]
+        if not found:
+            return []
+        rms = np.array([rms_of(lines, self.instruments, trial.compared) for trial, lines, _ in found])
+        self.instruments = self.instruments.ranged(rms.max(axis=0))
+        moving = [self.instruments.moving(own) for own in rms]
+        return [
+            (trial, self._told(lines, trial), method, names)
+            for (trial, lines, method), names in zip(found, moving, strict=True)
+        ]
 
     def nonlinear(self, trial: Trial) -> Array | None:
         """Information of a test by the nonlinear engine; None where a run stops, which `refused` tells."""
@@ -179,9 +185,11 @@ def _counting(sharpen: Sequence[str] | None, unknowns: Sequence[Unknown]) -> lis
     return [keys.index(key) for key in sharpen] if sharpen else list(range(len(keys)))
 
 
-def _forecast(subject: Subject, before: Knowledge, trial: Trial, information: Array, method: Method) -> Forecast:
+def _forecast(
+    subject: Subject, before: Knowledge, trial: Trial, information: Array, method: Method, moving: tuple[str, ...]
+) -> Forecast:
     after = before.after(information).deviations
-    return Forecast(trial, information, after * subject.slopes, before.deviations / after, method)
+    return Forecast(trial, information, after * subject.slopes, before.deviations / after, method, moving)
 
 
 def _sequence(subject: Subject, chosen: Sequence[Forecast], predict: Predictor) -> tuple[Step, ...]:
@@ -205,13 +213,13 @@ def _sequence(subject: Subject, chosen: Sequence[Forecast], predict: Predictor) 
 
 
 def _untold(subject: Subject, forecasts: Sequence[Forecast]) -> dict[str, str]:
-    """Parameters that all candidates together sharpen by less than `TOLD`, and what they go together with."""
-    before = subject.before
-    after = before.after(*(one.information for one in forecasts))
-    factors = before.deviations / after.deviations
-    values, vectors = np.linalg.eigh(after.covariance / np.outer(before.deviations, before.deviations))
+    """Parameters that tests made and all candidates together sharpen by less than `TOLD`, and what they go with."""
+    spreads = subject.spreads
+    after = subject.before.after(*(one.information for one in forecasts))
+    factors = spreads / after.deviations
+    values, vectors = np.linalg.eigh(after.covariance / np.outer(spreads, spreads))
     found = {}
     for k in np.flatnonzero(factors < TOLD):
         worst = int(np.argmax(values * vectors[k] ** 2))
-        found[subject.unknowns[k].name] = words_of(vectors[:, worst] * before.deviations, subject.unknowns)[1]
+        found[subject.unknowns[k].name] = words_of(vectors[:, worst] * spreads, subject.unknowns)[1]
     return found
