@@ -2,6 +2,7 @@
 
 import json
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -107,6 +108,46 @@ def test_an_unknown_measurement_is_refused(cli: Cli) -> None:
     code, said, error = cli("benchmark", "--measured", "shaker")
     assert (code, said) == (2, "")
     assert "must be one of ring-down, random, sweep, hammer" in error
+
+
+TABLE = """frequency [Hz];frequency deviation [Hz];damping [%];foot_velocity front-left x;foot_velocity front-left y;\
+foot_velocity rear-right x;foot_velocity rear-right y;spindle-nose x;spindle-nose y;spindle-nose z
+70.5;0.2;3.1;1;0;1;0;1.02;0;0
+71.1;;4.1;0;1;0;1;0;1.03;0
+76.1;0.2;;-0.6;0.9;0.6;-0.9;0;0.3;0
+150;1;1;0;0;0;0;1;0;0
+"""
+
+
+def test_modes_of_a_file_stand_beside_the_computed_by_their_shapes(cli: Cli) -> None:
+    """Not by frequency: the slower one measured is the faster one computed."""
+    Path("modes.csv").write_text(TABLE)
+    code, said, _ = cli("vc-c-floor", "--set", "control={kind='passive'}", "--measured", "modes.csv", "--json")
+    assert code == 0
+    paired = json.loads(said)["paired"]
+    names = ["sway-rocking about y", "sway-rocking about x", "yaw", None]
+    assert [row["name"] for row in paired["modes"]] == names
+    assert min(row["mac"] for row in paired["modes"][:3]) > 0.99
+    assert [name.split(" (")[0] for name in paired["not_measured"]] == ["rocking about x", "heave", "rocking about y"]
+    code, said, _ = cli("vc-c-floor", "--set", "control={kind='passive'}", "--measured", "modes.csv")
+    lines = said.splitlines()
+    assert "71.10 ±0.36 sway-rocking about x  70.03 −1.51" in said
+    assert "150 Hz has no pair: no computed mode is like it" in lines
+    assert max(map(len, lines[:9])) <= 80
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--measured", "modes.csv", "--noise", "0.1"), "not to a file of modes; leave it out"),
+        (("--measured", "none.csv"), "there is no such file"),
+        (("--measured", "hamer"), "did you mean 'hammer'? must be one of"),
+    ],
+)
+def test_a_file_that_is_none_is_refused(cli: Cli, arguments: tuple[str, ...], said: str) -> None:
+    code, printed, error = cli("vc-c-floor", *arguments)
+    assert (code, printed) == (2, "")
+    assert said in error
 
 
 def test_help_names_every_measurement(cli: Cli) -> None:

@@ -9,7 +9,8 @@ from harness import SKEW_MOUNTS
 from oracles import linear
 
 from ehamj.designs.designs import Designs
-from ehamj.designs.many import RIGID_MODES, floor_response, modes_of
+from ehamj.designs.floor import floor_response
+from ehamj.designs.many import RIGID_MODES, modes_of
 from ehamj.designs.parameters import value_of, with_value
 from ehamj.errors import InputError
 from ehamj.isolator.actuator import Actuator

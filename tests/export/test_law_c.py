@@ -217,6 +217,33 @@ def test_two_laws_run_in_one_program(whole: Law, tmp_path: Path) -> None:
 
 
 @needs_compiler
+def test_a_file_with_the_headers_of_two_laws_is_refused(whole: Law, tmp_path: Path) -> None:
+    """Its guard would drop the second in silence; the same one twice is allowed."""
+    own = (whole.folder / "ehamj_law.h").read_text()
+    (mark,) = {line.split()[-1] for line in own.splitlines() if line.startswith("#define EHAMJ_LAW_TOLD_BY")}
+    (tmp_path / "other.h").write_text(own.replace(mark, "0x1"))
+
+    def compiled(second: str) -> subprocess.CompletedProcess[str]:
+        (tmp_path / "one.c").write_text(f'#include "ehamj_law.h"\n#include "{second}"\n')
+        command = [
+            "cc",
+            "-std=c99",
+            f"-I{whole.folder}",
+            f"-I{tmp_path}",
+            "-c",
+            "-o",
+            tmp_path / "one.o",
+            tmp_path / "one.c",
+        ]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert compiled("ehamj_law.h").returncode == 0
+    refused = compiled("other.h")
+    assert refused.returncode != 0
+    assert "the headers of two laws in one file" in refused.stderr
+
+
+@needs_compiler
 def test_in_single_precision_it_compiles_and_is_near(tmp_path: Path) -> None:
     scenario = load_scenario("recorded", ["duration=0.5"])
     law = Law.of(tmp_path, scenario, scenario.controller(), "-DEHAMJ_LAW_FLOAT")

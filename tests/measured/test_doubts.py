@@ -41,6 +41,9 @@ def test_what_is_wrong_is_named() -> None:
     cut = np.clip(1.1 * sine + 0.01 * NOISE, -1.0, 1.0)
     for clipped in (cut, bits(cut), np.minimum(bits(0.8 * sine + 0.02 * NOISE), 0.8)):
         assert [fault.word for fault in faults(clipped)] == ["clipped"]
+    few = np.round(20.0 * (sine + 0.4 * np.sin(2 * np.pi * 3.7 * TIME + 1.0)) + 0.3 * NOISE)
+    assert faults(few) == []
+    assert [fault.word for fault in faults(np.minimum(few, 22.0))] == ["clipped"]
     exact = np.mean(np.abs(cut) == 1.0)
     assert clipped_share(cut) == pytest.approx(exact)
     assert [fault.word for fault in faults(np.full(TIME.size, 0.3))] == ["dead"]

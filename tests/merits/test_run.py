@@ -145,6 +145,13 @@ def test_flow_and_power_are_those_of_the_histories() -> None:
     assert found["run.power"] == result.summary["oil"]["mean_power_w"]
 
 
+def test_a_class_whose_bands_a_short_run_does_not_know_is_not_kept() -> None:
+    """Nothing is known at 1 Hz of 0.6 s: no distance, rather than an endless one that any limit takes for kept."""
+    found = RUNS.evaluate(MACHINE, DESIGNS[:1], ["run.below.VC-F.z"])[0]
+    assert not isinstance(found, Failed)
+    assert math.isnan(found["run.below.VC-F.z"])
+
+
 def test_all_numbers_of_the_summary_are_merits_and_chance_is_none() -> None:
     names = RUNS.merits(MACHINE)
     assert {*ALONE, *WHOLE} <= set(names)

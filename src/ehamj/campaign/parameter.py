@@ -71,6 +71,7 @@ def parameters_of(scenario: Scenario, key: str, spread: SpreadSettings) -> list[
     try:
         spread.check(own)
     except ValueError as error:
+        _check_known(scenario, key, own)
         raise InputError(f"vary: {key}: {error}") from None
     numbers = not (isinstance(spread, Listed) and not spread.numbers)
     stated = Parameter(key, key, unit_at(scenario, key) if numbers else "1", spread, own)
@@ -85,6 +86,16 @@ def parameters_of(scenario: Scenario, key: str, spread: SpreadSettings) -> list[
             f"actuators.({', '.join(dict.fromkeys(m.actuator for m in scenario.mount))}).QUANTITY"
         )
     return [Parameter(f"mount.{m.name}.actuator.{parts[2]}", key, stated.unit, spread, own) for m in mounts]
+
+
+def _check_known(scenario: Scenario, key: str, own: Any) -> None:
+    """Refuse a key that is none, in the scenario's words: it has no value to spread about either."""
+    if own is None:
+        try:
+            changed(scenario, changes_of(scenario, {key: 1.0}))
+        except InputError as error:
+            if "unknown key" in str(error):
+                raise InputError(f"vary: {str(error).replace(f'{key} = 1.0', key)}") from None
 
 
 def _try(scenario: Scenario, one: Parameter) -> None:

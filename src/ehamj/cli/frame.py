@@ -29,6 +29,7 @@ COMMANDS: Final = {
     "export": "export",
     "study": "study",
     "merits": "merits",
+    "identify": "identify",
     "replay": "stored",
     "report": "stored",
     "bench": "bench",
@@ -43,6 +44,9 @@ class Command(TyperCommand):
     That is once all words of the command line are understood: one too many is what is said first.
     """
 
+    example = "duration=3"
+    """Of a key of the scenario that is set."""
+
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Understand the words; what is no option, and like none, may be meant as a key of the scenario."""
         try:
@@ -50,7 +54,7 @@ class Command(TyperCommand):
         except TyperException as error:
             unknown = getattr(error, "message", "").startswith("No such option")
             if unknown and not getattr(error, "possibilities", ()):
-                error.message += "; keys of the scenario are set by --set, such as --set duration=3"
+                error.message += f"; keys of the scenario are set by --set, such as --set {self.example}"
             raise
 
     def invoke(self, ctx: Any) -> Any:

@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ehamj.cli.printing import print_table, say
+from ehamj.identification.modal.told import Pair, Pairing
 from ehamj.linear.modes import Mode
 from ehamj.linear.shapes import Axis, Energies
 from ehamj.pages.words import motion, number
@@ -78,6 +79,32 @@ def print_measured(title: str, test: ModalTest) -> None:
     say(f"found: {test.words}")
     for name in test.missed:
         say(f"note: {name} was not found in the signals")
+
+
+def print_paired(title: str, found: Pairing) -> None:
+    """Print measured modes beside computed ones; what is behind ± is the standard deviation, stated or assumed."""
+    heads = ("measured [Hz]", "mode", "f [Hz]", "off %", "ζ [%]", "computed", "MAC", "close\nones")
+    print_table(title, heads, (_pair_row(pair) for pair in found.pairs), gap=1)
+    for pair in found.pairs:
+        if pair.why:
+            say(f"{pair.frequency:.4g} Hz has no pair: {pair.why}")
+    for name in found.missed:
+        say(f"note: {name} was not measured")
+    for note in found.notes:
+        say(f"note: {note}")
+
+
+def _pair_row(pair: Pair) -> list[str]:
+    """Blank where nothing was measured, or there is no pair."""
+    row = [_with_spread(pair.frequency, pair.frequency_deviation), pair.name, "", "", "", "", "", ""]
+    if not math.isnan(pair.damping_ratio):
+        row[4] = _with_spread(100.0 * pair.damping_ratio, 100.0 * pair.damping_deviation)
+    if pair.name:
+        row[2] = f"{pair.computed_frequency:.2f}"
+        row[3] = _signed(100.0 * (pair.computed_frequency / pair.frequency - 1.0))
+        row[5] = f"{100.0 * pair.computed_damping_ratio:.2f}"
+        row[6:] = ["" if math.isnan(value) else f"{value:.3f}" for value in (pair.mac, pair.together)]
+    return row
 
 
 def _with_spread(value: float, spread: float) -> str:

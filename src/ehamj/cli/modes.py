@@ -9,13 +9,16 @@ import typer
 import xarray as xr
 
 from ehamj.cli.frame import Command, Json, ScenarioName, Set, app
-from ehamj.cli.modal_tables import print_measured, print_modes
+from ehamj.cli.modal_tables import print_measured, print_modes, print_paired
 from ehamj.cli.printing import print_json, say
 from ehamj.cli.progress import doing
 from ehamj.designs.sensitivity import sensitivities
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.findings import finite
 from ehamj.folders import check_file
+from ehamj.identification.modal.computed import computed_modes
+from ehamj.identification.modal.files import modes_of_file
+from ehamj.identification.modal.told import Pairing, pairing
 from ehamj.linear.loop import Loop, linear_under
 from ehamj.linear.modes import Mode
 from ehamj.linear.modes import modes as modes_of
@@ -35,7 +38,10 @@ Points = Annotated[
 ]
 Measured = Annotated[
     str | None,
-    typer.Option(metavar="KIND", help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}."),
+    typer.Option(
+        metavar="KIND|FILE",
+        help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}; or a file of measured modes.",
+    ),
 ]
 Noise = Annotated[float, typer.Option(help="Noise of the measurement's sensors, as a share of each signal's RMS.")]
 
@@ -67,7 +73,10 @@ def modes(
 
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
     `ring-down` jolts of the floor and free decays, `random` periodic noise and `sweep` a sine sweep of the floor,
-    `hammer` blows on an upper corner of the machine. That table stands alone unless `--all` asks for the others.
+    `hammer` blows on an upper corner of the machine. A FILE holds the modes of a real test: a table with a row per mode
+    and columns `frequency [Hz]`, `damping [%]` and one per sensor, such as `foot_velocity front-left x`; or TOML. Each
+    is paired with a computed one by the likeness of their shapes. That table stands alone unless `--all` asks for the
+    others.
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
@@ -79,7 +88,8 @@ def modes(
     loops = _loops(loaded)
     found = {key: _modes_under(loaded, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
     test, slopes = None, {}
-    if measured is not None:
+    pairs = None if measured is None or measured in KINDS else _paired(loaded, measured)
+    if measured is not None and pairs is None:
         with doing(f"measuring: {measured}"):
             test = modal_test(loaded, kind_of(measured), noise)
     if replay is not None:
@@ -91,12 +101,14 @@ def modes(
                 for key, (loop, bypassed) in loops.items()
             }
     if as_json:
-        print_json(_plain(found, slopes, test) | ({} if replay is None else {"replay": str(replay)}))
+        print_json(_plain(found, slopes, test, pairs) | ({} if replay is None else {"replay": str(replay)}))
         return
-    if test is None or everything or sensitivity or points:
+    if (test is None and pairs is None) or everything or sensitivity or points:
         _print(loaded, found, everything, list(places), slopes)
     if test is not None:
         print_measured(f"{loaded.name}: computed, and found in signals, valves held", test)
+    if pairs is not None:
+        print_paired(f"{loaded.name}: measured, and computed with valves held", pairs)
     if replay is not None:
         say(f"modes, animated: {replay}  (open it with: rerun {replay})", whole=True)
 
@@ -140,10 +152,28 @@ def _modes_under(
 
 def _check_test(measured: str | None, noise: float) -> None:
     """Raise InputError unless what is to be measured can be; called before anything is computed."""
-    if measured is not None:
+    if measured is not None and _is_file(measured):
+        if noise != 0.0:
+            raise InputError(
+                f"--noise {noise:g}: belongs to a simulated measurement, not to a file of modes; leave it out"
+            )
+    elif measured is not None and measured not in KINDS:
+        near = did_you_mean(measured, KINDS)
+        raise InputError(f"--measured {measured!r}: {near}must be one of {', '.join(KINDS)}, or a file of modes")
+    elif measured is not None:
         check_test(measured, noise)
     elif noise != 0.0:
         raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
+
+
+def _is_file(measured: str) -> bool:
+    """Whether what was measured is a file's: it is there, or ends as a file does."""
+    return measured not in KINDS and (Path(measured).is_file() or bool(Path(measured).suffix))
+
+
+def _paired(scenario: Scenario, file: str) -> Pairing:
+    """Modes of a file beside those of the simulated model."""
+    return pairing(modes_of_file(Path(file), scenario, {}), computed_modes(scenario))
 
 
 def _check_recording(path: Path, overwrite: bool) -> None:
@@ -172,7 +202,10 @@ def _points(given: Sequence[str], mounts: Sequence[str]) -> dict[str, tuple[floa
 
 
 def _plain(
-    found: Mapping[str, Sequence[Mode]], slopes: Mapping[str, xr.Dataset], test: ModalTest | None
+    found: Mapping[str, Sequence[Mode]],
+    slopes: Mapping[str, xr.Dataset],
+    test: ModalTest | None,
+    pairs: Pairing | None,
 ) -> dict[str, Any]:
     """What was found as plain data; slopes have one number per mode, in the modes' order, null where there is none."""
     content: dict[str, Any] = {key: [mode.to_dict() for mode in modes] for key, modes in found.items()}
@@ -188,4 +221,6 @@ def _plain(
             }
             for key, some in slopes.items()
         }
+    if pairs is not None:
+        content["paired"] = pairs.to_dict()
     return content if test is None else {**content, "measured": test.to_dict()}

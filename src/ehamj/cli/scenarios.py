@@ -24,16 +24,22 @@ class Kind(StrEnum):
 
     SCENARIO = "scenario"
     STUDY = "study"
+    IDENTIFY = "identify"
 
 
 @app.command()
 def schema(kind: Annotated[Kind, typer.Argument(help="Of which file.")] = Kind.SCENARIO) -> None:
-    """Print the JSON schema of a scenario file, or of a study file (for editors that complete and check TOML)."""
+    """Print the JSON schema of a scenario, a study or an identification file (for editors that complete TOML)."""
     if kind is Kind.STUDY:
         from ehamj.campaign.file import StudyFile
         from ehamj.settings import schema_of
 
         said = schema_of(StudyFile)
+    elif kind is Kind.IDENTIFY:
+        from ehamj.identification.file import IdentifyFile
+        from ehamj.settings import schema_of
+
+        said = schema_of(IdentifyFile)
     else:
         from ehamj.scenario.load import scenario_schema
 

@@ -27,6 +27,12 @@ FILE = "FILE"
 """Command that does what a study file asks for; a file's name leads to it."""
 
 
+class _OfFile(Command):
+    """A study file's own keys are set by --set; the scenario's stand in its table ``set``."""
+
+    example = "set.duration=3"
+
+
 class _Studies(TyperGroup):
     """Finds a study by its name, wherever that stands between the options."""
 
@@ -111,6 +117,6 @@ def _stored(path: Path, one: Study[Any]) -> dict[str, Any]:
         raise InputError(f"--settings {str(path)!r}: must be a study.json that `ehamj study` wrote") from error
 
 
-studies.command(FILE, cls=Command, hidden=True)(study_file)
+studies.command(FILE, cls=_OfFile, hidden=True)(study_file)
 for _name, _one in STUDIES.items():
     studies.command(_name, cls=Command, help=f"{_one.question[0].upper()}{_one.question[1:]}.")(_command(_one))

@@ -4,7 +4,7 @@
     spans = xr.DataArray(np.linspace(0.8, 2.4, 50), dims="span")
     many = Designs.of(scenario, {"machine.cg.2": heights, "footprint.x": spans, "footprint.y": spans})
 
-What they do is in `ehamj.designs.many`.
+What they do is in `ehamj.designs.many` and `ehamj.designs.floor`.
 """
 
 from collections.abc import Mapping

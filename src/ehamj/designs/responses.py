@@ -1,6 +1,6 @@
 """What a floor makes of the passive machine, for many designs at once: compiled, each design by itself.
 
-As `ehamj.designs.many.floor_response`, many times faster.
+As `ehamj.designs.floor.floor_response`, many times faster.
 """
 
 from functools import cache

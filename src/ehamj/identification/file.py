@@ -3,10 +3,11 @@
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
@@ -48,6 +49,12 @@ class FitSettings(Settings):
     seed: int = Field(0, ge=0, description="of these points")
     iterations: int = Field(30, ge=1, le=1000, description="steps of one fit at most")
     profile: tuple[str, ...] = Field((), description="parameters whose profile likelihood is wanted")
+    doubtful: Literal["refuse", "note"] = Field(
+        "refuse",
+        description="what becomes of channels that look reversed, of another unit or of another clock beside the "
+        "model: "
+        "refuse all, or fit them and note it",
+    )
 
 
 class IdentifyFile(Settings):
@@ -61,7 +68,10 @@ class IdentifyFile(Settings):
         description="values that are looked for, by the scenario's keys", min_length=1
     )
     test: tuple[one_of(TESTS), ...] = Field((), description="tests that were made")  # type: ignore[valid-type]
-    fit: FitSettings = Field(FitSettings.stated(starts=4, seed=0, iterations=30, profile=()), description="how")
+    fit: FitSettings = Field(
+        FitSettings.stated(starts=4, seed=0, iterations=30, profile=(), doubtful="refuse"), description="how"
+    )
+    choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
     plan: PlanSettings | None = Field(None, description="tests that could be made next; without: sensible ones")
 
     @model_validator(mode="after")
@@ -79,14 +89,15 @@ class IdentifyFile(Settings):
 
     @property
     def machine(self) -> Scenario:
-        """What the tests were made on, as far as it is known.
+        """What the tests were made on, as far as it is known, with what the options of its valves need.
 
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
         own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
         scenario = as_scenario(self.scenario)
-        return changed(scenario, own) if own else scenario
+        machine = changed(scenario, own) if own else scenario
+        return machine if self.choice is None else with_neutral(self.choice, machine)
 
 
 def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrides: Iterable[str] = ()) -> IdentifyFile:

@@ -10,8 +10,11 @@ import numpy as np
 
 from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError, SimulationFailed
+from ehamj.identification.checks import doubts
+from ehamj.identification.choice import Choosing
 from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
+from ehamj.identification.optional import neutral_of, places_of
 from ehamj.identification.outcome import Identification
 from ehamj.identification.parameters import parameters_of
 from ehamj.identification.problem import Problem
@@ -56,9 +59,16 @@ def identify(
         )
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)
-    problem = Problem(tests, parameters)
+    progress("looking at the channels")
+    notes = checked(file, tests, parameters)
+    choosing = None if file.choice is None else _choosing(file, tests, parameters, progress)
+    problem = Problem(tests, parameters, held=choosing.held if choosing is not None else None)
     starts = begun(problem, file.fit, progress)
-    found = best(problem, starts.points, file, progress)
+    found, choice = best(problem, starts.points, file, progress), None
+    if choosing is not None:
+        progress("which options of the valve the data justify")
+        model, choice = choosing.choose(found)
+        problem, found = model.problem, model.fitted
     progress("what the data tell")
     at = problem.linearised(found.point, central=True)
     found = found if isinstance(at, Failed) else replace(found, at=at)
@@ -66,7 +76,30 @@ def identify(
         "starts": len(starts.costs), "steps": found.steps, "runs": problem.runs + starts.runs,
         "seconds": round(clock.perf_counter() - began, 3), "converged": found.converged,
     }  # fmt: skip
-    return identification_of(file, problem, tests, found, told)
+    outcome = identification_of(file, problem, tests, found, told, progress)
+    return replace(outcome, choice=choice, notes=(*notes, *outcome.notes))
+
+
+def checked(file: IdentifyFile, tests: tuple[Residuals, ...], parameters: tuple[Unknown, ...]) -> list[str]:
+    """What is wrong with the channels beside the model, as notes.
+
+    Raises:
+        InputError: naming all of them, unless the file lets them pass.
+    """
+    held = {} if file.choice is None else neutral_of(places_of(file.choice, file.machine, list(file.parameters)))
+    found = doubts(tests, parameters, held)
+    if found and file.fit.doubtful == "refuse":
+        order = [one.name for one in file.test]
+        said = "\n".join(f"test.{order.index(one.test)} ({one.test}): {one.channel} {one.said}" for one in found)
+        raise InputError(f'{said}\n(fit.doubtful = "note" fits them all the same)')
+    return [f"test {one.test!r}: {one.channel} {one.said}" for one in found]
+
+
+def _choosing(
+    file: IdentifyFile, tests: tuple[Residuals, ...], parameters: tuple[Unknown, ...], progress: Told
+) -> Choosing:
+    assert file.choice is not None
+    return Choosing(file.choice, file.machine, tests, parameters, file.fit.iterations, progress)
 
 
 def prepared(
@@ -82,7 +115,9 @@ def prepared(
     unknown = next((name for name in measured if name not in [test.name for test in file.test]), None)
     if unknown is not None:
         raise InputError(f"measured: {unknown!r} is none of the tests {', '.join(test.name for test in file.test)}")
-    context = Context(scenario, tuple(file.parameters), file.engine, threads, measured)
+    options = {} if file.choice is None else places_of(file.choice, scenario, list(file.parameters))
+    keys, names = (*file.parameters, *neutral_of(options)), tuple(test.name for test in file.test)
+    context = Context(scenario, keys, file.engine, threads, names, measured)
     return parameters, tuple(test.residuals(context) for test in file.test)
 
 

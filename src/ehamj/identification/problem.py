@@ -32,18 +32,21 @@ class Linearised:
 class Problem:
     """Fitted tests and what is looked for in them."""
 
-    def __init__(self, tests: Sequence[Residuals], parameters: Sequence[Unknown], rough: bool = False) -> None:
+    def __init__(
+        self, tests: Sequence[Residuals], parameters: Sequence[Unknown], rough: bool = False, held: Values | None = None
+    ) -> None:
         """Of which the parameters come first, then each test's own unknowns.
 
         Args:
             tests: with those held out, which are ignored.
             parameters: of the scenario.
             rough: whether tests are compared in a fraction of the time (`Residuals.rough`).
+            held: of the scenario's keys that tests are told beside, and that are not looked for.
         """
         self.tests = tuple(test for test in tests if not test.held_out)
         self.parameters = tuple(parameters)
         self.unknowns = (*self.parameters, *(one for test in self.tests for one in test.unknowns))
-        self.rough = rough
+        self.rough, self.held = rough, dict(held or {})
         self.runs = 0
         """Points of single tests that were predicted."""
 
@@ -60,7 +63,7 @@ class Problem:
 
     def values(self, point: Array) -> dict[str, float]:
         """What a point means, by name, in SI."""
-        return {one.name: one.value(float(z)) for one, z in zip(self.unknowns, point, strict=True)}
+        return self.held | {one.name: one.value(float(z)) for one, z in zip(self.unknowns, point, strict=True)}
 
     def compared(self, points: Sequence[Array]) -> list[tuple[Compared, ...] | Failed]:
         """All channels of all tests at each of some points."""

@@ -7,10 +7,12 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.identification.file import IdentifyFile
-from ehamj.identification.fit import Fitted
+from ehamj.identification.fit import Fitted, Told
+from ehamj.identification.lateness import late_channels
 from ehamj.identification.noise import Noise, noises
 from ehamj.identification.outcome import ChannelFit, Combination, Identification, Identified, TestFit, fit_percent
 from ehamj.identification.problem import Problem
+from ehamj.identification.profiles import profile
 from ehamj.identification.provenance import identified_machine
 from ehamj.identification.residual import Compared, Failed, Residuals
 from ehamj.identification.statistics import Statistics, statistics, words_of
@@ -24,7 +26,12 @@ LEAST: Final = 50
 
 
 def identification_of(
-    file: IdentifyFile, problem: Problem, tests: Sequence[Residuals], fit: Fitted, told: Mapping[str, Any]
+    file: IdentifyFile,
+    problem: Problem,
+    tests: Sequence[Residuals],
+    fit: Fitted,
+    told: Mapping[str, Any],
+    say: Told = lambda words: None,
 ) -> Identification:
     """What was found.
 
@@ -34,6 +41,7 @@ def identification_of(
         tests: all, with those held out.
         fit: where it ended, its derivatives central.
         told: how it went.
+        say: called with what is done.
     """
     count = len(problem.parameters)
     about = statistics(fit, problem.unknowns, count)
@@ -53,10 +61,16 @@ def identification_of(
         for direction in about.untold
         for names, words in [words_of(direction, problem.parameters)]
     )
+    profiles = {}
+    for key in file.fit.profile:
+        say(f"profile of {key}")
+        number = [one.name for one in problem.parameters].index(key)
+        profiles[key] = profile(problem, fit, about.covariance, number)
     held, failed = _validation([test for test in tests if test.held_out], kinds, values)
     return Identification(
         file, _scenario(file, found), found, _correlation(about, count), combinations, tuple(fits), held,
         fit.cost, sum(one.error.size for one in fit.at.compared), (*_notes(fit, about, found, fits), *failed), told,
+        profiles,
     )  # fmt: skip
 
 
@@ -166,6 +180,11 @@ def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], test
     for key, one in found.items():
         if one.at_bound:
             notes.append(f"{key} stands at its {one.at_bound} bound: its deviation says little; widen the bounds")
+    notes += [
+        f"test {test!r}, {name}: comes {1e3 * abs(delay):.2g} ± {1e3 * spread:.1g} ms too {'late' if delay > 0.0 else 'early'} "
+        f"beside the others; let its delay be free"
+        for test, name, delay, spread in late_channels(fit)
+    ]
     for test in tests:
         for channel in test.channels:
             if channel.whiteness is not None and not channel.whiteness.white:

@@ -36,7 +36,7 @@ def begun(problem: Problem, settings: FitSettings, told: Told) -> Starts:
     """
     if settings.starts == 1:
         return Starts([problem.start], [float("nan")], 0)
-    rough = Problem(problem.tests, problem.parameters, rough=True)
+    rough = Problem(problem.tests, problem.parameters, rough=True, held=problem.held)
     told(f"ranking {DRAWN * settings.starts} starts")
     drawn = [problem.start, *_drawn(problem, DRAWN * settings.starts, settings.seed)]
     ranked = [_misfit(one, problem) for one in rough.compared(drawn)]

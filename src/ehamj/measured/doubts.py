@@ -11,10 +11,11 @@ from ehamj.ground.doubts import clipped_samples
 
 FEWEST_STEPS: Final = 8
 """Steps of its converter that a channel must pass through, 3 bit: fewer are those of a wire that is off."""
-DWELL: Final = 6.0
+DWELL: Final = 3.0
 """Samples at the extreme value over those one step below it that look clipped: at the top of a slow swing there are up
-to 1/(√2 − 1) = 2.4 times as many."""
-FEWEST_CLIPPED: Final = 5
+to 1/(√2 − 1) = 2.4 times as many, and fewer with each step below; of noise there are fewer at the top than below it."""
+BY_CHANCE: Final = 6
+"""Samples at the extreme value that a single swing may leave there beyond that."""
 STEPS_LOOKED_AT: Final = 20_000
 """Samples of which the steps are looked for."""
 MAINS: Final = (50.0, 60.0)
@@ -76,8 +77,10 @@ def clipped_share(samples: Array, step: float | None = None) -> float:
     step = step or 1e-6 * float(np.ptp(samples))
     for signed in (samples, -samples):
         below = signed.max() - signed
-        top, next_to_it = int(np.sum(below < 0.5 * step)), int(np.sum((below >= 0.5 * step) & (below < 1.5 * step)))
-        if top >= max(FEWEST_CLIPPED, DWELL * next_to_it):
+        levels = np.bincount(np.minimum(np.rint(below[below < 2.5 * step] / step), 2).astype(np.int64), minlength=3)
+        top, second, third = map(int, levels)
+        rises = third >= second and top >= 2 * (second + BY_CHANCE)
+        if rises or top >= DWELL * second + BY_CHANCE:
             found += top
     return found / samples.size
 

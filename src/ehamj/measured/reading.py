@@ -98,9 +98,13 @@ def channel_of(component: str, one: MeasuredComponent) -> str:
     return one.channel or f"{FORCE} {component}"
 
 
+def place_of(said: MeasuredComponent) -> ForcePlace | None:
+    """Where a force acts; None of what is none."""
+    return None if said.force is None else ForcePlace(said.force.point, of_length_one(said.force.direction))
+
+
 def _channel(one: Wanted, series: Series, samples: Array) -> MeasuredChannel:
     said, size = one.said, one.said.scale / one.unit.size
-    place = None if said.force is None else ForcePlace(said.force.point, of_length_one(said.force.direction))
     step, full = resolution(series.samples), None
     if said.full_scale is not None:  # of a WAV file
         full = abs(size) * said.full_scale * (1.0 if said.unit in (None, SI) else unit(str(said.unit)).size)
@@ -110,7 +114,7 @@ def _channel(one: Wanted, series: Series, samples: Array) -> MeasuredChannel:
         samples * size,
         one.role,
         series.component,
-        place,
+        place_of(said),
         full,
         None if step is None else abs(size) * step,
     )

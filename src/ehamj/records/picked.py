@@ -99,7 +99,7 @@ def _read(path: Path, picks: Sequence[Pick], reading: Reading, key: str) -> tupl
         loaded = {k: _loaded(components[k], pick) for k, pick in zip(chosen, picks, strict=True)}
         for k, pick in zip(chosen, picks, strict=True):
             name = components[k].name or f"component {k + 1}"
-            found.append(_series(label, name, loaded[k], pick, _keyed(remedy, key), notes))
+            found.append(_series(label, name, loaded[k], pick, keyed(remedy, key), notes))
         return Record(label, ())
 
     shared = {name: getattr(reading, name) for name in Reading.model_fields}
@@ -124,11 +124,11 @@ def _read(path: Path, picks: Sequence[Pick], reading: Reading, key: str) -> tupl
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(_keyed(str(error), key)) from error
+        raise InputError(keyed(str(error), key)) from error
     return tuple(found)
 
 
-def _keyed(message: str, key: str) -> str:
+def keyed(message: str, key: str) -> str:
     """A message of a reader, in which keys are those of a ground, with the keys of who reads."""
     return re.sub(r"\bground\.(?=[a-z_])", f"{key}.", message.replace("ground.axes", f"{key}.component"))
 
@@ -137,7 +137,7 @@ def _loaded(component: Component, pick: Pick) -> Loaded:
     try:
         return component.load()
     except ValueError as error:
-        raise InputError(_keyed(str(error), pick.key)) from error
+        raise InputError(keyed(str(error), pick.key)) from error
 
 
 def _chosen(label: str, components: Sequence[Component], pick: Pick) -> int:
@@ -191,7 +191,7 @@ def _series(label: str, name: str, one: Loaded, pick: Pick, remedy: str, notes: 
 
 def _size(name: str, one: Loaded, pick: Pick, remedy: str) -> float:
     """SI value of a component's unit, as the file says or the user."""
-    users = _users(pick)
+    users = users_size(pick)
     stated = _stated(name, one, pick, users is not None)
     if stated is None:
         if users is None:
@@ -221,8 +221,8 @@ def _size(name: str, one: Loaded, pick: Pick, remedy: str) -> float:
     return size
 
 
-def _users(pick: Pick) -> float | None:
-    """SI value of the unit that the user states."""
+def users_size(pick: Pick) -> float | None:
+    """SI value of the unit that the user states, None where he states none; raises InputError at others."""
     if pick.unit is None:
         return None
     if pick.unit == SI:

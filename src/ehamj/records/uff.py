@@ -2,8 +2,8 @@
 
 import re
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -41,14 +41,14 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
     where the file cannot be read, holds no time response or is truncated, and see `clock`.
     """
     existing(path)
-    with _opened(path) as file:
+    with opened(path) as file:
         with reading(path, " as a universal file"):
             heads, units, notes = _heads(file)
         if not heads:
             raise ValueError(f"ground.file = {path.name!r} holds no time response (dataset 58, function type 1)")
         components = []
         for n, head in heads.items():
-            name = f"{head['rsp_node']}:{_direction(head['rsp_dir'])}"
+            name = f"{head['rsp_node']}:{direction_of(head['rsp_dir'])}"
             axis = DIRECTIONS.get(abs(head["rsp_dir"]))
             load = partial(_load, path, partial(file.read_sets, n), name, units[n], choices)
             components.append(Component(name, load, () if axis is None else (axis,)))
@@ -56,7 +56,7 @@ def read_uff(path: Path, choices: Choices = SILENT) -> Record:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def opened(path: Path) -> Iterator[Any]:
     """pyuff's view of the file, its ASCII numbers with E as exponent where FORTRAN wrote D."""
     import pyuff
 
@@ -95,7 +95,20 @@ def _heads(file: Any) -> tuple[dict[int, dict[str, Any]], dict[int, dict[str, An
     return heads, before, notes
 
 
-def _direction(number: int) -> str:
+def sets_of(file: Any, kinds: Collection[int]) -> dict[int, dict[str, Any]]:
+    """Headers of the datasets 58 of some function types, by their place in the file; what cannot be read is not one."""
+    found = {}
+    for n, kind in enumerate(file.get_set_types()):
+        if int(kind) == 58:
+            with suppress(Exception):  # pyuff raises Exception itself
+                head = file.read_sets(n, header_only=True)
+                if int(head["func_type"]) in kinds:
+                    found[n] = head
+    return found
+
+
+def direction_of(number: int) -> str:
+    """A direction as components have it: ``+Z``."""
     axis = DIRECTIONS.get(abs(number))
     return str(number) if axis is None else f"{'-' if number < 0 else '+'}{axis.upper()}"
 
@@ -150,7 +163,7 @@ def _whole(step: float, size: float) -> float:
     return float(whole) if whole and f"{1.0 / (whole * size):.5e}" == f"{step:.5e}" else rate
 
 
-def _label(content: dict[str, Any], axis: str) -> str:
+def label_of(content: dict[str, Any], axis: str) -> str:
     """The label of an axis's units, or what stands in brackets behind the axis's own label."""
     units, label = (str(content.get(f"{axis}_axis_{kind}") or "") for kind in ("units_lab", "lab"))
     bracket = re.search(r"[\[(](.+)[\])]\s*$", label)
@@ -159,7 +172,7 @@ def _label(content: dict[str, Any], axis: str) -> str:
 
 def _time_unit(content: dict[str, Any], name: str, where: str) -> tuple[float, list[str]]:
     """SI value of the abscissa's unit [s], and a remark where none is stated."""
-    kind, label = int(content["abscissa_spec_data_type"]), _label(content, "abscissa")
+    kind, label = int(content["abscissa_spec_data_type"]), label_of(content, "abscissa")
     if kind not in TIME_TYPES:
         raise ValueError(f"{where}: its abscissa is of data type {kind}, not of time (17)")
     if is_silent(label):
@@ -174,7 +187,7 @@ def _unit(
     content: dict[str, Any], name: str, units: dict[str, Any] | None, choices: Choices
 ) -> tuple[str | tuple[Quantity, float] | None, list[str]]:
     """The ordinate's unit as `record_of` takes it, and a remark where it is not written beside it."""
-    holds, label = DATA_TYPES.get(int(content["ordinate_spec_data_type"])), _label(content, "ordinate")
+    holds, label = DATA_TYPES.get(int(content["ordinate_spec_data_type"])), label_of(content, "ordinate")
     if not is_silent(label):
         known = kind_of(label)  # what is unknown is refused by record_of, in its words
         if holds is not None and known in DATA_TYPES.values() and known != holds:

@@ -121,7 +121,7 @@ def _below(run: Run, path: Path) -> Any:
     rows = [heard.bands.index(band) for band in limits]
     levels = [heard.at(place, axis)[rows].reshape(len(rows), -1).max(axis=1) for place in places]
     share = float((np.max(levels, axis=0) / list(limits.values())).max())
-    return -20.0 * np.log10(share) if share > 0.0 else np.inf
+    return np.inf if share == 0.0 else -20.0 * np.log10(share)  # NaN stays NaN
 
 
 FIGURES: Final[Mapping[str, Figure]] = {

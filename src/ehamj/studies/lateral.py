@@ -6,7 +6,8 @@ from pydantic import Field, field_validator
 
 from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
-from ehamj.designs.many import floor_response, modes_of
+from ehamj.designs.floor import floor_response
+from ehamj.designs.many import modes_of
 from ehamj.labels import labelled
 from ehamj.pages.words import decibel
 from ehamj.plots import Figure, Line, lines_chart, map_chart

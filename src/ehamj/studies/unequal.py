@@ -8,7 +8,8 @@ from pydantic import Field
 
 from ehamj.arrays import Array
 from ehamj.designs.designs import Designs
-from ehamj.designs.many import floor_response, modes_of
+from ehamj.designs.floor import floor_response
+from ehamj.designs.many import modes_of
 from ehamj.labels import labelled, table
 from ehamj.linear.machine import linear_model
 from ehamj.plots import Figure, Line, map_chart

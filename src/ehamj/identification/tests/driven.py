@@ -8,6 +8,7 @@ from ehamj.identification.machine import with_values
 from ehamj.identification.runs import with_step
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.measured.measured import Measured, MeasuredChannel
+from ehamj.records.choices import Reading
 from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 
@@ -90,8 +91,14 @@ def _source(test: "RecordTest", measured: Measured, channel: MeasuredChannel) ->
     own = {"unit": said.unit, "full_scale": said.full_scale}
     return {
         "file": test.file, "component": channel.component, "scale": said.scale, "start": measured.begin,
-        **{name: value for name, value in own.items() if value is not None},
+        **{name: value for name, value in own.items() if value is not None}, **_read(test),
     }  # fmt: skip
+
+
+def _read(test: "RecordTest") -> dict[str, Any]:
+    """How the test's file is read, where that is stated."""
+    stated = set(Reading.model_fields) & test.model_fields_set
+    return {name: value for name, value in test.model_dump(include=stated, exclude_none=True).items() if value != {}}
 
 
 def _force(test: "RecordTest", measured: Measured, channel: MeasuredChannel) -> dict[str, Any]:
@@ -116,7 +123,7 @@ def _ground(test: "RecordTest", measured: Measured, channels: list[MeasuredChann
     unit = units.pop()
     return {
         "kind": "record", "file": test.file, "axes": axes, "quantity": motions.pop(), "start": measured.begin,
-        "taper": min(0.1, max(test.settle, 1e-3)), **({} if unit in (None, "SI") else {"unit": unit}),
+        "taper": min(0.1, max(test.settle, 1e-3)), **_read(test), **({} if unit in (None, "SI") else {"unit": unit}),
         **({} if set(scales.values()) == {1.0} else {"scale": scales}),
     }  # fmt: skip
 

@@ -2,7 +2,9 @@
 
 from ehamj.identification.tests.modes import ModesTest
 from ehamj.identification.tests.record import RecordTest
+from ehamj.identification.tests.responses import ResponsesTest
+from ehamj.identification.tests.static import StaticTest
 from ehamj.identification.tests.test import TestSettings
 
-TESTS: tuple[type[TestSettings], ...] = (RecordTest, ModesTest)
+TESTS: tuple[type[TestSettings], ...] = (RecordTest, ResponsesTest, StaticTest, ModesTest)
 """Every kind; a table [[test]] holds one of them."""

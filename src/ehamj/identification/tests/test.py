@@ -24,6 +24,8 @@ class Context:
     """Parameters that are looked for."""
     engine: Engine = "small-motion"
     threads: int | None = None
+    tests: tuple[str, ...] = ()
+    """Names of all tests, in the file's order."""
     measured: Mapping[str, Any] = field(default_factory=dict)
     """Measurements that were given in memory, by the test's name, in place of its file."""
 
@@ -46,6 +48,10 @@ class TestSettings(Settings, ABC):
         Raises:
             InputError: if its file cannot be read, or does not suit the scenario; the message names the test.
         """
+
+    def place(self, context: Context) -> str:
+        """Key of its table, as messages name it."""
+        return f"test.{context.tests.index(self.name)}" if self.name in context.tests else f"test {self.name!r}"
 
     def scenario(self, context: Context) -> Scenario:
         """The machine as it was in this test."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
-from ehamj.identification.residual import Compared, Failed
+from ehamj.identification.residual import Compared, Failed, Residuals
 from ehamj.identification.runs import Histories, histories
 from ehamj.identification.shifted import HALF, later, later_slope, lost, thinned
 from ehamj.identification.tests.test import Context
@@ -64,6 +64,7 @@ class TimeResiduals:
         outputs: Sequence[Output],
         clock: "Clock",
         context: Context,
+        begins: Residuals | None = None,
     ) -> None:
         """What was measured, and what it is compared with.
 
@@ -75,11 +76,16 @@ class TimeResiduals:
             outputs: channels that are compared.
             clock: of the record, and what of it is compared.
             context: parameters that are looked for, and threads that step runs.
+            begins: tells where to begin, in place of the record's beginning.
         """
         self.name, self.held_out = name, held_out
         self.outputs, self.clock, self.threads = tuple(outputs), clock, context.threads
         self.unknowns = (*driving, *(one for output in outputs for one in output.unknowns(name)))
-        self._scenario_at, self._moving = scenario_at, (*context.keys, *(one.name for one in driving))
+        self._scenario_at, self._begins, self._moving = (
+            scenario_at,
+            begins,
+            (*context.keys, *(one.name for one in driving)),
+        )
         self._measured = [clock.of_measured(output.samples) for output in outputs]
 
     def compared(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
@@ -87,7 +93,9 @@ class TimeResiduals:
         return self._compared(batch, None)
 
     def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
-        """The beginning of the record alone."""
+        """The beginning of the record alone, or the linear model."""
+        if self._begins is not None:
+            return self._begins.rough(batch)
         return self._compared(batch, self.clock.settle + ROUGHLY)
 
     def found(self, values: Values) -> Mapping[str, Any]:

@@ -5,8 +5,13 @@
  * reach the valves {{ clock.rest_said }}. Everything is in SI units.
  * {{ made | comment }}
  */
-#ifndef EHAMJ_LAW_H
+#ifdef EHAMJ_LAW_H
+#if EHAMJ_LAW_TOLD_BY != {{ told_by }}
+#error "the headers of two laws in one file: call each law from a file of its own (README.txt, several laws)"
+#endif
+#else
 #define EHAMJ_LAW_H
+#define EHAMJ_LAW_TOLD_BY {{ told_by }}
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,8 +21,9 @@ extern "C" {
 #endif
 
 /*
- * Several laws in one program: compile each, and the one file of yours that calls it, with a prefix of its own, such as
- * -DEHAMJ_LAW_PREFIX=front: its functions are then front_ehamj_law_step() and so on, and are written as below.
+ * Several laws in one program: compile each, and the one file of yours that includes its header and calls it, with a
+ * prefix of its own, such as -DEHAMJ_LAW_PREFIX=front: its functions are then front_ehamj_law_step() and so on for the
+ * linker, and are written as below.
  */
 #ifdef EHAMJ_LAW_PREFIX
 #define EHAMJ_LAW_JOINED(prefix, name) prefix##_##name

@@ -1,0 +1,92 @@
+"""The command that finds parameters of a machine from measurements."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ehamj.cli.frame import Command, Json, Out, Overwrite, app, log
+from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.progress import doing
+from ehamj.errors import InputError
+from ehamj.folders import check_out, new_folder
+
+if TYPE_CHECKING:
+    from ehamj.identification.outcome import Identification, Identified, TestFit
+
+
+@app.command(cls=Command)
+def identify(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="An identification file (TOML).")],
+    out_folder: Out = None,
+    overwrite: Overwrite = False,
+    threads: Annotated[
+        int | None, typer.Option("--threads", metavar="N", help="Threads that step runs [default: one a core].")
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file, e.g. fit.starts=8."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Find parameters of a machine from measurements of tests on it.
+
+    The file says which machine, which of its values are looked for, and which tests tell them. The folder holds
+    scenario.toml, the identified machine (`ehamj run` simulates it), and identification.json with all numbers: values
+    with their standard deviations and correlations, which of them the data cannot tell, and how well each channel fits.
+
+    What an identification file may hold, `ehamj schema identify` says.
+    """
+    from ehamj.identification.identify import identify as found_by
+    from ehamj.identification.saving import MARKS
+
+    if threads is not None and threads < 1:
+        raise InputError(f"--threads {threads}: must be at least 1")
+    check_out(out_folder, overwrite, MARKS)
+    with doing("identify") as step:
+        found = found_by(file, overrides=overrides or (), progress=step, threads=threads)
+        step("writing")
+        with new_folder(out_folder, overwrite) as place:
+            found.save(place.target)
+    if as_json:
+        print_json({"folder": str(place.folder), **found.to_dict()})
+        return
+    _told(found)
+    say(f"numbers and the identified machine: {place.folder / 'scenario.toml'}", whole=True)
+
+
+def _told(found: "Identification") -> None:
+    """Print what was found."""
+    print_table(
+        found.file.title,
+        ["parameter", "value", "±", "unit", "start", "remark"],
+        [_row(key, one) for key, one in found.values.items()],
+    )
+    for one in found.combinations:
+        say(one.words, "the data cannot tell: ")
+    rows = [row for held, tests in ((False, found.tests), (True, found.validation)) for row in _fits(tests, held)]
+    print_table("how well it fits", ["test", "channel", "fit [%]", "remark"], rows, whole=2)
+    for note in found.notes:
+        log.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _row(key: str, one: "Identified") -> list[str]:
+    value = "" if one.value is None else f"{one.value:.6g}"
+    deviation = "" if one.deviation is None else f"{one.deviation:.2g}"
+    said = "the data cannot tell it" if one.value is None else one.why
+    return [key, value, deviation, "-" if one.unit in ("", "1") else one.unit, f"{one.start:.6g}", said]
+
+
+def _fits(tests: tuple["TestFit", ...], held: bool) -> list[list[str]]:
+    rows = []
+    for test in tests:
+        for channel in test.channels:
+            said = ["held out"] if held else []
+            if channel.whiteness is not None and not channel.whiteness.white and not held:
+                said.append("errors are not white")
+            rows.append([test.name, channel.name, f"{channel.fit:.4g}", ", ".join(said)])
+        rows += [
+            [test.name, name, "", f"{one.value:.5g} ± {one.deviation:.2g} {one.unit}"]
+            for name, one in test.unknowns.items()
+            if one.value is not None and one.deviation is not None
+        ]
+    return rows
