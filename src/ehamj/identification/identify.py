@@ -55,7 +55,7 @@ def identify(
     file = load_identify(source, overrides)
     if not file.test:
         raise InputError(
-            "test: there is none; state what was measured, [[test]], or plan what to measure (`ehamj.plan_tests`)"
+            "test: there is none; state what was measured, [[test]], or ask which to make: --plan (`ehamj.plan_tests`)"
         )
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)

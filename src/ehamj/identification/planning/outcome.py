@@ -92,7 +92,7 @@ class Plan:
             found.append("no candidate would tell more than is known")
         for key in self.keys:
             k, best = self.keys.index(key), self.best_for(key)
-            unit = self.unknowns[k].unit.removesuffix("-")
+            unit = "" if self.unknowns[k].unit in ("-", "1") else self.unknowns[k].unit
             if best is not None:
                 told = f"best by {best.trial.name}: from ± {self.before[k]:.2g} to ± {best.deviations[k]:.2g} {unit}"
                 found.append(f"{key}: {told}".rstrip())
@@ -109,6 +109,7 @@ class Plan:
         """As plain data."""
         return {
             "title": self.title,
+            "answers": list(self.answers),
             "done": list(self.done),
             "parameters": {
                 one.name: {"value": self.at[one.name], "unit": one.unit, "deviation_before": float(before)}

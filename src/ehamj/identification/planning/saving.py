@@ -42,8 +42,7 @@ def save(plan: "Plan", folder: Path) -> None:
             write_signals(folder / f"{stem}.csv", trial, plan.instruments.rate)
             files.append(f"{stem}.csv (what is played)")
     write_page(folder, "plan.html", page_of(plan, outcome, f"Files beside this page: {', '.join(files)}"), figures=".")
-    numbers = plan.to_dict() | {"answers": list(plan.answers)}
-    _write_text(folder / NUMBERS_FILE, json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    _write_text(folder / NUMBERS_FILE, json.dumps(plan.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def made(plan: "Plan") -> "list[Forecast]":
