@@ -13,6 +13,7 @@ from ehamj.identification.planning.page import outcome_of, page_of
 from ehamj.identification.planning.trial import Trial
 from ehamj.pages import safe_name, write_page
 from ehamj.result import written_whole
+from ehamj.scenario.model import Scenario
 
 if TYPE_CHECKING:
     from ehamj.identification.planning.outcome import Forecast, Plan
@@ -77,9 +78,18 @@ def _test(plan: "Plan", forecast: "Forecast") -> dict[str, Any]:
         "file": safe_name(trial.name) + MEASURED,
         "settle": trial.settle,
         "rate": plan.instruments.rate,
-        **({"set": dict(trial.otherwise)} if trial.otherwise else {}),
+        "set": _held_still(plan.machine, trial) | dict(trial.otherwise),
         "measurement": inputs | outputs,
     }
+
+
+def _held_still(machine: Scenario, trial: Trial) -> dict[str, Any]:
+    """What of the machine does not act in a test, where it is not measured: its law, its floor, forces and faults."""
+    found: dict[str, Any] = {"control": {"kind": "passive"}, "ground": {"kind": "rest"}}
+    found |= {name: [] for name in ("force", "fault") if getattr(machine, name)}
+    if any(name.startswith("ground_") for name in trial.inputs):
+        del found["ground"]
+    return found
 
 
 def write_signals(path: Path, trial: Trial, rate: float) -> None:
