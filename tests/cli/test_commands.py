@@ -15,16 +15,31 @@ COMMANDS = sorted(typer.main.get_command(app).commands)  # type: ignore[attr-def
 QUICK = ("--set", "plates='tied'", "--set", "compare=[]", "--set", "duration=0.01")
 RUN = ("run", "benchmark", *QUICK, "--no-replay", "--no-report", "--out", "stored")
 
+RIG = """
+title = "Rig"
+scenario = "benchmark"
+parameters = { "actuators.isolator.membrane_stiffness" = {} }
+fit = { starts = 1 }
+
+[[test]]
+name = "dial gauge"
+kind = "static"
+load = [{ force = [0.0, 0.0, 0.0] }, { force = [0.0, 0.0, -4000.0] }, { force = [0.0, 0.0, -8000.0] }]
+reading = { "stroke front-left" = [0.0, -1.51e-6, -2.99e-6] }
+"""
+"""An identification that takes no time."""
+
 REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "run": (("no-such",), "'no-such'"),
     "scenarios": (("extra",), "unexpected extra argument"),
-    "schema": (("extra",), "'extra' is not one of 'scenario', 'study'"),
+    "schema": (("extra",), "'extra' is not one of 'scenario', 'study', 'identify'"),
     "design": (("benchmark", "--phase-margin", "95"), "phase-margin 95"),
     "modes": (("benchmark", "--measured", "shaker"), "must be one of ring-down"),
     "paper": (("--out", "here/there"), "cannot be written"),
     "transmissibility": (("workshop", "--lines", "many"), "lines = 'many'"),
     "export": (("benchmark", "--mjcf", "model.txt"), "--mjcf 'model.txt': must end in .xml"),
     "study": (("nothing",), "study 'nothing': no study file; must be one of rocking"),
+    "identify": (("nothing.toml",), "identification file nothing.toml: cannot be read"),
     "merits": (("benchmark", "--find", "no such thing"), "is in no name of a merit"),
     "replay": (("here",), "result"),
     "report": (("here",), "result"),
@@ -47,6 +62,7 @@ SAID: dict[str, tuple[tuple[str, ...], set[str]]] = {
     ),
     "export": (("benchmark", "--mjcf", "model.xml", "--json"), {"files", "notes"}),
     "study": (("lateral", *QUICK[:4], "--points", "3", "--json"), {"study", "settings", "answers"}),
+    "identify": (("rig.toml", "--json"), {"folder", "values", "tests"}),
     "merits": (("benchmark", *QUICK[:4], "--json"), {"merits"}),
     "replay": (("stored", "--json"), {"replay", "opened"}),
     "report": (("stored", "--json"), {"report", "results"}),
@@ -84,6 +100,7 @@ def test_json_is_all_that_a_command_says(cli: Cli, command: str, monkeypatch: py
     monkeypatch.setattr("ehamj.verify.verify", lambda **_: ())
     if command in ("replay", "report"):
         assert cli(*RUN).code == 0
+    Path("rig.toml").write_text(RIG)
     arguments, keys = SAID[command]
     said = cli(command, *arguments)
     assert said.code == 0, said.err

@@ -87,19 +87,10 @@ def modes(
     places = {**loaded.points, **_points(points or [], loaded.plant.mounts)}
     loops = _loops(loaded)
     found = {key: _modes_under(loaded, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
-    test, slopes = None, {}
-    pairs = None if measured is None or measured in KINDS else _paired(loaded, measured)
-    if measured is not None and pairs is None:
-        with doing(f"measuring: {measured}"):
-            test = modal_test(loaded, kind_of(measured), noise)
+    test, pairs = _measured(loaded, measured, noise)
     if replay is not None:
         _draw(replay, loaded, found)
-    if sensitivity:
-        with doing("changing every parameter"):
-            slopes = {
-                key: sensitivities(loaded, loop.law if loop else None, bypassed)
-                for key, (loop, bypassed) in loops.items()
-            }
+    slopes = _slopes(loaded, loops) if sensitivity else {}
     if as_json:
         print_json(_plain(found, slopes, test, pairs) | ({} if replay is None else {"replay": str(replay)}))
         return
@@ -166,14 +157,28 @@ def _check_test(measured: str | None, noise: float) -> None:
         raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
 
 
+def _measured(scenario: Scenario, measured: str | None, noise: float) -> tuple[ModalTest | None, Pairing | None]:
+    """What a simulated test finds, or which of a file's modes is which of the model's."""
+    if measured is None:
+        return None, None
+    if measured not in KINDS:
+        return None, pairing(modes_of_file(Path(measured), scenario, {}), computed_modes(scenario))
+    with doing(f"measuring: {measured}"):
+        return modal_test(scenario, kind_of(measured), noise), None
+
+
+def _slopes(scenario: Scenario, loops: Mapping[str, tuple[Loop | None, bool]]) -> dict[str, xr.Dataset]:
+    """What each parameter does to the modes of each variant."""
+    with doing("changing every parameter"):
+        return {
+            key: sensitivities(scenario, loop.law if loop else None, bypassed)
+            for key, (loop, bypassed) in loops.items()
+        }
+
+
 def _is_file(measured: str) -> bool:
     """Whether what was measured is a file's: it is there, or ends as a file does."""
     return measured not in KINDS and (Path(measured).is_file() or bool(Path(measured).suffix))
-
-
-def _paired(scenario: Scenario, file: str) -> Pairing:
-    """Modes of a file beside those of the simulated model."""
-    return pairing(modes_of_file(Path(file), scenario, {}), computed_modes(scenario))
 
 
 def _check_recording(path: Path, overwrite: bool) -> None:
