@@ -83,7 +83,7 @@ def planned(subject: Subject, settings: PlanSettings, progress: Progress = silen
     sequence = _sequence(subject, [forecasts[k] for k in chosen], predict)
     return Plan(
         subject.title, machine, unknowns, subject.at, before.deviations * subject.slopes, subject.done,
-        predict.instruments, forecasts, predict.refused, sequence, settings.free, _untold(subject, forecasts),
+        predict.instruments, forecasts, predict.refused, sequence, settings, _untold(subject, forecasts),
     )  # fmt: skip
 
 
