@@ -181,8 +181,8 @@ def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], test
         if one.at_bound:
             notes.append(f"{key} stands at its {one.at_bound} bound: its deviation says little; widen the bounds")
     notes += [
-        f"test {test!r}, {name}: comes {1e3 * abs(delay):.2g} ± {1e3 * spread:.1g} ms too {'late' if delay > 0.0 else 'early'} "
-        f"beside the others; let its delay be free"
+        f"test {test!r}, {name}: comes {1e3 * abs(delay):.2g} ± {1e3 * spread:.1g} ms too "
+        f"{'late' if delay > 0.0 else 'early'} beside the others; let its delay be free"
         for test, name, delay, spread in late_channels(fit)
     ]
     for test in tests:
