@@ -1,5 +1,7 @@
 """The command that finds parameters of a machine from measurements."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -26,6 +28,9 @@ def identify(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file, e.g. fit.starts=8."),
     ] = None,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Say which test to make next instead, and write what it takes to make it.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Find parameters of a machine from measurements of tests on it.
@@ -34,13 +39,22 @@ def identify(
     scenario.toml, the identified machine (`ehamj run` simulates it), and identification.json with all numbers: values
     with their standard deviations and correlations, which of them the data cannot tell, and how well each channel fits.
 
+    With --plan nothing need have been measured. It predicts how well each test that could be made would tell each
+    parameter (multisines at the valves, a hammer, a shaker, the floor as it is, the supply shut, loads that are held;
+    or those of the file's table [plan]), and says which to make next. The folder holds plan.html (read it first),
+    plan.json, the recommended tests as scenarios, their signals as CSV, and plan.toml, which identifies from them once
+    they are measured.
+
     What an identification file may hold, `ehamj schema identify` says.
     """
+    if threads is not None and threads < 1:
+        raise InputError(f"--threads {threads}: must be at least 1")
+    if plan:
+        _planned(file, out_folder, overwrite, threads, overrides or (), as_json)
+        return
     from ehamj.identification.identify import identify as found_by
     from ehamj.identification.saving import MARKS
 
-    if threads is not None and threads < 1:
-        raise InputError(f"--threads {threads}: must be at least 1")
     check_out(out_folder, overwrite, MARKS)
     with doing("identify") as step:
         found = found_by(file, overrides=overrides or (), progress=step, threads=threads)
@@ -52,6 +66,27 @@ def identify(
         return
     _told(found)
     say(f"numbers and the identified machine: {place.folder / 'scenario.toml'}", whole=True)
+
+
+def _planned(
+    file: str, out_folder: Path | None, overwrite: bool, threads: int | None, overrides: Sequence[str], as_json: bool
+) -> None:
+    """Say which test to make next, and write what it takes to make it."""
+    from ehamj.cli.plan_tables import print_plan
+    from ehamj.identification.planning.asked import plan_tests
+    from ehamj.identification.planning.saving import MARKS
+
+    check_out(out_folder, overwrite, MARKS)
+    with doing("plan") as step:
+        found = plan_tests(file, overrides=overrides, progress=step, threads=threads)
+        step("writing")
+        with new_folder(out_folder, overwrite) as place:
+            found.save(place.target)
+    if as_json:
+        print_json({"folder": str(place.folder), **found.to_dict()})
+        return
+    print_plan(found)
+    say(f"page, tests and signals: {place.folder / 'plan.html'}", whole=True)
 
 
 def _told(found: "Identification") -> None:
