@@ -221,5 +221,7 @@ def _untold(subject: Subject, forecasts: Sequence[Forecast]) -> dict[str, str]:
     found = {}
     for k in np.flatnonzero(factors < TOLD):
         worst = int(np.argmax(values * vectors[k] ** 2))
-        found[subject.unknowns[k].name] = words_of(vectors[:, worst] * spreads, subject.unknowns)[1]
+        names, words = words_of(vectors[:, worst] * spreads, subject.unknowns)
+        alone = names == (subject.unknowns[k].name,)
+        found[subject.unknowns[k].name] = "nothing that they read depends on it enough" if alone else words
     return found
