@@ -1,5 +1,6 @@
 """The command that finds parameters of a machine from measurements."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,6 +31,9 @@ def identify(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the file, e.g. fit.starts=8."),
     ] = None,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Say which test to make next instead, and write what it takes to make it.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Find parameters of a machine from measurements of tests on it.
@@ -40,17 +44,28 @@ def identify(
     correlations, which of them the data cannot tell, how well each channel fits), identification.nc with what was
     measured beside what the model says, and robustness.toml, a study of machines as the data leave them open.
 
+    With --plan nothing need have been measured. It predicts how well each test that could be made would tell each
+    parameter (multisines at the valves, a hammer, a shaker, the floor as it is, the supply shut, loads that are held;
+    or those of the file's table [plan]), and says which to make next. The folder holds plan.html (read it first),
+    plan.json, the recommended tests as scenarios, their signals as CSV, and plan.toml, which identifies from them once
+    they are measured.
+
     What an identification file may hold, `ehamj schema identify` says.
     """
     if file is None:
-        found_files = {name: _title(path) for name, path in shipped_identifications().items()}
-        print_names("identifications", found_files, "title", as_json)
+        if plan:
+            raise InputError("--plan: which tests, an identification file says; name one, or one that ships")
+        shipped = {name: _title(path) for name, path in shipped_identifications().items()}
+        print_names("identifications", shipped, "title", as_json)
+        return
+    if threads is not None and threads < 1:
+        raise InputError(f"--threads {threads}: must be at least 1")
+    if plan:
+        _planned(file, out_folder, overwrite, threads, overrides or (), as_json)
         return
     from ehamj.identification.identify import identify as found_by
     from ehamj.identification.saving import MARKS
 
-    if threads is not None and threads < 1:
-        raise InputError(f"--threads {threads}: must be at least 1")
     check_out(out_folder, overwrite, MARKS)
     with doing("identify") as step:
         found = found_by(file, overrides=overrides or (), progress=step, threads=threads)
@@ -67,6 +82,27 @@ def identify(
 
 def _title(path: Path) -> str:
     return str(table_of(path, "identification").get("title", ""))
+
+
+def _planned(
+    file: str, out_folder: Path | None, overwrite: bool, threads: int | None, overrides: Sequence[str], as_json: bool
+) -> None:
+    """Say which test to make next, and write what it takes to make it."""
+    from ehamj.cli.plan_tables import print_plan
+    from ehamj.identification.planning.asked import plan_tests
+    from ehamj.identification.planning.saving import MARKS
+
+    check_out(out_folder, overwrite, MARKS)
+    with doing("plan") as step:
+        found = plan_tests(file, overrides=overrides, progress=step, threads=threads)
+        step("writing")
+        with new_folder(out_folder, overwrite) as place:
+            found.save(place.target)
+    if as_json:
+        print_json({"folder": str(place.folder), **found.to_dict()})
+        return
+    print_plan(found)
+    say(f"page, tests and signals: {place.folder / 'plan.html'}", whole=True)
 
 
 def _told(found: "Identification") -> None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.identification.optional import ChoiceSettings, with_neutral
+from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
@@ -66,11 +67,12 @@ class IdentifyFile(Settings):
     parameters: dict[str, ParameterSettings] = Field(
         description="values that are looked for, by the scenario's keys", min_length=1
     )
-    test: tuple[one_of(TESTS), ...] = Field(description="tests", min_length=1)  # type: ignore[valid-type]
+    test: tuple[one_of(TESTS), ...] = Field((), description="tests that were made")  # type: ignore[valid-type]
     fit: FitSettings = Field(
         FitSettings.stated(starts=4, seed=0, iterations=30, profile=(), doubtful="refuse"), description="how"
     )
     choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
+    plan: PlanSettings | None = Field(None, description="tests that could be made next; without: sensible ones")
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
@@ -78,7 +80,7 @@ class IdentifyFile(Settings):
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"test: two are called {twice!r}; each needs a name of its own")
-        if all(one.hold_out for one in self.test):
+        if self.test and all(one.hold_out for one in self.test):
             raise ValueError("test: all are held out (hold_out = true); at least one must be fitted")
         for key in self.fit.profile:
             if key not in self.parameters:

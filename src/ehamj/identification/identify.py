@@ -53,6 +53,10 @@ def identify(
     """
     began = clock.perf_counter()
     file = load_identify(source, overrides)
+    if not file.test:
+        raise InputError(
+            "test: there is none; state what was measured, [[test]], or ask which to make: --plan (`ehamj.plan_tests`)"
+        )
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)
     progress("looking at the channels")
