@@ -11,8 +11,8 @@ from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import entries, override
-from ehamj.scenario.load import anchored, as_scenario, changed
+from ehamj.scenario.keys import override
+from ehamj.scenario.load import anchored, as_scenario, otherwise
 from ehamj.scenario.model import Engine, Scenario
 from ehamj.scenario_files import path_of, shipped_identifications, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Positive, Settings, one_of
@@ -94,9 +94,7 @@ class IdentifyFile(Settings):
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
-        own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
-        scenario = as_scenario(self.scenario)
-        machine = changed(scenario, own) if own else scenario
+        machine = otherwise(as_scenario(self.scenario), self.set, "set")
         return machine if self.choice is None else with_neutral(self.choice, machine)
 
 
