@@ -14,7 +14,7 @@ from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import override
 from ehamj.scenario.load import anchored, as_scenario, otherwise
 from ehamj.scenario.model import Engine, Scenario
-from ehamj.scenario_files import table_of
+from ehamj.scenario_files import path_of, shipped_identifications, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Positive, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -102,7 +102,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     """Read an identification file.
 
     Args:
-        source: a TOML file, or its content.
+        source: a shipped name, a TOML file, or its content.
         overrides: ``a.b=value`` each, applied to its content, as ``ehamj identify FILE --set`` has them.
 
     Raises:
@@ -113,7 +113,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     elif isinstance(source, Mapping):
         table = dict(anchored(dict(source), IdentifyFile, Path.cwd()))
     else:
-        path = Path(source)
+        path = path_of(source, shipped_identifications(), "identification")
         table = anchored(table_of(path, "identification file"), IdentifyFile, path.resolve().parent)
     for text in overrides:
         override(table, text)
