@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ehamj.errors import InputError as InputError
     from ehamj.errors import SimulationFailed as SimulationFailed
     from ehamj.identification.identify import identify as identify
+    from ehamj.identification.planning.asked import plan_tests as plan_tests
     from ehamj.result import Result as Result
     from ehamj.result import load_result as load_result
     from ehamj.run.many import simulate_many as simulate_many
@@ -60,6 +61,7 @@ _HOME: Final = {
     "load_result": "result",
     "load_scenario": "scenario.load",
     "parse_scenario": "scenario.load",
+    "plan_tests": "identification.planning.asked",
     "run_study": "campaign.run",
     "sampled_plant": "views.seen",
     "simulate": "run.simulate",

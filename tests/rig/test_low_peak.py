@@ -1,10 +1,12 @@
 """Multisines of low peak against numbers of the literature, and signals that share no line."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
 from ehamj.errors import InputError
-from ehamj.rig.low_peak import LowPeak, low_peak, zippered
+from ehamj.rig.low_peak import LowPeak, Spacing, low_peak, zippered
 from ehamj.scenario.load import parse_scenario
 
 
@@ -36,8 +38,9 @@ def test_stated_amplitudes_stay_and_the_peak_is_their_sum_s() -> None:
     assert low_peak(1.0, [4]).crest_factor == pytest.approx(np.sqrt(2.0), rel=1e-2)
 
 
-def test_zippered_signals_are_orthogonal_over_a_period_and_fill_the_band() -> None:
-    dealt = zippered(2.0, 40.0, 1.5, 10, 3)
+@pytest.mark.parametrize("spacing", get_args(Spacing))
+def test_zippered_signals_are_orthogonal_over_a_period_and_fill_the_band(spacing: Spacing) -> None:
+    dealt = zippered(2.0, 40.0, 1.5, 10, 3, spacing)
     time = np.arange(3000) / 2000.0
     signals = np.array([low_peak(1.5, own, seed=k).signal().sample(time).value for k, own in enumerate(dealt)])
     products = signals @ signals.T / time.size

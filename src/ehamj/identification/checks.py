@@ -25,6 +25,8 @@ WELL: Final = 0.6
 """Correlation from which a channel goes well with a prediction."""
 BETTER: Final = 0.25
 """By how much better it must go if it were otherwise."""
+BETTER_STILL: Final = 0.1
+"""By how much better later than turned: half a period of a swing does the same to it as its sign, but for its ends."""
 LATE: Final = 0.5
 """Delay that is looked for, earlier or later [s]."""
 CERTAIN: Final = 8e-3
@@ -88,6 +90,23 @@ def doubts(tests: Sequence[Residuals], parameters: Sequence[Unknown], held: Valu
     return found
 
 
+def doubts_at(tests: Sequence[str], compared: Sequence[Compared], known: Sequence[Doubt]) -> list[Doubt]:
+    """What is wrong with channels beside the machine that was found: of one whose motion goes with no machine near the
+    start, such as a foot's across, this is seen only now.
+
+    Args:
+        tests: name of each channel's test.
+        compared: channels at the end of the fit.
+        known: doubts that were found before.
+    """
+    found = {(one.test, one.channel): one.said for one in known}
+    for test, channel in zip(tests, compared, strict=True):
+        name = channel.name.partition(" / ")[0]
+        if (test, name) not in found and (said := _doubt([channel])):
+            found[test, name] = said
+    return [Doubt(*place, said) for place, said in found.items()][len(known) :]
+
+
 def _machines(parameters: Sequence[Unknown]) -> list[Values]:
     """The start, and machines about it, within the bounds."""
     from scipy.stats.qmc import Sobol
@@ -107,9 +126,9 @@ def _doubt(channels: Sequence[Compared]) -> str:
         return ""
     as_is, best = max(one.as_is for one in beside), max(beside, key=lambda one: one.best)
     turned = max(-one.as_is for one in beside)
-    if turned > WELL and turned > as_is + BETTER:
+    late = best.best > WELL and best.best > max(as_is + BETTER, turned + BETTER_STILL) and abs(best.delay) > CERTAIN
+    if turned > WELL and turned > as_is + BETTER and not late:
         return "is the wrong way round: its sign is reversed (scale = -1 turns it)"
-    late = best.best > WELL and best.best > max(as_is, turned) + BETTER
     if late and abs(best.delay) > (FREE if "delay" in free else CERTAIN):
         words = "late" if best.delay > 0.0 else "early"
         way = "; its delay is free within 20 ms only" if "delay" in free else ""
@@ -120,7 +139,7 @@ def _doubt(channels: Sequence[Compared]) -> str:
     least, most = min(likely), max(likely)
     if least > OTHERWISE or most < 1.0 / OTHERWISE:
         size = float(np.exp(np.mean(np.log(likely))))
-        return f"is {size:.2g} times as large as any machine near the start has it{_unit(channels[0].unit, size)}"
+        return f"is {size:.2g} times as large as the model has it{_unit(channels[0].unit, size)}"
     return ""
 
 

@@ -8,12 +8,13 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.identification.optional import ChoiceSettings, with_neutral
+from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import entries, override
-from ehamj.scenario.load import anchored, as_scenario, changed
+from ehamj.scenario.keys import override
+from ehamj.scenario.load import anchored, as_scenario, otherwise
 from ehamj.scenario.model import Engine, Scenario
-from ehamj.scenario_files import table_of
+from ehamj.scenario_files import path_of, shipped_identifications, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Positive, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -66,11 +67,12 @@ class IdentifyFile(Settings):
     parameters: dict[str, ParameterSettings] = Field(
         description="values that are looked for, by the scenario's keys", min_length=1
     )
-    test: tuple[one_of(TESTS), ...] = Field(description="tests", min_length=1)  # type: ignore[valid-type]
+    test: tuple[one_of(TESTS), ...] = Field((), description="tests that were made")  # type: ignore[valid-type]
     fit: FitSettings = Field(
         FitSettings.stated(starts=4, seed=0, iterations=30, profile=(), doubtful="refuse"), description="how"
     )
     choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
+    plan: PlanSettings | None = Field(None, description="tests that could be made next; without: sensible ones")
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
@@ -78,7 +80,7 @@ class IdentifyFile(Settings):
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"test: two are called {twice!r}; each needs a name of its own")
-        if all(one.hold_out for one in self.test):
+        if self.test and all(one.hold_out for one in self.test):
             raise ValueError("test: all are held out (hold_out = true); at least one must be fitted")
         for key in self.fit.profile:
             if key not in self.parameters:
@@ -92,9 +94,7 @@ class IdentifyFile(Settings):
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
-        own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
-        scenario = as_scenario(self.scenario)
-        machine = changed(scenario, own) if own else scenario
+        machine = otherwise(as_scenario(self.scenario), self.set, "set")
         return machine if self.choice is None else with_neutral(self.choice, machine)
 
 
@@ -102,7 +102,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     """Read an identification file.
 
     Args:
-        source: a TOML file, or its content.
+        source: a shipped name, a TOML file, or its content.
         overrides: ``a.b=value`` each, applied to its content, as ``ehamj identify FILE --set`` has them.
 
     Raises:
@@ -113,7 +113,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     elif isinstance(source, Mapping):
         table = dict(anchored(dict(source), IdentifyFile, Path.cwd()))
     else:
-        path = Path(source)
+        path = path_of(source, shipped_identifications(), "identification")
         table = anchored(table_of(path, "identification file"), IdentifyFile, path.resolve().parent)
     for text in overrides:
         override(table, text)

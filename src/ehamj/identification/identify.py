@@ -10,7 +10,7 @@ import numpy as np
 
 from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError, SimulationFailed
-from ehamj.identification.checks import doubts
+from ehamj.identification.checks import Doubt, doubts, doubts_at
 from ehamj.identification.choice import Choosing
 from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
@@ -41,7 +41,7 @@ def identify(
     """Find parameters of a machine from measurements.
 
     Args:
-        source: an identification file, or its content.
+        source: an identification file, a shipped one's name, or its content.
         overrides: ``KEY=VALUE`` each, as ``ehamj identify FILE --set`` has them.
         measured: measurements in memory (`ehamj.measured.Measured`) by the test's name, in place of its file.
         progress: called with what is done.
@@ -53,10 +53,15 @@ def identify(
     """
     began = clock.perf_counter()
     file = load_identify(source, overrides)
+    if not file.test:
+        raise InputError(
+            "test: there is none; state what was measured, [[test]], or ask which to make: --plan (`ehamj.plan_tests`)"
+        )
     progress("reading the tests")
     parameters, tests = prepared(file, measured or {}, threads)
     progress("looking at the channels")
-    notes = checked(file, tests, parameters)
+    held = {} if file.choice is None else neutral_of(places_of(file.choice, file.machine, list(file.parameters)))
+    doubted = checked(file, doubts(tests, parameters, held))
     choosing = None if file.choice is None else _choosing(file, tests, parameters, progress)
     problem = Problem(tests, parameters, held=choosing.held if choosing is not None else None)
     starts = begun(problem, file.fit, progress)
@@ -68,27 +73,27 @@ def identify(
     progress("what the data tell")
     at = problem.linearised(found.point, central=True)
     found = found if isinstance(at, Failed) else replace(found, at=at)
+    doubted = checked(file, [*doubted, *doubts_at(found.at.tests, found.at.compared, doubted)])
     told = {
         "starts": len(starts.costs), "steps": found.steps, "runs": problem.runs + starts.runs,
         "seconds": round(clock.perf_counter() - began, 3), "converged": found.converged,
     }  # fmt: skip
     outcome = identification_of(file, problem, tests, found, told, progress)
+    notes = [f"test {one.test!r}: {one.channel} {one.said}" for one in doubted]
     return replace(outcome, choice=choice, notes=(*notes, *outcome.notes))
 
 
-def checked(file: IdentifyFile, tests: tuple[Residuals, ...], parameters: tuple[Unknown, ...]) -> list[str]:
-    """What is wrong with the channels beside the model, as notes.
+def checked(file: IdentifyFile, found: list[Doubt]) -> list[Doubt]:
+    """What is wrong with the channels beside the model, where the file lets it pass.
 
     Raises:
-        InputError: naming all of them, unless the file lets them pass.
+        InputError: naming all of them, where it does not.
     """
-    held = {} if file.choice is None else neutral_of(places_of(file.choice, file.machine, list(file.parameters)))
-    found = doubts(tests, parameters, held)
     if found and file.fit.doubtful == "refuse":
         order = [one.name for one in file.test]
         said = "\n".join(f"test.{order.index(one.test)} ({one.test}): {one.channel} {one.said}" for one in found)
         raise InputError(f'{said}\n(fit.doubtful = "note" fits them all the same)')
-    return [f"test {one.test!r}: {one.channel} {one.said}" for one in found]
+    return found
 
 
 def _choosing(

@@ -180,9 +180,11 @@ def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], test
     for key, one in found.items():
         if one.at_bound:
             notes.append(f"{key} stands at its {one.at_bound} bound: its deviation says little; widen the bounds")
-    for place, name, delay, spread in late_channels(fit):
-        far, side = f"{1e3 * abs(delay):.2g} ± {1e3 * spread:.1g} ms", "late" if delay > 0.0 else "early"
-        notes.append(f"test {place!r}, {name}: comes {far} too {side} beside the others; let its delay be free")
+    notes += [
+        f"test {test!r}, {name}: comes {1e3 * abs(delay):.2g} ± {1e3 * spread:.1g} ms too "
+        f"{'late' if delay > 0.0 else 'early'} beside the others; let its delay be free"
+        for test, name, delay, spread in late_channels(fit)
+    ]
     for test in tests:
         for channel in test.channels:
             if channel.whiteness is not None and not channel.whiteness.white:

@@ -45,8 +45,7 @@ def read_measured(
     wanted = wanted_of(measurement, mounts, key, path.name)
     found = read_picked(path, [one.pick for one in wanted], reading, key)
     notes = [*dict.fromkeys(note for series in found for note in series.notes)]
-    for series, one in zip(found, wanted, strict=True):
-        notes += _judged(series, one)
+    notes += _judged(found, wanted)
     notes += _humming(found, wanted)
     rate, begin, columns, remarks = on_one_clock(found, key, path.name)
     channels = tuple(_channel(*one) for one in zip(wanted, found, columns, strict=True))
@@ -120,16 +119,18 @@ def _channel(one: Wanted, series: Series, samples: Array) -> MeasuredChannel:
     )
 
 
-def _judged(series: Series, one: Wanted) -> list[str]:
-    """Remarks on faults that are accepted, or that an input may have; raises InputError for others."""
-    notes = []
-    for fault in faults(series.samples):
-        told = f"{series.component} ({one.channel}) {fault.said}"
-        if one.role == "output" and fault.word not in one.said.accept:
-            raise InputError(
-                f'{one.key}: {told}; leave it out, or state accept = ["{fault.word}"] if it is as it should be'
-            )
-        notes.append(told)
+def _judged(found: Sequence[Series], wanted: Sequence[Wanted]) -> list[str]:
+    """Remarks on faults that are accepted, or that an input may have; raises InputError naming all others."""
+    notes, wrong = [], []
+    for series, one in zip(found, wanted, strict=True):
+        for fault in faults(series.samples):
+            told = f"{series.component} ({one.channel}) {fault.said}"
+            if one.role == "output" and fault.word not in one.said.accept:
+                way = f'leave it out, or state accept = ["{fault.word}"] if it is as it should be'
+                wrong.append(f"{one.key}: {told}; {way}")
+            notes.append(told)
+    if wrong:
+        raise InputError("\n".join(wrong))
     return notes
 
 

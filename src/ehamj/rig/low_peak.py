@@ -6,9 +6,10 @@ with ever less that is clipped (E. van der Ouderaa, J. Schoukens & J. Renneboog,
 Schroeder's phases, one of the beginnings, have 1.7 to 1.9 for lines in a row, and much more for others.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.signals import Multisine, schroeder_phases
+
+Spacing = Literal["even", "logarithmic"]
+"""How lines lie in their band."""
 
 STARTS: Final = 4
 """Beginnings: Schroeder's phases and random ones."""
@@ -97,8 +101,10 @@ def low_peak(period: float, harmonics: ArrayLike, amplitudes: ArrayLike = 1.0, s
     return LowPeak(period, lines, size, phases[int(np.argmin(peaks))])
 
 
-def zippered(first: float, last: float, period: float, lines: int, channels: int) -> list[NDArray[np.int64]]:
-    """Harmonics of 1/``period`` from ``first`` to ``last`` [Hz], evenly spaced in logarithm, dealt to channels in turn.
+def zippered(
+    first: float, last: float, period: float, lines: int, channels: int, spacing: Spacing = "even"
+) -> list[NDArray[np.int64]]:
+    """Harmonics of 1/``period`` from ``first`` to ``last`` [Hz], dealt to channels in turn.
 
     No line belongs to two channels, so that signals of whole periods are orthogonal, whatever their phases.
 
@@ -107,17 +113,26 @@ def zippered(first: float, last: float, period: float, lines: int, channels: int
         period: [s].
         lines: of each channel, at most.
         channels: how many signals there are at once.
+        spacing: even, of the lowest peaks; or even in logarithm.
 
     Raises:
         InputError: if the band has not a line for each channel.
     """
-    low, high = int(np.ceil(first * period - 1e-9)), int(np.floor(last * period + 1e-9))
-    grid = np.unique(np.round(np.geomspace(max(low, 1), max(high, 1), lines * channels))).astype(np.int64)
-    if high < max(low, 1) or grid.size < channels:
+    low, high = max(1, math.ceil(first * period - 1e-9)), math.floor(last * period + 1e-9)
+    there = max(0, high - low + 1)
+    if there < channels:
         raise InputError(
-            f"band = [{first:g}, {last:g}] Hz: has {max(0, high - max(low, 1) + 1)} lines 1/{period:g} s apart, and "
-            f"{channels} signals need one each; make the band wider or the period longer"
+            f"band = [{first:g}, {last:g}] Hz: has {there} lines 1/{period:g} s apart, and {channels} signals need one "
+            "each; make the band wider or the period longer"
         )
+    wanted = min(lines * channels, there)
+    if spacing == "even":
+        step = max(1, math.ceil((high - low) / max(wanted - 1, 1)))
+        step = step if (high - low) // step + 1 >= channels else 1
+        grid = np.arange(low, high + 1, step)[:wanted]
+    else:
+        grid = np.unique(np.round(np.geomspace(low, high, wanted))).astype(np.int64)
+        grid = grid if grid.size >= channels else low + np.arange(channels)
     return [grid[k::channels] for k in range(channels)]
 
 

@@ -1,34 +1,27 @@
 """Fisher information against closed forms, against the scatter of fits, and against the nonlinear engine."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from ehamj.designs.parameters import changes_of
 from ehamj.identification.planning.excitation import excitation_of
 from ehamj.identification.planning.forecast import told_by
 from ehamj.identification.planning.information import Knowledge, best_sequence, without
 from ehamj.identification.planning.instruments import Instruments
-from ehamj.identification.planning.lanes import runs_of
+from ehamj.identification.planning.lanes import run_of
 from ehamj.identification.planning.linear import Linear
 from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown
 from ehamj.rig.low_peak import low_peak
-from ehamj.scenario.load import changed, parse_scenario
-from ehamj.scenario.model import Scenario
+from ehamj.scenario.load import parse_scenario
 
 VALVE = "actuators.isolator.valve_frequency"
 DAMPING = "actuators.isolator.valve_damping"
 SPOOL = "spool front-left"
 RATE = 4000.0
 NOISE = 0.01
-
-
-def having(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
-    return changed(scenario, changes_of(scenario, dict(values)))
 
 
 def unknown(key: str, value: float) -> Unknown:
@@ -69,7 +62,7 @@ def test_information_on_a_spool_is_that_of_the_closed_form(spool_test: Trial) ->
     )  # fmt: skip
     expected = 0.5 * 0.5 * RATE / NOISE**2 * (slopes.conj() @ slopes.T).real
     instruments = Instruments.of(spool_test.scenario, RATE, (SPOOL,), {"spool": NOISE})
-    linear = Linear(spool_test.scenario, UNKNOWNS, AT, having)
+    linear = Linear(spool_test.scenario, UNKNOWNS, AT)
     found = told_by(linear.lines(spool_test, (SPOOL,), RATE), instruments, spool_test.compared)
     np.testing.assert_allclose(found, expected, rtol=2e-3)
 
@@ -77,7 +70,7 @@ def test_information_on_a_spool_is_that_of_the_closed_form(spool_test: Trial) ->
 def test_predicted_deviations_are_the_scatter_of_fits(spool_test: Trial) -> None:
     """A hundred and fifty fits of the closed form to noisy samples, with an unknown gain of the sensor beside."""
     instruments = Instruments.of(spool_test.scenario, RATE, (SPOOL,), {SPOOL: NOISE})
-    linear = Linear(spool_test.scenario, UNKNOWNS, AT, having)
+    linear = Linear(spool_test.scenario, UNKNOWNS, AT)
     information = told_by(linear.lines(spool_test, (SPOOL,), RATE), instruments, spool_test.compared, ("gain",))
     predicted = Knowledge(information).deviations
     time = np.arange(0.25, 0.75, 1 / RATE)
@@ -113,8 +106,8 @@ def test_the_nonlinear_engine_says_the_same_of_a_small_test() -> None:
     channels = ("stroke front-left", "chamber_pressure rear-right 1", "foot_velocity front-left z")
     noise = {"stroke": 1e-9, "chamber_pressure": 100.0, "foot_velocity": 1e-7}
     instruments = Instruments.of(scenario, 1000.0, channels, noise)
-    linear = Linear(scenario, unknowns, at, having).lines(trial, channels, 1000.0)
-    nonlinear = runs_of([trial], unknowns, at, having, channels, 1000.0)[0]
+    linear = Linear(scenario, unknowns, at).lines(trial, channels, 1000.0)
+    nonlinear = run_of(trial, unknowns, at, channels, 1000.0)
     expected = told_by(nonlinear, instruments, trial.compared)
     np.testing.assert_allclose(told_by(linear, instruments, trial.compared), expected, rtol=0.03)
 

@@ -38,13 +38,18 @@ def told_by(lines: Lines, instruments: Instruments, longest: float, free: Sequen
     """
     hertz = np.maximum(lines.frequency, 1.0 / longest)
     seen = lines.values * instruments.response(hertz)[:, :, None, None]
-    power = (lines.weights[:, None] * (np.abs(seen[..., 0]) ** 2).sum(axis=2)).sum(axis=0) / longest
-    rms = np.sqrt(0.5 * power)
-    density = instruments.density(hertz, rms)
+    density = instruments.density(hertz, rms_of(lines, instruments, longest))
     seen = seen * np.sqrt(lines.weights[:, None] / np.where(density > 0.0, density, np.inf))[:, :, None, None]
     columns = [seen[..., 1:], *(_nuisances(kind, lines.frequency, seen[..., 0]) for kind in free)]
     slopes = np.concatenate(columns, axis=-1).reshape(-1, sum(part.shape[-1] for part in columns))
     return without((slopes.conj().T @ slopes).real, lines.values.shape[-1] - 1)
+
+
+def rms_of(lines: Lines, instruments: Instruments, longest: float) -> Array:
+    """RMS of each channel's reading in a test of so long [s], (channel,)."""
+    seen = lines.values[..., 0] * instruments.response(np.maximum(lines.frequency, 1.0 / longest))[:, :, None]
+    power = (lines.weights[:, None] * (np.abs(seen) ** 2).sum(axis=2)).sum(axis=0) / longest
+    return np.asarray(np.sqrt(0.5 * power))
 
 
 def _nuisances(kind: Free, hertz: Array, values: ComplexArray) -> ComplexArray:

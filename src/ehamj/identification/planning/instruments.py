@@ -1,7 +1,7 @@
 """What a test is seen with: channels, the instruments that read them, and their noise."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,12 @@ from ehamj.scenario.model import Scenario
 
 SHARE: Final = 0.01
 """What a channel has beside its instrument's noise, as a share of its RMS: rigs hum, and no model is the machine."""
+BITS: Final = 16
+"""Of the logger's converters."""
+PEAK: Final = 4.0
+"""Range of a converter, over the RMS of the liveliest channel that it is set for."""
+STILL: Final = 1e-4
+"""Share of a converter's range, three of its steps, below which a channel that moves is none to record."""
 QUIET: Final = 0.1
 """Share of the largest RMS among channels of one variable that one counts with at least: instruments are alike."""
 UNITS: Final = {
@@ -32,7 +38,8 @@ class Instruments:
     """Channels and how each is read, at ``rate`` samples per second [Hz].
 
     ``noise`` has standard deviations of a sample [unit], by channel or by its first word; of a channel that is not
-    there, that of the scenario's instrument counts and, beside it, a ``share`` of the channel's own RMS.
+    there, that of the scenario's instrument counts and, beside it, a ``share`` of the channel's own RMS, and what a
+    converter of `BITS` rounds whose range holds the liveliest test.
     """
 
     channels: tuple[str, ...]
@@ -40,6 +47,8 @@ class Instruments:
     sensors: Sensors
     noise: Mapping[str, float]
     share: float = SHARE
+    ranges: Mapping[str, float] = field(default_factory=dict)
+    """Of the logger's converters, ± this, by a channel's first word [unit]: without, they resolve anything."""
 
     @classmethod
     def of(
@@ -100,18 +109,36 @@ class Instruments:
             level = max(rms[k], QUIET * max(alike))
             stated, sensor = self.stated(name), None if self.stated(name) else self.sensors.of(name)
             found[:, k] = 2.0 / self.rate * (self.share * level if stated is None else stated) ** 2
+            if stated is None:
+                found[:, k] += 2.0 / self.rate * (self._range(name) / 2 ** (BITS - 1)) ** 2 / 12.0
             if sensor is not None:
                 steps = sensor.resolution**2 / 12.0
                 found[:, k] += sensor.noise_density(hertz) ** 2 + 2.0 / self.rate * steps
         return found
+
+    def ranged(self, liveliest: Array) -> "Instruments":
+        """With converters set for the largest RMS of each channel in all tests, (channel,)."""
+        found: dict[str, float] = {}
+        for name, rms in zip(self.channels, liveliest, strict=True):
+            word = name.split(" ")[0]
+            found[word] = max(found.get(word, 0.0), PEAK * float(rms))
+        return replace(self, ranges=found)
+
+    def moving(self, rms: Array) -> tuple[str, ...]:
+        """Channels whose RMS (channel,) is at least `STILL` of their converters' range."""
+        return tuple(name for name, own in zip(self.channels, rms, strict=True) if own > STILL * self._range(name))
+
+    def _range(self, channel: str) -> float:
+        return self.ranges.get(channel.split(" ")[0], 0.0)
 
     def told(self, channel: str) -> str:
         """Where its noise is known from, in words."""
         stated = self.stated(channel)
         if stated is not None:
             return f"{stated:.3g} {unit_of_channel(channel)} a sample"
-        share = f"{100.0 * self.share:g} % of its RMS"
-        return share if self.sensors.of(channel) is None else f"[sensors.{class_of(channel.split(' ')[0])}] and {share}"
+        own = "" if self.sensors.of(channel) is None else f"[sensors.{class_of(channel.split(' ')[0])}], "
+        converter = f"{BITS} bits of ± {self._range(channel):.2g} {unit_of_channel(channel)}"
+        return f"{own}{100.0 * self.share:g} % of its RMS, {converter}"
 
 
 def default_channels(scenario: Scenario) -> tuple[str, ...]:

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ehamj.arrays import Array
+from ehamj.errors import InputError
+from ehamj.identification.machine import with_values
 from ehamj.identification.planning.forecast import Lines
-from ehamj.identification.planning.linear import Machines, Neighbours
+from ehamj.identification.planning.linear import Neighbours
 from ehamj.identification.planning.trial import Trial
+from ehamj.identification.residual import Failed
+from ehamj.identification.runs import histories, with_step
 from ehamj.identification.unknowns import Unknown, Values
-from ehamj.rig.measurement import channel
-from ehamj.run.many import observe_many
-from ehamj.run.simulate import Observed
-from ehamj.scenario.model import Scenario
 
 WIDE = 1e-2
 """Half of a central difference, in the scaled unknown."""
@@ -20,40 +20,34 @@ WIDER = 5e-2
 """The same where an unknown stands at a bound, as an option that is off does: how it begins."""
 
 
-def runs_of(
-    trials: Sequence[Trial],
+def run_of(
+    trial: Trial,
     unknowns: Sequence[Unknown],
     at: Values,
-    having: Machines,
     channels: Sequence[str],
     rate: float,
     threads: int | None = None,
-) -> list[Lines]:
-    """The lines of each test, simulated at the point and two neighbours of each unknown.
+) -> Lines:
+    """The lines of a test, simulated at the point and two neighbours of each unknown.
 
     Args:
-        trials: tests, none at rest.
+        trial: the test, not one at rest.
         unknowns, at: where.
-        having: makes scenarios of values.
         channels: wanted.
         rate: samples per second [Hz].
         threads: by default one for each processor.
 
     Raises:
-        Incomplete: if a run stops.
-        InputError: if a scenario cannot be run.
+        InputError: if a scenario cannot be run, or a run stops.
     """
     near = neighbours(unknowns, at)
-    scenarios = [having(_recorded(trial.scenario, rate), point) for trial in trials for point in near.points]
-
-    def signals(run: Observed) -> Array:
-        return np.array([channel(run.dataset, name) for name in channels]).T
-
-    found = observe_many(scenarios, signals, threads)
-    size = len(near.points)
-    return [
-        _lines(trial, np.array(found[k * size : (k + 1) * size]), near.widths, rate) for k, trial in enumerate(trials)
-    ]
+    recorded = with_step(trial.scenario.model_copy(update={"record_rate": rate, "engine": "small-motion"}))
+    found = histories([with_values(recorded, point) for point in near.points], channels, threads)
+    for one in found:
+        if isinstance(one, Failed):
+            raise InputError(f"{trial.name}: {one}")
+    signals = np.array([[one[name] for name in channels] for one in found if not isinstance(one, Failed)])
+    return _lines(trial, signals.transpose(0, 2, 1), near.widths, rate)
 
 
 def neighbours(unknowns: Sequence[Unknown], at: Values) -> Neighbours:
@@ -66,10 +60,6 @@ def neighbours(unknowns: Sequence[Unknown], at: Values) -> Neighbours:
             points[1 + 2 * k : 3 + 2 * k] = wide.points[1 + 2 * k : 3 + 2 * k]
             widths[k] = wide.widths[k]
     return Neighbours(tuple(points), widths)
-
-
-def _recorded(scenario: Scenario, rate: float) -> Scenario:
-    return scenario.model_copy(update={"record_rate": rate, "engine": "small-motion"})
 
 
 def _lines(trial: Trial, signals: Array, widths: Array, rate: float) -> Lines:

@@ -5,25 +5,23 @@ With X = (sI − A)⁻¹B U the states under the inputs U, an output's derivativ
 models that are built at the unknowns' neighbours.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
+from ehamj.identification.machine import with_values
 from ehamj.identification.planning.excitation import excitation_of, into_model
 from ehamj.identification.planning.forecast import Lines
-from ehamj.identification.planning.trial import Excitation, Trial
+from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.linear.machine import linear_model
 from ehamj.scenario.model import Scenario
 
 STEP: Final = 5e-3
 """Half of a central difference, in the scaled unknown: of its square remains, 2.5e-5."""
-
-Machines = Callable[[Scenario, Values], Scenario]
-"""A scenario with other values of the unknowns."""
 
 
 @dataclass(frozen=True)
@@ -53,30 +51,22 @@ class Neighbours:
 class Linear:
     """The linear machine and its neighbours, for many tests on it."""
 
-    def __init__(self, machine: Scenario, unknowns: Sequence[Unknown], at: Values, having: Machines) -> None:
+    def __init__(self, machine: Scenario, unknowns: Sequence[Unknown], at: Values) -> None:
         """Build 1 + 2k models.
 
         Raises:
             InputError: if one of the machines has no linear model (`ehamj.linear.smooth.NotSmooth` names the option).
         """
-        self._near, self._having = Neighbours.of(unknowns, at), having
-        self._models = [linear_model(having(machine, point).plant) for point in self._near.points]
+        self._near = Neighbours.of(unknowns, at)
+        self._models = [linear_model(with_values(machine, point).plant) for point in self._near.points]
         if any(model.states != self._models[0].states for model in self._models):
             raise ValueError("the states of the linear machine differ about the starting values")
-
-    def outputs(self, excitation: Excitation, scenario: Scenario, channels: Sequence[str]) -> ComplexArray:
-        """Lines of channels at the point, (f, channel, experiment)."""
-        model = self._models[0]
-        C, D = model.rows(channels)
-        drive = into_model(excitation.inputs, scenario, model, excitation.frequency) @ excitation.amplitudes
-        states = np.linalg.solve(self._resolvent(excitation.frequency), model.B @ drive)
-        return np.asarray(C @ states + D @ drive)
 
     def lines(self, trial: Trial, channels: Sequence[str], rate: float) -> Lines:
         """What channels do in the lines of a test that is recorded at ``rate`` [Hz]."""
         found = excitation_of(trial, rate)
         hertz = found.frequency
-        scenarios = [self._having(trial.scenario, point) for point in self._near.points]
+        scenarios = [with_values(trial.scenario, point) for point in self._near.points]
         drives = [
             into_model(found.inputs, one, its, hertz) @ found.amplitudes
             for one, its in zip(scenarios, self._models, strict=True)

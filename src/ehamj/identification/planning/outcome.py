@@ -10,6 +10,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.identification.planning.information import TOLD
 from ehamj.identification.planning.instruments import Instruments
+from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.scenario.model import Scenario
@@ -29,6 +30,8 @@ class Forecast:
     factors: Array
     """By how much it sharpens each, (k,)."""
     method: Method
+    moving: tuple[str, ...]
+    """Channels that are worth recording in it: they move by more than the last bits of their converters."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,8 @@ class Plan:
     refused: Mapping[str, str]
     """Candidates that cannot be made or predicted, and why."""
     sequence: tuple[Step, ...]
+    settings: PlanSettings
+    """What was asked."""
     untold: Mapping[str, str]
     """Parameters that no candidate tells, and why, in words."""
 
@@ -79,18 +84,24 @@ class Plan:
     def answers(self) -> tuple[str, ...]:
         """What a person wants to know first, a line each."""
         found = []
-        for number, step in enumerate(self.sequence, 1):
-            found.append(f"test {number}: {step.forecast.trial.name}: {step.forecast.trial.words}")
+        names = [step.forecast.trial.name for step in self.sequence]
+        for k, step in enumerate(self.sequence):
+            again = "once more" if names[k] in names[:k] else step.forecast.trial.words
+            found.append(f"test {k + 1}: {names[k]}: {again}")
         if not self.sequence:
             found.append("no candidate would tell more than is known")
         for key in self.keys:
-            best = self.best_for(key)
+            k, best = self.keys.index(key), self.best_for(key)
+            unit = "" if self.unknowns[k].unit in ("-", "1") else self.unknowns[k].unit
             if best is not None:
-                k = self.keys.index(key)
-                found.append(
-                    f"{key}: best by {best.trial.name}: from ± {self.before[k]:.2g} to ± {best.deviations[k]:.2g} "
-                    f"{self.unknowns[k].unit}".rstrip()
-                )
+                told = f"best by {best.trial.name}: from ± {self.before[k]:.2g} to ± {best.deviations[k]:.2g} {unit}"
+                found.append(f"{key}: {told}".rstrip())
+            elif key not in self.untold:
+                last = self.sequence[-1].deviations[k] if self.sequence else self.before[k]
+                told = f"known to ± {self.before[k]:.2g} {unit}".rstrip() + ", which no candidate sharpens much"
+                if self.before[k] >= TOLD * last:
+                    told = f"by no test alone; by those together from ± {self.before[k]:.2g} to ± {last:.2g} {unit}"
+                found.append(f"{key}: {told}".rstrip())
         found += [f"{key}: no candidate tells it: {why}" for key, why in self.untold.items()]
         return tuple(found)
 
@@ -98,6 +109,7 @@ class Plan:
         """As plain data."""
         return {
             "title": self.title,
+            "answers": list(self.answers),
             "done": list(self.done),
             "parameters": {
                 one.name: {"value": self.at[one.name], "unit": one.unit, "deviation_before": float(before)}

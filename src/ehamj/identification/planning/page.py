@@ -1,11 +1,13 @@
 """A plan as a person reads it: answers, tables, a figure, a page."""
 
+import re
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.identification.planning.candidate import rounded
 from ehamj.identification.planning.information import TOLD
 from ehamj.pages import ANNEX, Page, Section, Table
 from ehamj.pages.words import DASH
@@ -92,31 +94,54 @@ def drawings_of(plan: "Plan") -> dict[str, Drawing]:
     return {"sharpened": Drawing(caption, draw)}
 
 
-def factor_table(plan: "Plan") -> Table:
-    """By which factor each test alone sharpens each parameter; a dash where it does not tell it."""
-    head = ["test", *(key.rpartition(".")[2] if not key[-1].isdigit() else key for key in plan.keys)]
-    rows = [[one.trial.name, *shown_factors(one)] for one in plan.forecasts]
-    return Table("By which factor each test alone sharpens each parameter", head, rows, numeric=range(1, len(head)))
+def candidate_table(plan: "Plan") -> Table:
+    """What each test alone would tell of each parameter: deviation and, behind ×, how many times sharper that is; a
+    dash where it does not tell it. Tests that tell the same stand in one row."""
+    names = zip(short_names(plan), _units(plan), strict=True)
+    head = ["test, made alone", *(f"{short.replace('_', ' ')} [{unit}]" for short, unit in names)]
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for one in plan.forecasts:
+        rows.setdefault((one.trial.kind, *shown(one)), []).append(one.trial.name)
+    table = [[names[0] + _alike(len(names) - 1), *cells] for (_, *cells), names in rows.items()]
+    note = "± predicted standard deviation, × by which factor smaller it is than before."
+    return Table("What each test would tell", head, table, note, kind="words")
 
 
-def shown_factors(one: "Forecast") -> list[str]:
-    """Factors as a person reads them."""
-    return [f"{factor:.3g}" if factor >= TOLD else DASH for factor in one.factors]
+def short_names(plan: "Plan") -> list[str]:
+    """Parameters by the last part of their keys where that is one's own, else whole."""
+    parts = [re.sub(r"^.*\.(?=\D)", "", key) for key in plan.keys]
+    return [part if parts.count(part) == 1 else key for part, key in zip(parts, plan.keys, strict=True)]
+
+
+def shown(one: "Forecast") -> list[str]:
+    """Deviations and factors as a person reads them."""
+    pairs = zip(one.deviations, one.factors, strict=True)
+    return [DASH if factor < TOLD else f"±{deviation:.2g} ×{rounded(factor):g}" for deviation, factor in pairs]
+
+
+def _alike(others: int) -> str:
+    return f" ({others} more alike)" if others else ""
+
+
+def _units(plan: "Plan") -> list[str]:
+    return ["-" if one.unit in ("", "1") else one.unit for one in plan.unknowns]
 
 
 def deviation_table(plan: "Plan") -> Table:
     """Parameters with their deviations before, after each test of the sequence, and by the nonlinear engine."""
     steps = plan.sequence
-    head = ["parameter", "value", "unit", "before ±", *(f"after test {k} ±" for k in range(1, len(steps) + 1))]
+    head = ["parameter", "value", "unit", "before", *(f"test {k}" for k in range(1, len(steps) + 1))]
     last = steps[-1].nonlinear if steps else None
-    head += ["by the engine ±"] if last is not None else []
+    head += ["by engine"] if last is not None else []
     rows = []
-    for k, one in enumerate(plan.unknowns):
-        row = [one.name, f"{plan.at[one.name]:.5g}", one.unit, f"{plan.before[k]:.2g}"]
+    for k, (one, short) in enumerate(zip(plan.unknowns, short_names(plan), strict=True)):
+        row = [short, f"{plan.at[one.name]:.5g}", _units(plan)[k], f"{plan.before[k]:.2g}"]
         row += [f"{step.deviations[k]:.2g}" for step in steps]
         rows.append(row + ([f"{last[k]:.2g}"] if last is not None else []))
     numeric = [k for k in range(len(head)) if k not in (0, 2)]
-    return Table("Predicted standard deviations along the recommended tests", head, rows, numeric=numeric)
+    title = "Predicted standard deviations before and after each recommended test"
+    note = "by engine: after the last one, by the nonlinear engine" if last is not None else ""
+    return Table(title, head, rows, note, kind="words", numeric=numeric)
 
 
 def page_of(plan: "Plan", outcome: Outcome, files: str) -> Page:
@@ -125,7 +150,7 @@ def page_of(plan: "Plan", outcome: Outcome, files: str) -> Page:
     channels = [(name, plan.instruments.told(name)) for name in plan.instruments.channels]
     sections = [
         *said_besides(outcome),
-        Section("tables", tables=[deviation_table(plan), factor_table(plan)]),
+        Section("tables", tables=[deviation_table(plan), candidate_table(plan)]),
         Section("figures", figures=pictures_of(outcome)),
         Section("notes", "What holds, and what does not", items=outcome.notes),
         ANNEX,

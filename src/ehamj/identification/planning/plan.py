@@ -1,6 +1,6 @@
 """Which test next: what each candidate would tell of each parameter, and the sequence that tells most."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -9,15 +9,16 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.identification.planning.candidate import Bench, CandidateSettings
-from ehamj.identification.planning.forecast import Lines, told_by
+from ehamj.identification.planning.forecast import Lines, rms_of, told_by
 from ehamj.identification.planning.information import TOLD, Knowledge, best_sequence
 from ehamj.identification.planning.instruments import Instruments
 from ehamj.identification.planning.kinds import CANDIDATES
-from ehamj.identification.planning.lanes import runs_of
-from ehamj.identification.planning.linear import Linear, Machines
+from ehamj.identification.planning.lanes import run_of
+from ehamj.identification.planning.linear import Linear
 from ehamj.identification.planning.outcome import Forecast, Method, Plan, Step
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.planning.trial import Trial
+from ehamj.identification.statistics import known_before, words_of
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.linear.smooth import NotSmooth
 from ehamj.run.progress import Progress, silent
@@ -25,8 +26,6 @@ from ehamj.scenario.model import Scenario
 
 LEAST: Final = 0.05
 """By how much a further test must lower the criterion: of ``d``, 5 % of all deviations."""
-TOGETHER: Final = 0.3
-"""Share of a parameter in a direction that is not told, from which it is named with it."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +36,6 @@ class Subject:
     machine: Scenario
     unknowns: tuple[Unknown, ...]
     at: Values
-    having: Machines
-    """A scenario with other values of the unknowns."""
     known: Knowledge | None = None
     """What tests that were made tell, in the scaled unknowns; without: priors and bounds alone."""
     done: tuple[str, ...] = ()
@@ -47,7 +44,13 @@ class Subject:
     @property
     def before(self) -> Knowledge:
         """What is known before the candidates."""
-        return Knowledge.before(spreads(self.unknowns)) if self.known is None else self.known
+        return Knowledge.before(self.spreads) if self.known is None else self.known
+
+    @property
+    def spreads(self) -> Array:
+        """Standard deviations before any test, scaled, (k,): of a prior, else of any value within the bounds."""
+        point = np.array([one.scaled(self.at[one.name]) for one in self.unknowns])
+        return known_before(self.unknowns, point)
 
     @property
     def slopes(self) -> Array:
@@ -55,18 +58,7 @@ class Subject:
         return np.array([one.slope(self.at[one.name]) for one in self.unknowns])
 
 
-def spreads(unknowns: Sequence[Unknown]) -> Array:
-    """Standard deviations before any test, scaled, (k,): of a prior, else of any value within the bounds."""
-    found = []
-    for one in unknowns:
-        low, high = one.limits
-        within = (high - low) / np.sqrt(12.0)
-        prior = np.inf if one.prior is None else one.prior.deviation / one.slope(one.start)
-        found.append(1.0 / np.hypot(1.0 / within, 1.0 / prior))
-    return np.array(found)
-
-
-def plan_tests(subject: Subject, settings: PlanSettings, progress: Progress = silent) -> Plan:
+def planned(subject: Subject, settings: PlanSettings, progress: Progress = silent) -> Plan:
     """Predict every candidate, and choose.
 
     Raises:
@@ -78,11 +70,11 @@ def plan_tests(subject: Subject, settings: PlanSettings, progress: Progress = si
     counting = _counting(settings.sharpen, unknowns)
     progress("designing tests")
     trials = _distinct([one.trial(bench) for one in _candidates(settings.candidates, bench)])
-    predict = Predictor(subject, instruments, settings, progress)
-    found = [(trial, *told) for trial in trials if (told := predict(trial)) is not None]
+    predict = Predictor(subject, bench.quiet(), instruments, settings, progress)
+    found = predict.all(trials)
     before = subject.before
     forecasts = tuple(_forecast(subject, before, *one) for one in found)
-    scale = spreads(unknowns)
+    scale = subject.spreads
 
     def cost(known: Knowledge) -> float:
         return known.cost(settings.criterion, counting, scale)
@@ -90,51 +82,69 @@ def plan_tests(subject: Subject, settings: PlanSettings, progress: Progress = si
     chosen = best_sequence(before, [one.information for one in forecasts], cost, settings.tests, LEAST)
     sequence = _sequence(subject, [forecasts[k] for k in chosen], predict)
     return Plan(
-        subject.title, machine, unknowns, subject.at, before.deviations * subject.slopes, subject.done, instruments,
-        forecasts, predict.refused, sequence, _untold(subject, forecasts),
+        subject.title, machine, unknowns, subject.at, before.deviations * subject.slopes, subject.done,
+        predict.instruments, forecasts, predict.refused, sequence, settings, _untold(subject, forecasts),
     )  # fmt: skip
 
 
 class Predictor:
     """What a test tells, by the linear model where that serves, else by the nonlinear engine."""
 
-    def __init__(self, subject: Subject, instruments: Instruments, settings: PlanSettings, progress: Progress) -> None:
-        self._subject, self._instruments, self._settings, self._progress = subject, instruments, settings, progress
+    def __init__(
+        self, subject: Subject, machine: Scenario, instruments: Instruments, settings: PlanSettings, progress: Progress
+    ) -> None:
+        """``machine`` has its valves held; what the logger's converters are set for, `all` the tests tell."""
+        self._subject, self._settings, self._progress = subject, settings, progress
+        self.instruments = instruments
         self.refused: dict[str, str] = {}
         self._linear: Linear | None = None
         progress("linear models about the starting values")
         try:
-            self._linear = Linear(subject.machine, subject.unknowns, subject.at, subject.having)
+            self._linear = Linear(machine, subject.unknowns, subject.at)
             self._why = ""
         except NotSmooth as error:
             self._why = str(error)
 
-    def __call__(self, trial: Trial) -> tuple[Array, Method] | None:
-        """Information of a test and how it was found; None where it cannot be, which `refused` then tells."""
-        if self._linear is not None and trial.course != "nonlinear":
-            lines = self._linear.lines(trial, self._instruments.channels, self._settings.rate)
-            return self._told(lines, trial), "linear"
-        if trial.course == "rest":
-            self.refused[trial.name] = f"only the linear model predicts it, and there is none: {self._why}"
-            return None
-        information = self.nonlinear(trial)
-        return None if information is None else (information, "nonlinear")
+    def all(self, trials: Sequence[Trial]) -> list[tuple[Trial, Array, Method, tuple[str, ...]]]:
+        """Information of each test that can be predicted, how it was found, and which channels move in it; `refused`
+        tells of the others."""
+        found = [(trial, lines, method) for trial in trials for lines, method in self._predicted(trial)]
+        if not found:
+            return []
+        rms = np.array([rms_of(lines, self.instruments, trial.compared) for trial, lines, _ in found])
+        self.instruments = self.instruments.ranged(rms.max(axis=0))
+        moving = [self.instruments.moving(own) for own in rms]
+        return [
+            (trial, self._told(lines, trial), method, names)
+            for (trial, lines, method), names in zip(found, moving, strict=True)
+        ]
 
     def nonlinear(self, trial: Trial) -> Array | None:
         """Information of a test by the nonlinear engine; None where a run stops, which `refused` tells."""
+        lines = self._simulated(trial)
+        return None if lines is None else self._told(lines, trial)
+
+    def _predicted(self, trial: Trial) -> Iterator[tuple[Lines, Method]]:
+        if self._linear is not None and trial.course != "nonlinear":
+            yield self._linear.lines(trial, self.instruments.channels, self._settings.rate), "linear"
+        elif trial.course == "rest":
+            self.refused[trial.name] = f"only the linear model predicts it, and there is none: {self._why}"
+        elif (lines := self._simulated(trial)) is not None:
+            yield lines, "nonlinear"
+
+    def _simulated(self, trial: Trial) -> Lines | None:
         self._progress(f"simulating {trial.name}")
         short, times = shortened(trial)
-        subject = self._subject
-        arguments = (subject.unknowns, subject.at, subject.having, self._instruments.channels, self._settings.rate)
+        own = self._subject
         try:
-            lines = runs_of([short], *arguments, subject.threads)[0]
+            lines = run_of(short, own.unknowns, own.at, self.instruments.channels, self._settings.rate, own.threads)
         except InputError as error:
             self.refused[trial.name] = str(error)
             return None
-        return self._told(replace(lines, weights=times * lines.weights), trial)
+        return replace(lines, weights=times * lines.weights)
 
     def _told(self, lines: Lines, trial: Trial) -> Array:
-        return told_by(lines, self._instruments, trial.compared, self._settings.free)
+        return told_by(lines, self.instruments, trial.compared, self._settings.free)
 
 
 def shortened(trial: Trial) -> tuple[Trial, float]:
@@ -175,9 +185,11 @@ def _counting(sharpen: Sequence[str] | None, unknowns: Sequence[Unknown]) -> lis
     return [keys.index(key) for key in sharpen] if sharpen else list(range(len(keys)))
 
 
-def _forecast(subject: Subject, before: Knowledge, trial: Trial, information: Array, method: Method) -> Forecast:
+def _forecast(
+    subject: Subject, before: Knowledge, trial: Trial, information: Array, method: Method, moving: tuple[str, ...]
+) -> Forecast:
     after = before.after(information).deviations
-    return Forecast(trial, information, after * subject.slopes, before.deviations / after, method)
+    return Forecast(trial, information, after * subject.slopes, before.deviations / after, method, moving)
 
 
 def _sequence(subject: Subject, chosen: Sequence[Forecast], predict: Predictor) -> tuple[Step, ...]:
@@ -201,18 +213,15 @@ def _sequence(subject: Subject, chosen: Sequence[Forecast], predict: Predictor) 
 
 
 def _untold(subject: Subject, forecasts: Sequence[Forecast]) -> dict[str, str]:
-    """Parameters that all candidates together sharpen by less than `TOLD`, and what they go together with."""
-    before = subject.before
-    after = before.after(*(one.information for one in forecasts))
-    factors = before.deviations / after.deviations
-    relative = after.covariance / np.outer(before.deviations, before.deviations)
-    values, vectors = np.linalg.eigh(relative)
-    keys = [one.name for one in subject.unknowns]
+    """Parameters that tests made and all candidates together sharpen by less than `TOLD`, and what they go with."""
+    spreads = subject.spreads
+    after = subject.before.after(*(one.information for one in forecasts))
+    factors = spreads / after.deviations
+    values, vectors = np.linalg.eigh(after.covariance / np.outer(spreads, spreads))
     found = {}
     for k in np.flatnonzero(factors < TOLD):
-        direction = vectors[:, int(np.argmax(values * vectors[k] ** 2))]
-        others = [keys[j] for j in np.argsort(-np.abs(direction)) if j != k and abs(direction[j]) > TOGETHER]
-        found[keys[k]] = (
-            f"they tell it only together with {', '.join(others)}" if others else "no output depends on it enough"
-        )
+        worst = int(np.argmax(values * vectors[k] ** 2))
+        names, words = words_of(vectors[:, worst] * spreads, subject.unknowns)
+        alone = names == (subject.unknowns[k].name,)
+        found[subject.unknowns[k].name] = "nothing that they read depends on it enough" if alone else words
     return found

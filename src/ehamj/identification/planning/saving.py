@@ -13,9 +13,10 @@ from ehamj.identification.planning.page import outcome_of, page_of
 from ehamj.identification.planning.trial import Trial
 from ehamj.pages import safe_name, write_page
 from ehamj.result import written_whole
+from ehamj.scenario.model import Scenario
 
 if TYPE_CHECKING:
-    from ehamj.identification.planning.outcome import Plan
+    from ehamj.identification.planning.outcome import Forecast, Plan
 
 NUMBERS_FILE: Final = "plan.json"
 MACHINE_FILE: Final = "scenario.toml"
@@ -33,7 +34,7 @@ def save(plan: "Plan", folder: Path) -> None:
     _write_text(folder / MACHINE_FILE, plan.machine.to_toml())
     _write_text(folder / FILE, tomli_w.dumps(identification_file(plan)))
     files = [MACHINE_FILE, f"{FILE} (identifies from the tests, once they are made)", NUMBERS_FILE]
-    for trial in made(plan):
+    for trial in (one.trial for one in made(plan)):
         stem = safe_name(trial.name)
         if trial.course != "rest":
             _write_text(folder / f"{stem}.toml", trial.scenario.to_toml())
@@ -42,13 +43,12 @@ def save(plan: "Plan", folder: Path) -> None:
             write_signals(folder / f"{stem}.csv", trial, plan.instruments.rate)
             files.append(f"{stem}.csv (what is played)")
     write_page(folder, "plan.html", page_of(plan, outcome, f"Files beside this page: {', '.join(files)}"), figures=".")
-    numbers = plan.to_dict() | {"answers": list(plan.answers)}
-    _write_text(folder / NUMBERS_FILE, json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    _write_text(folder / NUMBERS_FILE, json.dumps(plan.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def made(plan: "Plan") -> list[Trial]:
+def made(plan: "Plan") -> "list[Forecast]":
     """Tests of the sequence, each once."""
-    return list({step.forecast.trial.name: step.forecast.trial for step in plan.sequence}.values())
+    return list({step.forecast.trial.name: step.forecast for step in plan.sequence}.values())
 
 
 def identification_file(plan: "Plan") -> dict[str, Any]:
@@ -58,16 +58,40 @@ def identification_file(plan: "Plan") -> dict[str, Any]:
         | ({} if one.prior is None else {"prior": {"mean": one.prior.mean, "deviation": one.prior.deviation}})
         for one in plan.unknowns
     }
-    outputs = {name: {"channel": name, "unit": unit_of_channel(name)} for name in plan.instruments.channels}
-    tests = [_test(trial, outputs) for trial in made(plan) if trial.course != "rest"]
-    return {"title": plan.title, "scenario": MACHINE_FILE, "parameters": parameters, "test": tests}
+    tests = [_test(plan, forecast) for forecast in made(plan) if forecast.trial.course != "rest"]
+    own = plan.settings.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    asked = {"plan": own} if own else {}
+    return {"title": plan.title, "scenario": MACHINE_FILE, "parameters": parameters, "test": tests, **asked}
 
 
-def _test(trial: Trial, outputs: dict[str, dict[str, str]]) -> dict[str, Any]:
-    found: dict[str, Any] = {"name": trial.name, "kind": "record", "file": safe_name(trial.name) + MEASURED}
-    found["settle"] = trial.settle
-    found |= {"set": dict(trial.otherwise)} if trial.otherwise else {}
-    return found | {"measurement": {**{name: dict(one) for name, one in trial.inputs.items()}, **outputs}}
+def _test(plan: "Plan", forecast: "Forecast") -> dict[str, Any]:
+    """A table [[test]]; what no test counts on is free in it, as in the prediction."""
+    trial = forecast.trial
+    outputs: dict[str, dict[str, Any]] = {}
+    for name in forecast.moving:
+        outputs[name] = {"channel": name, "unit": unit_of_channel(name), "offset": "free"}
+        outputs[name] |= dict.fromkeys(plan.settings.free, "free")
+        if trial.course == "nonlinear":  # it goes from one rest to another, and stays
+            outputs[name]["accept"] = ["clipped"]
+    inputs = {name: dict(one) for name, one in trial.inputs.items()}
+    return {
+        "name": trial.name,
+        "kind": "record",
+        "file": safe_name(trial.name) + MEASURED,
+        "settle": trial.settle,
+        "rate": plan.instruments.rate,
+        "set": _held_still(plan.machine, trial) | dict(trial.otherwise),
+        "measurement": inputs | outputs,
+    }
+
+
+def _held_still(machine: Scenario, trial: Trial) -> dict[str, Any]:
+    """What of the machine does not act in a test, where it is not measured: its law, its floor, forces and faults."""
+    found: dict[str, Any] = {"control": {"kind": "passive"}, "ground": {"kind": "rest"}}
+    found |= {name: [] for name in ("force", "fault") if getattr(machine, name)}
+    if any(name.startswith("ground_") for name in trial.inputs):
+        del found["ground"]
+    return found
 
 
 def write_signals(path: Path, trial: Trial, rate: float) -> None:

@@ -10,7 +10,7 @@ from ehamj.errors import InputError, did_you_mean
 from ehamj.identification.planning.candidate import HIGHEST, Bench, CandidateSettings, rounded
 from ehamj.identification.planning.limits import reach
 from ehamj.identification.planning.trial import Trial
-from ehamj.rig.low_peak import LowPeak, low_peak, zippered
+from ehamj.rig.low_peak import LowPeak, Spacing, low_peak, zippered
 from ehamj.settings import Positive
 
 BANDS: Final = ((1.0, 10.0), (10.0, 80.0), (80.0, 400.0))
@@ -25,6 +25,7 @@ class ValveCandidate(CandidateSettings):
     kind: Literal["valves"]
     band: tuple[Positive, Positive] = Field((1.0, 100.0), description="lowest and highest frequency [Hz]")
     mounts: tuple[str, ...] | None = Field(None, description="mounts that are driven, by name; without: all that obey")
+    spacing: Spacing = Field("even", description="how lines lie in the band: even has the lowest peak")
     lines: int = Field(20, ge=1, le=200, description="lines of each mount, at most")
     period: Positive | None = Field(
         None, description="time after which it repeats; without: two periods of the lowest frequency, at least 1 s [s]"
@@ -72,7 +73,9 @@ class ValveCandidate(CandidateSettings):
             )
         signals = {
             f"valve_command {mount}": one
-            for mount, one in zip(chosen, _designs(self.band, period, self.lines, len(chosen), self.seed), strict=True)
+            for mount, one in zip(
+                chosen, _designs(self.band, period, self.lines, len(chosen), self.spacing, self.seed), strict=True
+            )
         }
         found = reach(bench.model, signals, bench.limits)
         played = {name: one.scaled(rounded(self.level * found.factor)) for name, one in signals.items()}
@@ -92,7 +95,9 @@ class ValveCandidate(CandidateSettings):
 
 
 @lru_cache(maxsize=64)
-def _designs(band: tuple[float, float], period: float, lines: int, channels: int, seed: int) -> tuple[LowPeak, ...]:
+def _designs(
+    band: tuple[float, float], period: float, lines: int, channels: int, spacing: Spacing, seed: int
+) -> tuple[LowPeak, ...]:
     """Multisines of amplitude one."""
-    dealt = zippered(*band, period, lines, channels)
+    dealt = zippered(*band, period, lines, channels, spacing)
     return tuple(low_peak(period, own, seed=seed + k) for k, own in enumerate(dealt))

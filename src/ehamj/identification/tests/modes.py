@@ -6,11 +6,12 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.errors import InputError
-from ehamj.identification.modal.files import ASSUMED, modes_of_file
+from ehamj.identification.modal.files import ASSUMED, WITHIN, modes_of_file
 from ehamj.identification.modal.residuals import ModalResiduals
 from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.test import Context, TestSettings
 from ehamj.measured.modes import Deviations, MeasuredModes, ModeEntry, listed, measured_modes
+from ehamj.measured.nodes import Frame, Nodes
 from ehamj.measured.sensors import Place
 from ehamj.scenario.model import Scenario
 from ehamj.settings import FileName
@@ -25,6 +26,12 @@ class ModesTest(TestSettings):
     measurement: dict[str, Place] = Field(
         default_factory=dict, description="where the sensors of the shapes stood, by their names there"
     )
+    nodes: Nodes = Field(
+        default_factory=dict,
+        description="where nodes of a universal file stood, by their numbers: a foot, a point of the scenario, or a "
+        "place from the mount plane's centre [m]; without: as the file has them",
+    )
+    frame: Frame = Field(WITHIN, description="how the coordinates of a universal file lie in the machine")
     deviation: Deviations = Field(ASSUMED, description="standard deviations of modes that state none")
 
     @model_validator(mode="after")
@@ -47,4 +54,4 @@ class ModesTest(TestSettings):
             table = listed(self.mode, {}, "modes one by one")
             return measured_modes(table, self.measurement, self.deviation, scenario.plant, scenario.points)
         stated = self.deviation if "deviation" in self.model_fields_set else None
-        return modes_of_file(Path(self.file), scenario, self.measurement, stated)
+        return modes_of_file(Path(self.file), scenario, self.measurement, stated, self.frame, self.nodes)
