@@ -22,6 +22,11 @@ def shipped_studies() -> dict[str, Path]:
     return shipped_files("study_files")
 
 
+def shipped_identifications() -> dict[str, Path]:
+    """Identifications that come with ehamj, their records beside them, by name."""
+    return shipped_files("identification_files")
+
+
 def is_study_file(word: str) -> bool:
     """Whether a word means a study file: a shipped one's name, one that ends as such, or the folder of a study."""
     return word in shipped_studies() or word.endswith(".toml") or (Path(word) / "study.toml").is_file()

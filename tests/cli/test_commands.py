@@ -39,7 +39,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "transmissibility": (("workshop", "--lines", "many"), "lines = 'many'"),
     "export": (("benchmark", "--mjcf", "model.txt"), "--mjcf 'model.txt': must end in .xml"),
     "study": (("nothing",), "study 'nothing': no study file; must be one of rocking"),
-    "identify": (("nothing.toml",), "identification file nothing.toml: cannot be read"),
+    "identify": (("nothing",), "identification 'nothing': no such file; the shipped ones are valve-sweep"),
     "merits": (("benchmark", "--find", "no such thing"), "is in no name of a merit"),
     "replay": (("here",), "result"),
     "report": (("here",), "result"),

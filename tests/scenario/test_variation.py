@@ -17,7 +17,7 @@ from ehamj.linear.machine import linear_model
 from ehamj.linear.response import rigid_floor
 from ehamj.scenario.load import load_scenario, parse_scenario
 from ehamj.scenario.model import Scenario
-from ehamj.scenario.variation import held
+from ehamj.scenario.variation import held, otherwise
 
 FLOW = "actuators.isolator.flow_gain"
 OFF = {"machine.mass": 4400.0, "machine.cg": (0.1, 0.0, 0.8), FLOW: 1.8e-6}
@@ -162,3 +162,11 @@ def test_a_resolved_scenario_takes_overrides_as_the_one_it_came_from(
     for key, value in values.items():
         place(written, key, list(value) if isinstance(value, tuple) else value, key)
     assert parse_scenario(table).varied(values) == parse_scenario(written)
+
+
+def test_what_is_otherwise_by_a_table_names_the_table() -> None:
+    scenario = parse_scenario({})
+    assert otherwise(scenario, {}, "set") is scenario
+    assert otherwise(scenario, {"machine.mass": 4100.0, "ground": {"kind": "rest"}}, "set").machine.mass == 4100.0
+    with pytest.raises(InputError, match=r"^test\.1\.set: machine\.mas = 3: unknown key"):
+        otherwise(scenario, {"machine": {"mas": 3}}, "test.1.set")

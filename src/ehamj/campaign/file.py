@@ -25,7 +25,7 @@ from ehamj.merits import catalogue  # noqa: F401  # fills the sources of merits
 from ehamj.merits.merit import Machine, source_of
 from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import entries, override
-from ehamj.scenario.load import anchored, as_scenario, changed
+from ehamj.scenario.load import anchored, as_scenario, otherwise
 from ehamj.scenario.variation import LawChoice
 from ehamj.scenario_files import path_of, shipped_studies, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Settings, one_of
@@ -144,8 +144,7 @@ class StudyFile(Settings):
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
-        scenario = as_scenario(self.scenario)
-        return Machine(changed(scenario, by_parts(self.set)) if self.set else scenario, self.law)
+        return Machine(otherwise(as_scenario(self.scenario), self.set, "set"), self.law)
 
     def space(self, machine: Machine) -> Space:
         """The parameters together.
@@ -154,11 +153,6 @@ class StudyFile(Settings):
             InputError: if a key is none of the scenario's, or a spread leaves it no values.
         """
         return Space.of(machine.scenario, self.vary, self.correlation)
-
-
-def by_parts(table: Mapping[str, Any]) -> dict[tuple[str, ...], Any]:
-    """What of a scenario is otherwise, by key in parts; a first key may be dotted, as those of ``vary`` are."""
-    return {(*key[0].split("."), *key[1:]): value for key, value in entries(table)}
 
 
 def load_study(source: str | Path | Mapping[str, Any] | StudyFile, overrides: Iterable[str] = ()) -> StudyFile:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ehamj.campaign.best import best_of
-from ehamj.campaign.file import StudyFile, by_parts
+from ehamj.campaign.file import StudyFile
 from ehamj.campaign.keys import unit_at
 from ehamj.campaign.parameters import Space
 from ehamj.campaign.rows import Column
@@ -16,7 +16,7 @@ from ehamj.errors import InputError
 from ehamj.extras import check_extra
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.merit import Machine
-from ehamj.scenario.load import changed
+from ehamj.scenario.load import otherwise
 
 if TYPE_CHECKING:
     from ehamj.campaign.store import Store
@@ -56,7 +56,7 @@ def stages_of(file: StudyFile) -> list[Stage]:
             )
         )  # fmt: skip
     if file.confirm is not None:
-        other = Machine(changed(machine.scenario, by_parts(file.confirm.set)), machine.law)
+        other = Machine(otherwise(machine.scenario, file.confirm.set, "confirm.set"), machine.law)
         stages.append(Again(CONFIRM, other, file.confirm.merits or asked, chosen, keys, most))
     _check_budget(file, stages)
     return stages

@@ -10,7 +10,7 @@ from typer._click.shell_completion import CompletionItem
 from typer.core import TyperCommand
 
 from ehamj.cli.early import FLAGS, TAKING
-from ehamj.scenario_files import shipped_scenarios, shipped_studies
+from ehamj.scenario_files import shipped_identifications, shipped_scenarios, shipped_studies
 
 KEY: Final = "--set"
 """Option whose word is a key of the scenario."""
@@ -37,6 +37,8 @@ class Completing(TyperCommand):
         elif not words or not before.startswith("-") or before in FLAGS:
             if name == "study" and not words:
                 yield from (*_questions(), *shipped_studies())
+            elif name == "identify":
+                yield from shipped_identifications()
             elif name in (*TAKING, "export"):
                 yield from shipped_scenarios()
 

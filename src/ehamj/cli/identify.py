@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ehamj.cli.frame import Command, Json, Out, Overwrite, app, log
-from ehamj.cli.printing import print_json, print_table, say
+from ehamj.cli.printing import print_json, print_names, print_table, say
 from ehamj.cli.progress import doing
 from ehamj.errors import InputError
 from ehamj.folders import check_out, new_folder
+from ehamj.scenario_files import shipped_identifications, table_of
 
 if TYPE_CHECKING:
     from ehamj.identification.outcome import Identification, Identified, TestFit
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
 
 @app.command(cls=Command)
 def identify(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="An identification file (TOML).")],
+    file: Annotated[
+        str | None, typer.Argument(metavar="[FILE]", help="An identification file (TOML), or a shipped one's name.")
+    ] = None,
     out_folder: Out = None,
     overwrite: Overwrite = False,
     threads: Annotated[
@@ -35,9 +38,11 @@ def identify(
 ) -> None:
     """Find parameters of a machine from measurements of tests on it.
 
-    The file says which machine, which of its values are looked for, and which tests tell them. The folder holds
-    scenario.toml, the identified machine (`ehamj run` simulates it), and identification.json with all numbers: values
-    with their standard deviations and correlations, which of them the data cannot tell, and how well each channel fits.
+    The file says which machine, which of its values are looked for, and which tests tell them; without one, those that
+    ship are listed. The folder holds identification.html (read it first), scenario.toml, the identified machine
+    (`ehamj run` simulates it), identification.json with all numbers (values with their standard deviations and
+    correlations, which of them the data cannot tell, how well each channel fits), identification.nc with what was
+    measured beside what the model says, and robustness.toml, a study of machines as the data leave them open.
 
     With --plan nothing need have been measured. It predicts how well each test that could be made would tell each
     parameter (multisines at the valves, a hammer, a shaker, the floor as it is, the supply shut, loads that are held;
@@ -47,6 +52,12 @@ def identify(
 
     What an identification file may hold, `ehamj schema identify` says.
     """
+    if file is None:
+        if plan:
+            raise InputError("--plan: which tests, an identification file says; name one, or one that ships")
+        shipped = {name: _title(path) for name, path in shipped_identifications().items()}
+        print_names("identifications", shipped, "title", as_json)
+        return
     if threads is not None and threads < 1:
         raise InputError(f"--threads {threads}: must be at least 1")
     if plan:
@@ -65,7 +76,12 @@ def identify(
         print_json({"folder": str(place.folder), **found.to_dict()})
         return
     _told(found)
-    say(f"numbers and the identified machine: {place.folder / 'scenario.toml'}", whole=True)
+    say(f"the identified machine: {place.folder / 'scenario.toml'}", whole=True)
+    say(f"page, numbers and figures: {place.folder / 'identification.html'}", whole=True)
+
+
+def _title(path: Path) -> str:
+    return str(table_of(path, "identification").get("title", ""))
 
 
 def _planned(
@@ -91,10 +107,13 @@ def _planned(
 
 def _told(found: "Identification") -> None:
     """Print what was found."""
+    from ehamj.campaign.names import short_names
+
+    short = short_names(found.values)
     print_table(
         found.file.title,
         ["parameter", "value", "±", "unit", "start", "remark"],
-        [_row(key, one) for key, one in found.values.items()],
+        [_row(short[key], one) for key, one in found.values.items()],
     )
     for one in found.combinations:
         say(one.words, "the data cannot tell: ")
@@ -111,6 +130,10 @@ def _row(key: str, one: "Identified") -> list[str]:
     return [key, value, deviation, "-" if one.unit in ("", "1") else one.unit, f"{one.start:.6g}", said]
 
 
+def _behind(unit: str) -> str:
+    return "" if unit in ("", "1") else f" {unit}"
+
+
 def _fits(tests: tuple["TestFit", ...], held: bool) -> list[list[str]]:
     rows = []
     for test in tests:
@@ -120,7 +143,7 @@ def _fits(tests: tuple["TestFit", ...], held: bool) -> list[list[str]]:
                 said.append("errors are not white")
             rows.append([test.name, channel.name, f"{channel.fit:.4g}", ", ".join(said)])
         rows += [
-            [test.name, name, "", f"{one.value:.5g} ± {one.deviation:.2g} {one.unit}"]
+            [test.name, name, "", f"{one.value:.5g} ± {one.deviation:.2g}{_behind(one.unit)}"]
             for name, one in test.unknowns.items()
             if one.value is not None and one.deviation is not None
         ]

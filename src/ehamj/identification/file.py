@@ -11,10 +11,10 @@ from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
 from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import entries, override
-from ehamj.scenario.load import anchored, as_scenario, changed
+from ehamj.scenario.keys import override
+from ehamj.scenario.load import anchored, as_scenario, otherwise
 from ehamj.scenario.model import Engine, Scenario
-from ehamj.scenario_files import table_of
+from ehamj.scenario_files import path_of, shipped_identifications, table_of
 from ehamj.settings import OVERRIDES, SCENARIO, Positive, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -94,9 +94,7 @@ class IdentifyFile(Settings):
         Raises:
             InputError: if there is no such scenario, or what is set is not allowed.
         """
-        own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
-        scenario = as_scenario(self.scenario)
-        machine = changed(scenario, own) if own else scenario
+        machine = otherwise(as_scenario(self.scenario), self.set, "set")
         return machine if self.choice is None else with_neutral(self.choice, machine)
 
 
@@ -104,7 +102,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     """Read an identification file.
 
     Args:
-        source: a TOML file, or its content.
+        source: a shipped name, a TOML file, or its content.
         overrides: ``a.b=value`` each, applied to its content, as ``ehamj identify FILE --set`` has them.
 
     Raises:
@@ -115,7 +113,7 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     elif isinstance(source, Mapping):
         table = dict(anchored(dict(source), IdentifyFile, Path.cwd()))
     else:
-        path = Path(source)
+        path = path_of(source, shipped_identifications(), "identification")
         table = anchored(table_of(path, "identification file"), IdentifyFile, path.resolve().parent)
     for text in overrides:
         override(table, text)

@@ -45,7 +45,7 @@ def identify(
     """Find parameters of a machine from measurements.
 
     Args:
-        source: an identification file, or its content.
+        source: an identification file, a shipped one's name, or its content.
         overrides: ``KEY=VALUE`` each, as ``ehamj identify FILE --set`` has them.
         measured: measurements in memory (`ehamj.measured.Measured`) by the test's name, in place of its file.
         progress: called with what is done.

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.identification.residual import Compared
+from ehamj.identification.residual import Compared, real
 from ehamj.identification.whiteness import whiteness
 
 ORDER: Final = 40
@@ -45,7 +45,11 @@ class Noise:
 
 
 def noises(
-    compared: Sequence[Compared], unknowns: int, coloured: bool, before: Sequence[Noise] | None = None
+    compared: Sequence[Compared],
+    unknowns: int,
+    coloured: bool,
+    before: Sequence[Noise] | None = None,
+    at_most_signal: bool = False,
 ) -> list[Noise]:
     """Estimates from what is left of each channel; stated deviations stay.
 
@@ -53,18 +57,26 @@ def noises(
         compared: channels near the best fit.
         unknowns: that were fitted, whose share of the errors is missing.
         coloured: whether errors of samples in time may go together.
-        before: what was believed, whose autoregressions stay where they are longer.
+        before: what was believed; errors that went together still do.
+        at_most_signal: whether noise is no larger than what was measured about its mean: far from the best fit, an
+            offset or a level that is off would hide a channel behind noise that it has not.
     """
     total = sum(one.error.size for one in compared if np.isnan(one.deviation).any())
     lost = min(unknowns / total, 0.5) if total else 0.0
-    return [_noise(one, lost, coloured, None if before is None else before[k]) for k, one in enumerate(compared)]
+    return [
+        _noise(one, lost, coloured, None if before is None else before[k], at_most_signal)
+        for k, one in enumerate(compared)
+    ]
 
 
-def _noise(one: Compared, lost: float, coloured: bool, before: Noise | None) -> Noise:
+def _noise(one: Compared, lost: float, coloured: bool, before: Noise | None, at_most_signal: bool) -> Noise:
     error = one.error
     parts = error.size // max(len(one.at), 1)
     stated = np.tile(np.asarray(one.deviation, float), parts) / np.sqrt(parts)
-    size = max(float(np.sqrt(np.mean(error**2) / (1.0 - lost))), LEAST * float(np.abs(one.measured).max(initial=1e-30)))
+    size = float(np.sqrt(np.mean(error**2) / (1.0 - lost)))
+    if at_most_signal:
+        size = min(size, float(np.std(real(one.measured))) or size)
+    size = max(size, LEAST * float(np.abs(one.measured).max(initial=1e-30)))
     deviation = np.where(np.isnan(stated), size, stated)
     if not coloured or one.axis != "time":
         return Noise(deviation)

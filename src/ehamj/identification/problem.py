@@ -33,19 +33,25 @@ class Problem:
     """Fitted tests and what is looked for in them."""
 
     def __init__(
-        self, tests: Sequence[Residuals], parameters: Sequence[Unknown], rough: bool = False, held: Values | None = None
+        self,
+        tests: Sequence[Residuals],
+        parameters: Sequence[Unknown],
+        rough: float | None = None,
+        held: Values | None = None,
     ) -> None:
         """Of which the parameters come first, then each test's own unknowns.
 
         Args:
             tests: with those held out, which are ignored.
             parameters: of the scenario.
-            rough: whether tests are compared in a fraction of the time (`Residuals.rough`).
+            rough: share of their beginnings that tests are compared in (`Residuals.rough`); None: all there is. What
+                less than a whole beginning leaves open stays near where it starts.
             held: of the scenario's keys that tests are told beside, and that are not looked for.
         """
         self.tests = tuple(test for test in tests if not test.held_out)
         self.parameters = tuple(parameters)
-        self.unknowns = (*self.parameters, *(one for test in self.tests for one in test.unknowns))
+        own = (*self.parameters, *(one for test in self.tests for one in test.unknowns))
+        self.unknowns = own if rough is None or rough >= 1.0 else tuple(one.held_near_start for one in own)
         self.rough, self.held = rough, dict(held or {})
         self.runs = 0
         """Points of single tests that were predicted."""
@@ -77,7 +83,7 @@ class Problem:
 
     def _of(self, test: Residuals, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
         self.runs += len(batch)
-        return test.rough(batch) if self.rough else test.compared(batch)
+        return test.compared(batch) if self.rough is None else test.rough(batch, self.rough)
 
     def linearised(self, point: Array, central: bool = False) -> Linearised | Failed:
         """Channels and their derivatives at a point, by forward differences, which stay within the bounds, or central

@@ -68,8 +68,9 @@ class Residuals(Protocol):
         with the same samples."""
         ...
 
-    def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
-        """The same in a fraction of the time, to choose where to start; may be `compared` itself."""
+    def rough(self, batch: Sequence[Values], share: float = 1.0) -> list[tuple[Compared, ...] | Failed]:
+        """The same in a fraction of the time, to choose where to start, or of a ``share`` of that: its beginning, which
+        tells roughly what the whole tells finely; may be `compared` itself."""
         ...
 
     def found(self, values: Values) -> Mapping[str, Any]:

@@ -13,6 +13,10 @@ from ehamj.identification.residual import Compared, Failed, real
 
 DRAWN: Final = 8
 """Points that are drawn for each start that is polished."""
+LADDER: Final = (1 / 16, 1 / 4)
+"""Shares of the beginnings of records that are fitted one after the other."""
+CLIMBED: Final = 6
+"""Steps on each of them, at most."""
 POLISHED: Final = 12
 """Steps of the part of the data that a start takes, at most."""
 
@@ -34,9 +38,12 @@ def begun(problem: Problem, settings: FitSettings, told: Told) -> Starts:
         settings: how many starts.
         told: called with what is done.
     """
+    rough = Problem(problem.tests, problem.parameters, 1.0, problem.held)
     if settings.starts == 1:
-        return Starts([problem.start], [float("nan")], 0)
-    rough = Problem(problem.tests, problem.parameters, rough=True, held=problem.held)
+        points = _climbed(problem, problem.start, told)
+        costs = [_misfit(one, problem) for one in rough.compared(points)]
+        order = np.argsort(costs, kind="stable").tolist()
+        return Starts([points[k] for k in order], [costs[k] for k in order], rough.runs)
     told(f"ranking {DRAWN * settings.starts} starts")
     drawn = [problem.start, *_drawn(problem, DRAWN * settings.starts, settings.seed)]
     ranked = [_misfit(one, problem) for one in rough.compared(drawn)]
@@ -44,12 +51,29 @@ def begun(problem: Problem, settings: FitSettings, told: Told) -> Starts:
     polished: list[tuple[float, Array]] = []
     for number, k in enumerate(order[: settings.starts], 1):
         told(f"start {number} of {settings.starts}")
-        found = fitted(rough, drawn[k], POLISHED, coloured=False)
-        if isinstance(found, Fitted):
-            polished.append((found.cost, found.point))
+        for point in _climbed(problem, drawn[k], told)[:1]:
+            found = fitted(rough, point, POLISHED, coloured=False, roughly=True)
+            if isinstance(found, Fitted):
+                polished.append((found.cost, found.point))
     polished.sort(key=lambda one: one[0])
     points = [point for _, point in polished]
     return Starts([*points, problem.start], [cost for cost, _ in polished], rough.runs)
+
+
+def _climbed(problem: Problem, point: Array, told: Told) -> list[Array]:
+    """Where fits of ever longer beginnings end, the longest first, and at last the point itself: over the whole of a
+    record, motions of little damping that are a period off look no better a little nearer; over its beginning they do.
+    """
+    last, size = point, 0
+    for share in LADDER:
+        part = Problem(problem.tests, problem.parameters, share, problem.held)
+        (at,) = part.compared([last])
+        if isinstance(at, Failed) or (samples := sum(one.error.size for one in at)) <= size:
+            continue  # it says nothing that was not said
+        told(f"beginnings, {100 * share:g} %")
+        found, size = fitted(part, last, CLIMBED, coloured=False, roughly=True), samples
+        last = found.point if isinstance(found, Fitted) else last
+    return [last, point]
 
 
 def _drawn(problem: Problem, number: int, seed: int) -> list[Array]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -46,6 +46,11 @@ class Unknown:
         return self.low > 0.0 and self.high / self.low >= SPAN and math.isfinite(self.high)
 
     @property
+    def level(self) -> bool:
+        """Whether it is a channel's offset, of which predictions are a linear function without bounds."""
+        return self.closed and self.prior is None and not math.isfinite(self.high - self.low)
+
+    @property
     def scale(self) -> float:
         """What one unit of the scaled unknown is, in ``unit`` (of the logarithm: 1)."""
         if self.log:
@@ -64,6 +69,14 @@ class Unknown:
     def slope(self, value: float) -> float:
         """Derivative of the value in the scaled unknown."""
         return value if self.log else self.scale
+
+    @property
+    def held_near_start(self) -> "Unknown":
+        """The same, with its bounds as what is known before, where nothing else is."""
+        spread = (self.high - self.low) / math.sqrt(12.0)
+        if self.prior is not None or not math.isfinite(spread):
+            return self
+        return replace(self, prior=Prior(self.start, spread))
 
     @property
     def limits(self) -> tuple[float, float]:

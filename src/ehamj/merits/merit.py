@@ -103,7 +103,9 @@ def merit(machine: Machine, name: str) -> Merit:
     """
     found = SOURCES[source_of(name)].merits(machine)
     if name not in found:
-        near = did_you_mean(name, found)
-        more = "" if near else f"there are {', '.join(list(found)[:12])}{', …' if len(found) > 12 else ''}"
-        raise InputError(f"merit {name!r}: no such merit of this machine; {near}{more}".rstrip("; "))
+        said = did_you_mean(name, found).strip()
+        if not said and found:
+            said = f"there are {', '.join(list(found)[:12])}{', …' if len(found) > 12 else ''}"
+        none = f"under control of kind {machine.scenario.control.name()!r} it has none that begins so"
+        raise InputError(f"merit {name!r}: no such merit of this machine; {said or none}")
     return found[name]

@@ -13,6 +13,9 @@ from ehamj.plain.text import toml_of
 from ehamj.plant.mounts import DEFAULT_MOUNTS
 from ehamj.settings import PROVENANCE
 
+OPENING = ('"', "'", "[", "{")
+"""What strings, lists and tables of TOML begin with."""
+
 
 def override(table: dict[str, Any], text: str) -> None:
     """Put ``key=value`` into a scenario's table: a dotted key, and a TOML value or else a string.
@@ -24,7 +27,13 @@ def override(table: dict[str, Any], text: str) -> None:
     said, parts = f"--set {text!r}", parts_of(key)
     if not equals or not all(parts):
         raise InputError(f"{said}: must be key=value, such as machine.mass=4500")
-    place(table, parts, written(value), said)
+    found = written(value)
+    if isinstance(found, str) and found == value.strip() and found.startswith(OPENING):
+        raise InputError(
+            f"{said}: {found!r} begins as a TOML value and is none: a quote or bracket is not closed, or a word within "
+            f"stands without quotes; a string that begins so stands in quotes itself"
+        )
+    place(table, parts, found, said)
 
 
 def parts_of(key: str) -> list[str]:

@@ -14,7 +14,7 @@ from ehamj.scenario.explain import checked
 from ehamj.scenario.keys import other_kinds, override, written
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import keys_of
-from ehamj.scenario.variation import changed, derived_anew, unlike, warn_derived
+from ehamj.scenario.variation import changed, derived_anew, otherwise, unlike, warn_derived
 from ehamj.scenario_files import scenario_path, scenario_table, shipped_scenarios
 from ehamj.settings import FILE, OVERRIDES, SCENARIO, Settings, schema_of
 
@@ -26,6 +26,7 @@ __all__ = [
     "check_scenario",
     "load_scenario",
     "named_anew",
+    "otherwise",
     "override",
     "parse_scenario",
     "scenario_schema",

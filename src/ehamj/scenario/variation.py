@@ -11,7 +11,7 @@ from ehamj.control.installation import PARTS, Installation
 from ehamj.control.settings import ControlSettings, DigitalSettings
 from ehamj.errors import DerivedAnew, InputError
 from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import differences, place, plain
+from ehamj.scenario.keys import differences, entries, place, plain
 from ehamj.synthesis.settings import SynthesisSettings
 
 if TYPE_CHECKING:
@@ -39,6 +39,24 @@ def changed(scenario: "Scenario", values: Mapping[Any, Any]) -> "Scenario":
     for key, value in values.items():
         place(table, key, plain(value), f"{key if isinstance(key, str) else '.'.join(key)} = {value!r}")
     return checked(type(scenario), table)
+
+
+def otherwise(scenario: "Scenario", table: Mapping[str, Any], where: str) -> "Scenario":
+    """`changed`, by a table as files of studies and identifications have it; the scenario itself if that is empty.
+
+    Args:
+        scenario: what it differs from.
+        table: what is otherwise; a first key may be dotted, as those of ``--set`` are.
+        where: key of the table in its file, with which messages begin.
+
+    Raises:
+        InputError: as `changed`.
+    """
+    try:
+        values = {(*key[0].split("."), *key[1:]): value for key, value in entries(table)}
+        return changed(scenario, values) if values else scenario
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
 
 
 def stated(scenario: "Scenario") -> dict[str, Any]:

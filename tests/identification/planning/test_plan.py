@@ -2,20 +2,22 @@
 
 import csv
 import json
+import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
+from harness import Cli
 
-from ehamj import plan_tests
+from ehamj import identify, plan_tests
 from ehamj.errors import InputError
 from ehamj.identification.planning.outcome import Plan
-from ehamj.measured.measured import Measured, MeasuredChannel
 from ehamj.plant.mounts import MOUNTS
 from ehamj.rig.logger import Tap, logged
 from ehamj.run.simulate import observed
-from ehamj.scenario.load import changed, load_scenario
+from ehamj.scenario.load import load_scenario
 
 SHARE, MEMBRANE, VALVE, BULK = (
     f"actuators.isolator.{name}"
@@ -109,27 +111,42 @@ def test_the_folder_holds_what_it_takes_to_make_the_tests(plan: Plan, tmp_path: 
     assert (tmp_path / "plan.html").is_file()
 
 
-def test_a_test_that_was_made_counts_for_what_its_measurement_tells() -> None:
-    """What a fit to a simulated measurement of 1 % noise says of its deviations was predicted before it was made."""
+def test_a_fit_to_the_recommended_test_states_the_deviations_that_were_predicted(tmp_path: Path) -> None:
+    """The folder's test is run, a logger of 1 % noise writes its file, and its plan.toml identifies from that."""
     channels = ["stroke front-left", "stroke rear-right", "chamber_pressure front-left 1"]
-    own = {"duration": 2.0, "rate": 500.0, "channels": channels, "candidates": [VALVES], "tests": 1}
-    table = asked(MEMBRANE, BULK, **own)
-    before = plan_tests(table)
+    short = {**VALVES, "period": 0.5}
+    own = {"duration": 1.0, "rate": 500.0, "channels": channels, "candidates": [short], "tests": 1}
+    before = plan_tests(asked(MEMBRANE, BULK, **own))
+    before.save(tmp_path)
     (made,) = before.sequence
-    run = observed(changed(made.forecast.trial.scenario, {"engine": "small-motion"}))
-    log = logged(run, [Tap(channel=name, noise=0.01) for name in channels])
-    columns = zip(log.names, log.units, strict=True)
-    measured = Measured("made", log.rate, tuple(MeasuredChannel(name, unit, log[name]) for name, unit in columns))
-    # The commands are the scenario's own, so that only outputs are measured.
-    signals = [one.model_dump() for one in made.forecast.trial.scenario.control.signals]
-    driven = {"control": {"kind": "open-loop", "signals": signals}, "duration": 2.0}
-    test: dict[str, Any] = {"name": "made", "kind": "record", "rate": 500.0, "settle": 1.0, "set": driven}
-    test["measurement"] = {name: {"channel": name, "offset": "free"} for name in channels}
-    found = plan_tests({**table, "test": [test], "fit": {"starts": 1}}, measured={"made": measured})
-    assert found.done == ("made",)
-    np.testing.assert_allclose(found.before, made.deviations, rtol=0.2)
-    for one, spread in zip(found.unknowns, found.before, strict=True):
-        assert abs(found.at[one.name] - one.start) < 4.0 * spread
+    file = tmp_path / "plan.toml"
+    (test,) = tomllib.loads(file.read_text())["test"]
+    run = observed(load_scenario((tmp_path / test["file"].replace("-measured.csv", ".toml")), ["engine=small-motion"]))
+    driving, seen = (Tap(channel=name, bits=None) for name in made.forecast.trial.inputs), channels
+    logged(run, [*driving, *(Tap(channel=name, noise=0.01) for name in seen)]).save(tmp_path / test["file"])
+    found = identify(file, overrides=["fit.starts=1"])
+    for key, spread, true in zip(before.keys, made.deviations, before.at.values(), strict=True):
+        one = found.values[key]
+        assert one.value is not None
+        assert one.deviation == pytest.approx(spread, rel=0.2)
+        assert abs(one.value - true) < 4.0 * spread
+    again = plan_tests(file, overrides=["fit.starts=1"])  # the same again sharpens by √2
+    assert again.done == (made.forecast.trial.name,)
+    np.testing.assert_allclose(again.before, [found.values[key].deviation for key in again.keys], rtol=0.05)
+    np.testing.assert_allclose(again.forecasts[0].factors, np.sqrt(2.0), rtol=0.1)
+
+
+def test_the_command_says_the_plan_and_writes_it(cli: Cli, tmp_path: Path) -> None:
+    file, out = tmp_path / "rig.toml", tmp_path / "plan"
+    file.write_text(tomli_w.dumps(asked(MEMBRANE, VALVE, candidates=[STATIC])))
+    told = cli("identify", str(file), "--plan", "--out", str(out))
+    assert told.code == 0
+    assert f"{VALVE}: no candidate tells it" in told.out
+    numbers = json.loads((out / "plan.json").read_text())
+    assert numbers["untold"].keys() == {VALVE}
+    (static,) = numbers["candidates"]
+    assert f"±{static['deviations'][MEMBRANE]:.2g} ×" in told.out
+    assert "or ask which to make: --plan" in cli("identify", str(file)).message
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ class ModalResiduals:
                 found.append(self._channels(computed, pairs))
         return found
 
-    def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
+    def rough(self, batch: Sequence[Values], share: float = 1.0) -> list[tuple[Compared, ...] | Failed]:
         """The same: modes take no time."""
         return self.compared(batch)
 

@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.identification.planning.forecast import Free
 from ehamj.identification.planning.information import TOLD
 from ehamj.identification.planning.instruments import Instruments
+from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.planning.trial import Trial
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.scenario.model import Scenario
@@ -64,8 +64,8 @@ class Plan:
     refused: Mapping[str, str]
     """Candidates that cannot be made or predicted, and why."""
     sequence: tuple[Step, ...]
-    free: tuple[Free, ...]
-    """What of each channel nobody knows, beside its offset."""
+    settings: PlanSettings
+    """What was asked."""
     untold: Mapping[str, str]
     """Parameters that no candidate tells, and why, in words."""
 

@@ -98,13 +98,13 @@ def candidate_table(plan: "Plan") -> Table:
     """What each test alone would tell of each parameter: deviation and, behind ×, how many times sharper that is; a
     dash where it does not tell it. Tests that tell the same stand in one row."""
     names = zip(short_names(plan), _units(plan), strict=True)
-    head = ["test, made alone", *(f"{short} [{unit}]" for short, unit in names)]
+    head = ["test, made alone", *(f"{short.replace('_', ' ')} [{unit}]" for short, unit in names)]
     rows: dict[tuple[str, ...], list[str]] = {}
     for one in plan.forecasts:
         rows.setdefault((one.trial.kind, *shown(one)), []).append(one.trial.name)
     table = [[names[0] + _alike(len(names) - 1), *cells] for (_, *cells), names in rows.items()]
     note = "± predicted standard deviation, × by which factor smaller it is than before."
-    return Table("What each test would tell", head, table, note, kind="words", numeric=range(1, len(head)))
+    return Table("What each test would tell", head, table, note, kind="words")
 
 
 def short_names(plan: "Plan") -> list[str]:

@@ -83,7 +83,7 @@ def planned(subject: Subject, settings: PlanSettings, progress: Progress = silen
     sequence = _sequence(subject, [forecasts[k] for k in chosen], predict)
     return Plan(
         subject.title, machine, unknowns, subject.at, before.deviations * subject.slopes, subject.done,
-        predict.instruments, forecasts, predict.refused, sequence, settings.free, _untold(subject, forecasts),
+        predict.instruments, forecasts, predict.refused, sequence, settings, _untold(subject, forecasts),
     )  # fmt: skip
 
 
@@ -221,5 +221,7 @@ def _untold(subject: Subject, forecasts: Sequence[Forecast]) -> dict[str, str]:
     found = {}
     for k in np.flatnonzero(factors < TOLD):
         worst = int(np.argmax(values * vectors[k] ** 2))
-        found[subject.unknowns[k].name] = words_of(vectors[:, worst] * spreads, subject.unknowns)[1]
+        names, words = words_of(vectors[:, worst] * spreads, subject.unknowns)
+        alone = names == (subject.unknowns[k].name,)
+        found[subject.unknowns[k].name] = "nothing that they read depends on it enough" if alone else words
     return found

@@ -59,7 +59,9 @@ def identification_file(plan: "Plan") -> dict[str, Any]:
         for one in plan.unknowns
     }
     tests = [_test(plan, forecast) for forecast in made(plan) if forecast.trial.course != "rest"]
-    return {"title": plan.title, "scenario": MACHINE_FILE, "parameters": parameters, "test": tests}
+    own = plan.settings.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    asked = {"plan": own} if own else {}
+    return {"title": plan.title, "scenario": MACHINE_FILE, "parameters": parameters, "test": tests, **asked}
 
 
 def _test(plan: "Plan", forecast: "Forecast") -> dict[str, Any]:
@@ -68,7 +70,7 @@ def _test(plan: "Plan", forecast: "Forecast") -> dict[str, Any]:
     outputs: dict[str, dict[str, Any]] = {}
     for name in forecast.moving:
         outputs[name] = {"channel": name, "unit": unit_of_channel(name), "offset": "free"}
-        outputs[name] |= dict.fromkeys(plan.free, "free")
+        outputs[name] |= dict.fromkeys(plan.settings.free, "free")
         if trial.course == "nonlinear":  # it goes from one rest to another, and stays
             outputs[name]["accept"] = ["clipped"]
     inputs = {name: dict(one) for name, one in trial.inputs.items()}

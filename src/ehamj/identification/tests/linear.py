@@ -88,7 +88,7 @@ class LinearResiduals:
         """See `Residuals.compared`."""
         return [self._at(values) for values in batch]
 
-    def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
+    def rough(self, batch: Sequence[Values], share: float = 1.0) -> list[tuple[Compared, ...] | Failed]:
         """The same: it takes no time."""
         return self.compared(batch)
 

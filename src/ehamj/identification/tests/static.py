@@ -95,7 +95,7 @@ class StaticResiduals:
         """See `Residuals.compared`."""
         return [self._at(values) for values in batch]
 
-    def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
+    def rough(self, batch: Sequence[Values], share: float = 1.0) -> list[tuple[Compared, ...] | Failed]:
         """The same."""
         return self.compared(batch)
 

@@ -8,8 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from ehamj.identification.residual import Residuals
-from ehamj.scenario.keys import entries
-from ehamj.scenario.load import changed
+from ehamj.scenario.load import otherwise
 from ehamj.scenario.model import Engine, Scenario
 from ehamj.settings import OVERRIDES, Settings
 
@@ -55,5 +54,4 @@ class TestSettings(Settings, ABC):
 
     def scenario(self, context: Context) -> Scenario:
         """The machine as it was in this test."""
-        own = {(*key[0].split("."), *key[1:]): value for key, value in entries(self.set)}
-        return changed(context.scenario, own) if own else context.scenario
+        return otherwise(context.scenario, self.set, f"{self.place(context)}.set")

@@ -21,6 +21,8 @@ FINE: Final = 4000.0
 [Hz]."""
 LATEST: Final = 0.02
 """Delay of a channel at most, earlier or later [s]."""
+FEWEST: Final = 40
+"""Samples that a beginning has at least."""
 ROUGHLY: Final = 2.0
 """Beginning of a record, behind what is not compared, that tells where to begin [s]."""
 
@@ -92,11 +94,11 @@ class TimeResiduals:
         """See `Residuals.compared`."""
         return self._compared(batch, None)
 
-    def rough(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
+    def rough(self, batch: Sequence[Values], share: float = 1.0) -> list[tuple[Compared, ...] | Failed]:
         """The beginning of the record alone, or the linear model."""
         if self._begins is not None:
-            return self._begins.rough(batch)
-        return self._compared(batch, self.clock.settle + ROUGHLY)
+            return self._begins.rough(batch, share)
+        return self._compared(batch, self.clock.until(ROUGHLY, share))
 
     def found(self, values: Values) -> Mapping[str, Any]:
         """Nothing else."""
@@ -204,9 +206,20 @@ class Clock:
         """What a run recorded, at the rate that is compared."""
         return thinned(rows, self.second)
 
+    @property
+    def margin(self) -> float:
+        """What filters and delays spoil at each end [s]."""
+        spoilt = lost(self.first) / self.rate + lost(self.second) / self.recorded
+        return spoilt + (LATEST + HALF / self.recorded if self.late else 0.0)
+
+    def until(self, most: float, share: float) -> float:
+        """End of a share of the record's beginning, of ``most`` seconds that count at most [s]."""
+        begin = max(self.settle, self.margin)
+        whole = min(most, self.duration - self.margin - begin)
+        return begin + max(share * whole, min(whole, FEWEST / self.compared)) + self.margin
+
     def part(self, size: int) -> slice:
         """Of so many compared samples those that count: behind what settles, and away from what filters spoil."""
-        margin = lost(self.first) / self.rate + lost(self.second) / self.recorded
-        margin += LATEST + HALF / self.recorded if self.late else 0.0
+        margin = self.margin
         begin = math.ceil(max(self.settle, margin) * self.compared - 1e-9)
         return slice(begin, max(begin, size - math.ceil(margin * self.compared - 1e-9)))
