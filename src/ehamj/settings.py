@@ -177,7 +177,8 @@ class Parameters(Settings):
     sources: dict[str, Source] = Field(default_factory=dict, description="where each value comes from")
     deviations: dict[str, Deviation] = Field(
         default_factory=dict,
-        description="standard deviations of values that were identified, each in its quantity's unit [unit]",
+        description="standard deviations of values that were identified, each in its quantity's unit; "
+        "zero for an entry of a list that was not [unit]",
         exclude_if=operator.not_,
     )
 

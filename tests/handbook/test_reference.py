@@ -14,14 +14,16 @@ import ehamj
 from ehamj.cli.frame import COMMANDS
 from ehamj.control import Controller
 from ehamj.control.channels import channel_names
+from ehamj.identification.file import IdentifyFile
 from ehamj.plant.mounts import MOUNTS
 from ehamj.scenario.load import check_scenario, scenario_schema
-from ehamj.settings import PROVENANCE
+from ehamj.settings import PROVENANCE, schema_of
 from ehamj.verify import CASES
 from handbook.reference.api import api_pages, inner_names
 from handbook.reference.commands import command_pages, commands, examples
 from handbook.reference.files import LAW, file_pages
 from handbook.reference.histories import history_pages
+from handbook.reference.identify import identify_pages
 from handbook.reference.keys import key_pages
 from handbook.reference.tables import Tables
 from handbook.reference.words import allowed, number, value
@@ -29,11 +31,9 @@ from handbook.site import ROOT
 from handbook.verified import KEPT, verified_pages
 
 
-def test_every_key_has_its_place() -> None:
-    """Each key of each table of the schema has a heading under its table, or once for the kinds that share it."""
-    pages = key_pages()
+def check_places(pages: dict[str, str], schema: dict[str, Any]) -> None:
+    """Each key of each table of a schema has a heading under its table, or once for the kinds that share it."""
     headed = set(re.findall(r"^### `[^`]+` \{ #(\S+) \}", "\n".join(pages.values()), re.MULTILINE))
-    schema = json.loads(scenario_schema())
     tables = Tables(schema)
     for top, node in schema["properties"].items():
         assert list(tables.below(top, node)) or top in headed, top
@@ -41,6 +41,12 @@ def test_every_key_has_its_place() -> None:
         starts = {start for one in places for start in (one.anchor, one.path.split(".")[0])}
         for key in tables.definitions[name]["properties"].keys() - {"kind", *PROVENANCE}:
             assert {f"{start}.{key}" for start in starts} & headed, f"{name}: {key}"
+
+
+def test_every_key_has_its_place() -> None:
+    check_places(identify_pages(), json.loads(schema_of(IdentifyFile)))
+    pages = key_pages()
+    check_places(pages, json.loads(scenario_schema()))
     gain = pages["reference/keys/isolators.md"].partition("### `flow_gain` { #actuators.NAME.flow_gain }")[2][:400]
     for said in ("oil to the piston", "`1.94e-6`** m³/s/mA", "$K_{Q}$", "badge paper", "number > 0", "1e-15 to 1"):
         assert said in gain

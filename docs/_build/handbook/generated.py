@@ -6,6 +6,7 @@ from handbook.reference.api import api_pages
 from handbook.reference.commands import command_pages
 from handbook.reference.files import file_pages
 from handbook.reference.histories import history_pages
+from handbook.reference.identify import identify_pages
 from handbook.reference.keys import key_pages
 from handbook.reference.merits import merit_pages
 from handbook.reference.study import study_pages
@@ -19,6 +20,7 @@ def generated_pages(root: Path) -> dict[str, str]:
         command_pages,
         key_pages,
         study_pages,
+        identify_pages,
         merit_pages,
         history_pages,
         summary_pages,

@@ -107,10 +107,13 @@ def _planned(
 
 def _told(found: "Identification") -> None:
     """Print what was found."""
+    from ehamj.campaign.names import short_names
+
+    short = short_names(found.values)
     print_table(
         found.file.title,
         ["parameter", "value", "±", "unit", "start", "remark"],
-        [_row(key, one) for key, one in found.values.items()],
+        [_row(short[key], one) for key, one in found.values.items()],
     )
     for one in found.combinations:
         say(one.words, "the data cannot tell: ")

@@ -35,7 +35,9 @@ class PlanSettings(Settings):
     )
     tests: int = Field(4, ge=1, le=50, description="tests of the recommended sequence, at most")
     criterion: Criterion = Field(
-        "d", description="d: the volume of the uncertainty; a: the sum of squared deviations over what they were"
+        "d",
+        description="what the best tests make small: the volume of the uncertainty (d), or the sum of squared "
+        "deviations over what they were (a)",
     )
     sharpen: tuple[str, ...] | None = Field(
         None, description="parameters that count, by key; without: all", min_length=1
