@@ -77,7 +77,8 @@ def test_units_signs_and_clocks_are_all_named_before_anything_is_fitted(run: Res
 def test_a_doubtful_channel_may_be_fitted_and_a_clock_that_is_a_little_off_is_told(run: Result, tmp_path: Path) -> None:
     found = ehamj.identify(asked(run, tmp_path, {Y: {"gain": -1.0}, V: {"delay": 0.002}}, doubtful="note"))
     said = [note for note in found.notes if Y in note or V in note]
-    assert said[0] == f"test 'sweep': {Y} is the wrong way round: its sign is reversed (scale = -1 turns it)"
+    turned = "is the wrong way round: its sign is reversed (scale = -1 turns it)"
+    assert said[0] == f"test 'sweep', beside the machine that was found: {Y} {turned}"
     assert any(f"{V}: comes 2" in note and note.endswith("ms too late beside the others; let its delay be free")
                for note in said)  # fmt: skip
     for key, true in TRUE.items():

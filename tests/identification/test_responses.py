@@ -55,6 +55,10 @@ def test_a_file_of_responses_is_fitted_as_well_as_it_is_known(tmp_path: Path) ->
         assert own.deviation is not None
         assert abs(own.value - value) < 3.0 * own.deviation, key
         assert own.deviation < 0.01 * value
+    held = ehamj.identify({**table, "parameters": {"actuators.isolator.flow_gain": {}}})
+    assert "times its own noise; the model does not go with it" in "".join(held.notes)
+    assert held.notes[-1].startswith("machine.mass")
+    assert not any("own noise" in note for note in found.notes)
     wrong = {**table, "test": [{**test, "band": [300.0, 400.0]}]}
     with pytest.raises(InputError, match=r"test\.0\.band = \[300\.0, 400\.0\]: responses are from 2 to 198 Hz"):
         ehamj.identify(wrong)

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.identification.residual import Compared, Failed, Residuals
+from ehamj.identification.residual import Compared, Failed, Residuals, real
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.measured.alike import likeness
 
@@ -19,14 +19,14 @@ DRAWN: Final = 16
 """Machines beside that of the start."""
 ABOUT: Final = 0.35
 """Share by which their values differ at most."""
-OTHERWISE: Final = 2.5
-"""Factor on every prediction from which a channel's unit is doubted."""
-WELL: Final = 0.6
-"""Correlation from which a channel goes well with a prediction."""
 BETTER: Final = 0.25
 """By how much better it must go if it were otherwise."""
 BETTER_STILL: Final = 0.1
 """By how much better later than turned: half a period of a swing does the same to it as its sign, but for its ends."""
+OPPOSED: Final = -0.4
+"""Correlation of two predictions below which a channel's sign hangs on the machine."""
+UNLIKE: Final = 8.0
+"""Ratio of sizes of predictions above which it may turn within a little more."""
 LATE: Final = 0.5
 """Delay that is looked for, earlier or later [s]."""
 CERTAIN: Final = 8e-3
@@ -45,6 +45,21 @@ UNITS: Final[dict[str, tuple[tuple[float, str], ...]]] = {
     "mA": ((1e3, "A for mA"),),
 }  # fmt: skip
 """True over written, and what was taken for what; the other way round too."""
+
+
+class Sure(NamedTuple):
+    """From when on something is told."""
+
+    otherwise: float
+    """Factor on every prediction from which a channel's unit is doubted."""
+    well: float
+    """Correlation from which a channel goes well with a prediction."""
+
+
+DRAWN_ONES: Final = Sure(2.5, 0.6)
+"""Beside many machines, of which one is near."""
+FOUND: Final = Sure(6.0, 0.8)
+"""Beside the one that was found, of which what is held fixed may be wrong."""
 
 
 class Doubt(NamedTuple):
@@ -91,8 +106,8 @@ def doubts(tests: Sequence[Residuals], parameters: Sequence[Unknown], held: Valu
 
 
 def doubts_at(tests: Sequence[str], compared: Sequence[Compared], known: Sequence[Doubt]) -> list[Doubt]:
-    """What is wrong with channels beside the machine that was found: of one whose motion goes with no machine near the
-    start, such as a foot's across, this is seen only now.
+    """What seems wrong with channels beside the machine that was found: of one whose motion goes with no machine near
+    the start, such as a foot's across, this is seen only now; what is held fixed may be wrong as well.
 
     Args:
         tests: name of each channel's test.
@@ -102,7 +117,7 @@ def doubts_at(tests: Sequence[str], compared: Sequence[Compared], known: Sequenc
     found = {(one.test, one.channel): one.said for one in known}
     for test, channel in zip(tests, compared, strict=True):
         name = channel.name.partition(" / ")[0]
-        if (test, name) not in found and (said := _doubt([channel])):
+        if (test, name) not in found and (said := _doubt([channel], FOUND)):
             found[test, name] = said
     return [Doubt(*place, said) for place, said in found.items()][len(known) :]
 
@@ -118,29 +133,41 @@ def _machines(parameters: Sequence[Unknown]) -> list[Values]:
     return [{one.name: value for one, value in zip(parameters, values, strict=True)} for values in drawn]
 
 
-def _doubt(channels: Sequence[Compared]) -> str:
+def _doubt(channels: Sequence[Compared], sure: Sure = DRAWN_ONES) -> str:
     """What is wrong with a channel beside all predictions, in words; empty where nothing is."""
     beside = [found for one in channels if (found := _beside(one)) is not None]
     free = {name.rpartition(".")[2] for name in channels[0].slopes}
     if not beside:
         return ""
-    as_is, best = max(one.as_is for one in beside), max(beside, key=lambda one: one.best)
-    turned = max(-one.as_is for one in beside)
-    late = best.best > WELL and best.best > max(as_is + BETTER, turned + BETTER_STILL) and abs(best.delay) > CERTAIN
-    if turned > WELL and turned > as_is + BETTER and not late:
-        return "is the wrong way round: its sign is reversed (scale = -1 turns it)"
-    if late and abs(best.delay) > (FREE if "delay" in free else CERTAIN):
-        words = "late" if best.delay > 0.0 else "early"
-        way = "; its delay is free within 20 ms only" if "delay" in free else ""
-        return f"comes {1e3 * abs(best.delay):.3g} ms too {words}: clocks are not synchronised{way}"
-    likely = [one.size for one in beside if one.best > WELL]
+    if not _delicate(channels):
+        as_is, best = max(one.as_is for one in beside), max(beside, key=lambda one: one.best)
+        turned = max(-one.as_is for one in beside)
+        late = best.best > max(sure.well, as_is + BETTER, turned + BETTER_STILL) and abs(best.delay) > CERTAIN
+        if turned > max(sure.well, as_is + BETTER) and not late:
+            return "is the wrong way round: its sign is reversed (scale = -1 turns it)"
+        if late and abs(best.delay) > (FREE if "delay" in free else CERTAIN):
+            words = "late" if best.delay > 0.0 else "early"
+            way = "; its delay is free within 20 ms only" if "delay" in free else ""
+            return f"comes {1e3 * abs(best.delay):.3g} ms too {words}: clocks are not synchronised{way}"
+    likely = [one.size for one in beside if one.best > sure.well]
     if "gain" in free or not likely:
         return ""
-    least, most = min(likely), max(likely)
-    if least > OTHERWISE or most < 1.0 / OTHERWISE:
+    sizes = [one.size for one in beside]
+    least, most, spread = min(likely), max(likely), float(np.sqrt(max(sizes) / min(sizes)))
+    if least > sure.otherwise * spread or most < 1.0 / sure.otherwise / spread:
         size = float(np.exp(np.mean(np.log(likely))))
         return f"is {size:.2g} times as large as the model has it{_unit(channels[0].unit, size)}"
     return ""
+
+
+def _delicate(channels: Sequence[Compared]) -> bool:
+    """Whether some of the machines have a channel the other way round than others, or many times as large, so that its
+    sign tells nothing: such is a foot's motion across, which the height of the centre of gravity turns."""
+    about = [np.asarray(values - values.mean()) for values in (real(one.predicted) for one in channels)]
+    sizes = np.array([np.linalg.norm(values) for values in about])
+    if not sizes.min() > 0.0 or sizes.max() > UNLIKE * sizes.min():
+        return True
+    return any(float(about[0] @ one) < OPPOSED * float(sizes[0] * size) for one, size in zip(about, sizes, strict=True))
 
 
 def _unit(unit: str, size: float) -> str:

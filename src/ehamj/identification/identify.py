@@ -14,6 +14,8 @@ from ehamj.identification.checks import Doubt, doubts, doubts_at
 from ehamj.identification.choice import Choosing
 from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
+from ehamj.identification.held import following, held_values
+from ehamj.identification.misfit import misfits
 from ehamj.identification.optional import neutral_of, places_of
 from ehamj.identification.outcome import Identification
 from ehamj.identification.parameters import parameters_of
@@ -21,6 +23,8 @@ from ehamj.identification.problem import Problem
 from ehamj.identification.residual import Failed, Residuals
 from ehamj.identification.results import identification_of
 from ehamj.identification.starts import begun
+from ehamj.identification.tests.record import RecordTest
+from ehamj.identification.tests.responses import ResponsesTest
 from ehamj.identification.tests.test import Context
 from ehamj.identification.unknowns import Unknown
 
@@ -58,10 +62,10 @@ def identify(
             "test: there is none; state what was measured, [[test]], or ask which to make: --plan (`ehamj.plan_tests`)"
         )
     progress("reading the tests")
-    parameters, tests = prepared(file, measured or {}, threads)
+    read = _read(file, measured or {})
+    parameters, tests = prepared(file, read, threads)
     progress("looking at the channels")
-    held = {} if file.choice is None else neutral_of(places_of(file.choice, file.machine, list(file.parameters)))
-    doubted = checked(file, doubts(tests, parameters, held))
+    doubted = checked(file, _doubts(file, parameters, read, threads))
     choosing = None if file.choice is None else _choosing(file, tests, parameters, progress)
     problem = Problem(tests, parameters, held=choosing.held if choosing is not None else None)
     starts = begun(problem, file.fit, progress)
@@ -73,14 +77,35 @@ def identify(
     progress("what the data tell")
     at = problem.linearised(found.point, central=True)
     found = found if isinstance(at, Failed) else replace(found, at=at)
-    doubted = checked(file, [*doubted, *doubts_at(found.at.tests, found.at.compared, doubted)])
     told = {
         "starts": len(starts.costs), "steps": found.steps, "runs": problem.runs + starts.runs,
         "seconds": round(clock.perf_counter() - began, 3), "converged": found.converged,
     }  # fmt: skip
     outcome = identification_of(file, problem, tests, found, told, progress)
+    seeming = doubts_at(found.at.tests, found.at.compared, doubted)
     notes = [f"test {one.test!r}: {one.channel} {one.said}" for one in doubted]
-    return replace(outcome, choice=choice, notes=(*notes, *outcome.notes))
+    notes += [f"test {one.test!r}, beside the machine that was found: {one.channel} {one.said}" for one in seeming]
+    notes += [*outcome.notes, *misfits(file, read, threads, problem, found, outcome.tests, progress)]
+    return replace(outcome, choice=choice, notes=tuple(notes))
+
+
+def _read(file: IdentifyFile, measured: Mapping[str, Any]) -> dict[str, Any]:
+    """Measurements by the test's name, those of files too: a record is read once, whoever asks for it."""
+    context = Context(file.machine, (), tests=tuple(test.name for test in file.test), measured=measured)
+    own = {test.name: test.read(context) for test in file.test if isinstance(test, RecordTest | ResponsesTest)}
+    return {**measured, **own}
+
+
+def _doubts(
+    file: IdentifyFile, parameters: tuple[Unknown, ...], read: Mapping[str, Any], threads: int | None
+) -> list[Doubt]:
+    """What is wrong with the channels beside machines of which other values differ than those that are looked for."""
+    machine, looked_for = file.machine, list(file.parameters)
+    neutral = {} if file.choice is None else neutral_of(places_of(file.choice, machine, looked_for))
+    moments = any(key.startswith("machine.inertia.") for key in looked_for)  # else they follow the mass
+    held = [one for one in held_values(file, machine, looked_for) if moments or ".inertia." not in one.name]
+    keys = (*looked_for, *(one.name for one in held), *neutral)
+    return doubts(following(file, machine, keys, read, threads), (*parameters, *held), neutral)
 
 
 def checked(file: IdentifyFile, found: list[Doubt]) -> list[Doubt]:

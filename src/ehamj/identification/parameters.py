@@ -16,7 +16,10 @@ from ehamj.scenario.model import Scenario
 USUAL = (0.5, 2.0)
 """Bounds of a value for which none are stated, over the scenario's own."""
 NARROWER = 4
-"""Times that bounds are halved which the scenario does not allow, as those of moments of inertia beside each other."""
+"""Times that bounds are halved which the scenario does not allow."""
+TOGETHER = "machine.inertia."
+"""Keys whose bounds are not tried one by one: what a moment of inertia may be at most is the sum of the others, which
+are looked for as well. A point that is no body is a bad step of the fit."""
 
 
 def parameters_of(scenario: Scenario, stated: Mapping[str, ParameterSettings]) -> tuple[Unknown, ...]:
@@ -28,6 +31,8 @@ def parameters_of(scenario: Scenario, stated: Mapping[str, ParameterSettings]) -
     found = {key: _parameter(scenario, key, settings) for key, settings in stated.items()}
     start = {key: one.start for key, one in found.items()}
     for key, one in found.items():
+        if key.startswith(TOGETHER) and one.low > 0.0:
+            continue
         if refused := _refused(scenario, start, one):
             if stated[key].bounds is not None:
                 raise InputError(f"parameters: {key}: bounds = [{one.low:g}, {one.high:g}]: {refused}")

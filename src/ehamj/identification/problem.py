@@ -98,6 +98,10 @@ class Problem:
             at, *near = self._of(test, [self.values(one) for one in points])
             if isinstance(at, Failed):
                 return at
+            turned = [(k, -step) for (k, step), one in zip(steps, near, strict=True) if isinstance(one, Failed)]
+            if turned and not central:
+                near += self._of(test, [self.values(_moved(point, k, step)) for k, step in turned])
+                steps += turned
             found = self._differences(at, steps, near)
             if isinstance(found, Failed):
                 return found

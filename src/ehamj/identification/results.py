@@ -69,7 +69,7 @@ def identification_of(
     held, failed = _validation([test for test in tests if test.held_out], kinds, values)
     return Identification(
         file, _scenario(file, found), found, _correlation(about, count), combinations, tuple(fits), held,
-        fit.cost, sum(one.error.size for one in fit.at.compared), (*_notes(fit, about, found, fits), *failed), told,
+        fit.cost, sum(one.error.size for one in fit.at.compared), (*_notes(fit, about, found), *failed), told,
         profiles,
     )  # fmt: skip
 
@@ -167,7 +167,7 @@ def _scenario(file: IdentifyFile, found: Mapping[str, Identified]) -> Any:
     return identified_machine(file.machine, found)
 
 
-def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], tests: Sequence[TestFit]) -> list[str]:
+def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified]) -> list[str]:
     """Warnings a reader must know."""
     notes = []
     if not fit.converged:
@@ -185,8 +185,4 @@ def _notes(fit: Fitted, about: Statistics, found: Mapping[str, Identified], test
         f"{'late' if delay > 0.0 else 'early'} beside the others; let its delay be free"
         for test, name, delay, spread in late_channels(fit)
     ]
-    for test in tests:
-        for channel in test.channels:
-            if channel.whiteness is not None and not channel.whiteness.white:
-                notes.append(f"test {test.name!r}, {channel.name}: what is left is not white; the model misses a part")
     return notes
