@@ -61,10 +61,30 @@ def known_before(unknowns: Sequence[Unknown], point: Array) -> Array:
     return np.array(found)
 
 
-def information(at: Linearised, noise: Sequence[Noise]) -> Array:
-    """Fisher information of the data on the scaled unknowns, (k, k), priors not among them."""
+def cleared(at: Linearised, noise: Sequence[Noise], unknowns: Sequence[Unknown]) -> tuple[list[Array], Array]:
+    """Whitened slopes of each channel, (n, k), clear of its own offset and the like, and the way back.
+
+    A stroke's level goes with the mass as strongly as with its offset, its motion a million times less: sums of squares
+    of both would have no digit left of the motion. With C the slopes of what is a channel's own and linear, o, and S
+    those of the others, θ, it counts as o + Bθ with S − CB what is left; (θ, o) is T (θ, o + Bθ), with T (k, k).
+    """
     white = [one.whitened(slope) for one, slope in zip(noise, at.slopes, strict=True)]
-    return np.asarray(sum(one.T @ one for one in white))
+    moves = np.array([slope.any(axis=0) for slope in white])
+    single = np.array([one.level for one in unknowns]) & (moves.sum(axis=0) == 1)
+    back = np.eye(len(unknowns))
+    for slope, moved in zip(white, moves, strict=True):
+        own, others = np.flatnonzero(single & moved), np.flatnonzero(~single & moved)
+        if own.size and others.size:
+            shares = np.linalg.lstsq(slope[:, own], slope[:, others], rcond=None)[0]
+            slope[:, others] -= slope[:, own] @ shares
+            back[np.ix_(own, others)] = -shares
+    return white, back
+
+
+def information(at: Linearised, noise: Sequence[Noise], unknowns: Sequence[Unknown]) -> Array:
+    """Fisher information of the data on the scaled unknowns, (k, k), priors not among them; offsets and the like count
+    from where the others put them (`cleared`)."""
+    return np.asarray(sum(one.T @ one for one in cleared(at, noise, unknowns)[0]))
 
 
 def statistics(fit: Fitted, unknowns: Sequence[Unknown], parameters: int) -> Statistics:
@@ -77,7 +97,9 @@ def statistics(fit: Fitted, unknowns: Sequence[Unknown], parameters: int) -> Sta
     """
     before = known_before(unknowns, fit.point)
     scale = np.where(np.isfinite(before), before, 1.0)
-    data = information(fit.at, fit.noise) * np.outer(scale, scale)
+    slopes, back = cleared(fit.at, fit.noise, unknowns)
+    slopes = [one * scale for one in slopes]
+    data = np.asarray(sum(one.T @ one for one in slopes))
     told = np.diag([float(one.prior is not None) for one in unknowns])
     posterior = data + told
     marginal = _without_last(posterior, parameters)
@@ -86,18 +108,19 @@ def statistics(fit: Fitted, unknowns: Sequence[Unknown], parameters: int) -> Sta
     held = posterior.copy()
     held[:parameters, :parameters] += open_ @ open_.T
     inverse = np.linalg.pinv(held, rcond=1e-13, hermitian=True)
-    meat, robust = _meat(fit, unknowns, scale)
+    meat, robust = _meat(fit, slopes)
     covariance = inverse
     if robust:
         covariance = inverse @ (meat + held - data) @ inverse
-    variance = np.diag(covariance)[:parameters]
+    covariance = back @ (covariance * np.outer(scale, scale)) @ back.T
+    variance = np.diag(covariance)[:parameters] / scale[:parameters] ** 2
     inside = open_ / np.sqrt(1.0 + np.maximum(power[power < UNTOLD], 0.0))
     share = (inside**2).sum(axis=1) / variance
     matters = np.sqrt(variance) > MATTERS
     has_prior = np.diag(told)[:parameters] > 0.0
     lost = (share > MOSTLY) & matters & ~has_prior
     return Statistics(
-        covariance * np.outer(scale, scale),
+        covariance,
         (open_ * scale[:parameters, None]).T / np.linalg.norm(open_ * scale[:parameters, None], axis=0)[:, None],
         tuple(lost.tolist()),
         tuple((has_prior & (variance > 0.5)).tolist()),
@@ -114,12 +137,12 @@ def _without_last(matrix: Array, first: int) -> Array:
     return np.asarray(0.5 * (found + found.T))
 
 
-def _meat(fit: Fitted, unknowns: Sequence[Unknown], scale: Array) -> tuple[Array, bool]:
+def _meat(fit: Fitted, slopes: Sequence[Array]) -> tuple[Array, bool]:
     """Covariance of the log likelihood's slopes by the errors themselves (Newey, West 1987), and whether it is needed:
-    errors are neither white nor as large as stated."""
-    total, needed = np.zeros((len(unknowns), len(unknowns))), False
-    for channel, noise, slope in zip(fit.at.compared, fit.noise, fit.at.slopes, strict=True):
-        error, own = noise.whitened(channel.error), noise.whitened(slope) * scale
+    errors are neither white nor as large as stated. ``slopes`` of the channels' predictions are whitened."""
+    total, needed = np.zeros((slopes[0].shape[1],) * 2), False
+    for channel, noise, own in zip(fit.at.compared, fit.noise, slopes, strict=True):
+        error = noise.whitened(channel.error)
         size = float(np.mean(error**2))
         in_order = channel.axis == "time" and error.size >= 50
         coloured = in_order and not whiteness(error, len(noise.regression)).white

@@ -78,7 +78,7 @@ def _done(file: IdentifyFile, measured: Mapping[str, Any], progress: Told, threa
     at = problem.linearised(found.point, central=True)
     if isinstance(at, Failed):
         raise SimulationFailed(f"the model cannot be run beside what was found: {at}")
-    own = information(at, found.noise)
+    own = information(at, found.noise, problem.unknowns)
     number = len(parameters)
     values = {one.name: one.value(float(z)) for one, z in zip(parameters, found.point[:number], strict=True)}
     subject = Subject(file.title, with_values(file.machine, values), parameters, values, threads=threads)
