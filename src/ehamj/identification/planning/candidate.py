@@ -15,8 +15,8 @@ from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Settings
 
-HIGHEST: Final = 0.4
-"""Share of the logger's rate up to which a test excites."""
+HIGHEST: Final = 0.2
+"""Share of the logger's rate up to which a usual test excites: a spline through five samples a period is its signal."""
 
 
 @dataclass(frozen=True)

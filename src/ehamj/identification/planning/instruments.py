@@ -19,8 +19,8 @@ BITS: Final = 16
 """Of the logger's converters."""
 PEAK: Final = 4.0
 """Range of a converter, over the RMS of the liveliest channel that it is set for."""
-STILL: Final = 1e-4
-"""Share of a converter's range, three of its steps, below which a channel that moves is none to record."""
+STILL: Final = 1e-3
+"""Share of a converter's range, thirty of its steps, below which a channel that moves is none to record."""
 QUIET: Final = 0.1
 """Share of the largest RMS among channels of one variable that one counts with at least: instruments are alike."""
 UNITS: Final = {

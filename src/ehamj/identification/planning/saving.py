@@ -71,7 +71,7 @@ def _test(plan: "Plan", forecast: "Forecast") -> dict[str, Any]:
     for name in forecast.moving:
         outputs[name] = {"channel": name, "unit": unit_of_channel(name), "offset": "free"}
         outputs[name] |= dict.fromkeys(plan.settings.free, "free")
-        if trial.course == "nonlinear":  # it goes from one rest to another, and stays
+        if trial.course in ("nonlinear", "decaying"):  # it comes to rest, and stays
             outputs[name]["accept"] = ["clipped"]
     inputs = {name: dict(one) for name, one in trial.inputs.items()}
     return {
