@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: run test fuzz check pythons docs pictures verified format clean
+.PHONY: run test fuzz draws check pythons docs pictures verified format clean
 
 run: .venv/.ready
 	$(BIN)/ehamj run
@@ -11,6 +11,9 @@ test: .venv/.ready
 
 fuzz: .venv/.ready
 	PYTHONPATH=tests $(BIN)/python -m fuzz $(FUZZ)
+
+draws: .venv/.ready
+	PYTHONPATH=tests $(BIN)/python -m draws $(DRAWS)
 
 check: .venv/.ready
 	$(BIN)/ruff check .
