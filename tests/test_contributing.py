@@ -161,6 +161,8 @@ def test_guide_has_an_example_of_every_kind() -> None:
         "A setting or unit",
         "A norm",
         "A study",
+        "A kind of test",
+        "An option to choose",
         "A figure of merit",
         "A plan of designs",
         "A spread of values",

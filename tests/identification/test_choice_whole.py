@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import ehamj
+from ehamj.cli.identify import print_found
 from ehamj.identification.file import load_identify
 from ehamj.measured.reading import read_measured
 from ehamj.rig.excitation import valve_test
@@ -15,7 +16,9 @@ from ehamj.scenario.load import parse_scenario
 ISOLATOR = "actuators.isolator"
 
 
-def test_an_overlap_that_is_there_is_found_and_a_hysteresis_that_is_not_is_not(tmp_path: Path) -> None:
+def test_an_overlap_that_is_there_is_found_and_a_hysteresis_that_is_not_is_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     believed = parse_scenario({"points": {}, "timestep": 1e-4})
     true = believed.varied({f"{ISOLATOR}.flow_gain": 2.2e-6, f"{ISOLATOR}.overlap": [0.3] * 4})
     mounts, record = believed.plant.mounts, tmp_path / "valves.csv"
@@ -48,6 +51,10 @@ def test_an_overlap_that_is_there_is_found_and_a_hysteresis_that_is_not_is_not(t
         [found.values[f"{ISOLATOR}.overlap"].value] * 4
     )
     assert f"{ISOLATOR}.hysteresis" not in found.values
+    print_found(found)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "options of the valve" in said
+    assert "overlap the data justify an overlap" in said
     found.save(tmp_path)
     page = (tmp_path / "identification.html").read_text(encoding="utf-8")
     assert "the data justify an overlap" in page

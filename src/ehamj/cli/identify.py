@@ -75,7 +75,7 @@ def identify(
     if as_json:
         print_json({"folder": str(place.folder), **found.to_dict()})
         return
-    _told(found)
+    print_found(found)
     say(f"the identified machine: {place.folder / 'scenario.toml'}", whole=True)
     say(f"page, numbers and figures: {place.folder / 'identification.html'}", whole=True)
 
@@ -105,7 +105,7 @@ def _planned(
     say(f"page, tests and signals: {place.folder / 'plan.html'}", whole=True)
 
 
-def _told(found: "Identification") -> None:
+def print_found(found: "Identification") -> None:
     """Print what was found."""
     from ehamj.campaign.names import short_names
 
@@ -117,10 +117,26 @@ def _told(found: "Identification") -> None:
     )
     for one in found.combinations:
         say(one.words, "the data cannot tell: ")
+    _more_told(found, short)
     rows = [row for held, tests in ((False, found.tests), (True, found.validation)) for row in _fits(tests, held)]
     print_table("how well it fits", ["test", "channel", "fit [%]", "remark"], rows, whole=2)
     for note in found.notes:
         log.print(f"note: {note}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _more_told(found: "Identification", short: dict[str, str]) -> None:
+    """Print which options the data justify, and profiles, where they were asked for."""
+    if found.choice is not None:
+        rows = [[name.replace("_", " "), one.words] for name, one in found.choice.verdicts.items()]
+        print_table("options of the valve", ["option", "what the data say"], rows)
+    if found.profiles:
+        from ehamj.identification.profiles import interval
+
+        rows = [
+            [short[key], *("open" if end is None else f"{end:.6g}" for end in interval(one)), found.values[key].unit]
+            for key, one in found.profiles.items()
+        ]
+        print_table("by profile likelihood, 95 %", ["parameter", "from", "to", "unit"], rows)
 
 
 def _row(key: str, one: "Identified") -> list[str]:

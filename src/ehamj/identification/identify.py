@@ -105,7 +105,9 @@ def _doubts(
     moments = any(key.startswith("machine.inertia.") for key in looked_for)  # else they follow the mass
     held = [one for one in held_values(file, machine, looked_for) if moments or ".inertia." not in one.name]
     keys = (*looked_for, *(one.name for one in held), *neutral)
-    return doubts(following(file, machine, keys, read, threads), (*parameters, *held), neutral)
+    tests = zip(file.test, following(file, machine, keys, read, threads), strict=True)
+    judged = [one for test, one in tests if isinstance(test, RecordTest | ResponsesTest)]
+    return doubts(judged, (*parameters, *held), neutral)
 
 
 def checked(file: IdentifyFile, found: list[Doubt]) -> list[Doubt]:

@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from ehamj.campaign.keys import own_value, unit_at
 from ehamj.errors import InputError, did_you_mean
-from ehamj.identification.options import OPTIONS, ValveOption
+from ehamj.identification.option import ValveOption
+from ehamj.identification.options import OPTIONS
 from ehamj.identification.unknowns import Unknown
 from ehamj.isolator.actuator import Actuator
 from ehamj.scenario.load import changed

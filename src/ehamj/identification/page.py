@@ -9,6 +9,7 @@ from markupsafe import Markup
 from ehamj.campaign.names import short_names
 from ehamj.identification.figures import drawings_of_test, fit_words, off, reading, size_of, value_drawings
 from ehamj.identification.modes_shown import mode_tables
+from ehamj.identification.profiles import interval
 from ehamj.pages import ANNEX, Page, Picture, Section, Table, badge
 from ehamj.pages.words import DASH, exact, number, within
 from ehamj.report.sections.inputs import named
@@ -33,7 +34,12 @@ def page_of(found: "Identification", studied: bool) -> Page:
     """
     sections = [
         *_warnings(found),
-        Section("values", "What the data tell", list(_pictures(value_drawings(found))), [values_table(found)]),
+        Section(
+            "values",
+            "What the data tell",
+            list(_pictures(value_drawings(found))),
+            [values_table(found), *profile_table(found)],
+        ),
         *_untold(found),
         *_choice(found),
         Section("fit", "How well the model fits", tables=[fit_table(found)], notes=[FIT]),
@@ -94,6 +100,17 @@ def values_table(found: "Identification") -> Table:
                      bounds_words(one), status_words(one)])  # fmt: skip
     head = ("quantity", "value ± deviation", "unit", "start", "change [%]", "bounds", "status")
     return Table("Values", head, rows, kind="words", numeric=(1, 3, 4, 5))
+
+
+def profile_table(found: "Identification") -> Iterator[Table]:
+    """95 % intervals by profile likelihood, where they were asked for."""
+    names, rows = short_names(found.values), []
+    for key, one in found.profiles.items():
+        ends = ["open" if end is None else number(end, 4) for end in interval(one)]
+        rows.append([named(key, names[key]), *ends, found.values[key].unit])
+    if rows:
+        head = ("quantity", "from", "to", "unit")
+        yield Table("95 % by profile likelihood, all others fitted again", head, rows, kind="words", numeric=(1, 2))
 
 
 def value_words(one: "Identified") -> str:

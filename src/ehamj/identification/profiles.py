@@ -15,6 +15,8 @@ from ehamj.identification.residual import Failed
 
 WIDTHS: Final = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)
 """Deviations from the value that was found."""
+WITHIN: Final = 3.84
+"""Rise within which a value goes with the data (95 %)."""
 STEPS: Final = 4
 """In which the others follow, at most."""
 
@@ -39,6 +41,25 @@ def profile(problem: Problem, fit: Fitted, covariance: Array, k: int) -> Array:
         if np.isfinite(found):
             rows.append((problem.unknowns[k].value(moved), max(found - least, 0.0)))
     return np.array(sorted(set(rows))).reshape(-1, 2)
+
+
+def interval(rows: Array) -> tuple[float | None, float | None]:
+    """Ends of the 95 % interval of a profile (n, 2), rises between its points taken as parts of parabolas; None where
+    it does not rise so far within what was looked at."""
+    values, roots = rows[:, 0], np.sqrt(rows[:, 1])
+    least = int(np.argmin(roots))
+    return _crossing(values[least::-1], roots[least::-1]), _crossing(values[least:], roots[least:])
+
+
+def _crossing(values: Array, roots: Array) -> float | None:
+    """Where the root of the rise first reaches that of 95 %, outwards from its least."""
+    limit = np.sqrt(WITHIN)
+    beyond = np.flatnonzero(roots >= limit)
+    if beyond.size == 0 or beyond[0] == 0:
+        return None
+    k = int(beyond[0])
+    share = (limit - roots[k - 1]) / (roots[k] - roots[k - 1])
+    return float(values[k - 1] + share * (values[k] - values[k - 1]))
 
 
 def _best(problem: Problem, fit: Fitted, point: Array, k: int) -> float:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from ehamj.identification.profiles import interval
 from ehamj.result import written_whole
 
 if TYPE_CHECKING:
@@ -63,7 +64,10 @@ def to_dict(found: "Identification") -> dict[str, Any]:
         "samples": found.samples,
         "notes": list(found.notes),
         "fit": finite(dict(found.told)),
-        "profiles": {key: finite(one) for key, one in found.profiles.items()},
+        "profiles": {
+            key: {"values": finite(one[:, 0]), "rise": finite(one[:, 1]), "interval_95": list(interval(one))}
+            for key, one in found.profiles.items()
+        },
         **({} if found.choice is None else {"choice": found.choice.to_dict()}),
     }
 

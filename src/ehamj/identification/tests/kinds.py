@@ -6,5 +6,10 @@ from ehamj.identification.tests.responses import ResponsesTest
 from ehamj.identification.tests.static import StaticTest
 from ehamj.identification.tests.test import TestSettings
 
-TESTS: tuple[type[TestSettings], ...] = (RecordTest, ResponsesTest, StaticTest, ModesTest)
+TESTS: tuple[type[TestSettings], ...] = (
+    RecordTest,
+    ResponsesTest,
+    StaticTest,
+    ModesTest,
+)
 """Every kind; a table [[test]] holds one of them."""
