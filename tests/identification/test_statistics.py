@@ -14,7 +14,7 @@ SIZE, LEVEL, MOTION, NOISE = 2000, 1e3, 1e-4, 2e-3
 
 
 def test_what_moves_a_level_is_told_by_the_motion_alone_where_the_offset_is_free() -> None:
-    """y = (LEVEL + MOTION·sin) θ + o: θ is known to σ/√(Σ MOTION² sin²), and o, which makes up for it, LEVEL times so."""
+    """y = (LEVEL + MOTION·sin) θ + o: θ is known to σ/√(Σ MOTION² sin²), and o LEVEL times so."""
     time = np.arange(SIZE) / SIZE
     level, motion = np.full(SIZE, LEVEL), MOTION * np.sin(40.0 * np.pi * time)
     error = NOISE * np.random.default_rng(1).normal(size=SIZE)
