@@ -65,11 +65,13 @@ def _climbed(problem: Problem, point: Array, told: Told) -> list[Array]:
     record, motions of little damping that are a period off look no better a little nearer; over its beginning they do.
     """
     last, size = point, 0
+    (at,) = Problem(problem.tests, problem.parameters, 1.0, problem.held).compared([point])
+    whole = 0 if isinstance(at, Failed) else sum(one.error.size for one in at)
     for share in LADDER:
         part = Problem(problem.tests, problem.parameters, share, problem.held)
         (at,) = part.compared([last])
-        if isinstance(at, Failed) or (samples := sum(one.error.size for one in at)) <= size:
-            continue  # it says nothing that was not said
+        if isinstance(at, Failed) or not size < (samples := sum(one.error.size for one in at)) < whole:
+            continue  # it says nothing that was not said, or all there is
         told(f"beginnings, {100 * share:g} %")
         found, size = fitted(part, last, CLIMBED, coloured=False, roughly=True), samples
         last = found.point if isinstance(found, Fitted) else last
