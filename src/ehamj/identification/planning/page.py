@@ -103,7 +103,7 @@ def candidate_table(plan: "Plan") -> Table:
     """What each test alone would tell of each parameter: deviation and, behind ×, how many times sharper that is; a
     dash where it does not tell it. Tests that tell the same stand in one row."""
     names = zip(short_names(plan.keys).values(), _units(plan), strict=True)
-    head = ["test, made alone", *(f"{short} [{unit}]" for short, unit in names)]
+    head = ["test, made alone", *(f"{short.replace('_', ' ')} [{unit}]" for short, unit in names)]
     table = [[name, *shown(one)] for name, one in told_apart(plan)]
     note = "± predicted standard deviation, × by which factor smaller it is than before."
     return Table("What each test would tell", head, table, note, kind="words")
