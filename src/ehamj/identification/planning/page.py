@@ -31,10 +31,10 @@ NOTES: Final = (
     "recommended by the engine as well.",
     "Before any test a parameter counts as known as its prior says, or as any value within its bounds.",
     f"A test is said to tell a parameter that it sharpens at least {TOLD:g} times.",
-    "Loggers are taken to filter before they sample. One that does not sees a blow of 5 ms at 1000 Hz 3 % too weak, and "
-    "masses and stiffnesses come out as much too low.",
-    "The ground's motion below 0.25 Hz is not had from a record of its velocity or acceleration: where the floor is all "
-    "that drives, strokes and pressures tell, and absolute velocities less than is predicted.",
+    "Loggers are taken to filter before they sample. One that does not sees a blow of 5 ms at 1000 Hz 3 % too weak, "
+    "and masses and stiffnesses come out as much too low.",
+    "The ground's motion below 0.25 Hz is not had from a record of its velocity or acceleration: where the floor is "
+    "all that drives, strokes and pressures tell, and absolute velocities less than is predicted.",
 )
 
 
