@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ehamj.identification.planning.outcome import Forecast, Plan
 
 CAUTION: Final = (
-    "Noise is all that predicted deviations count: a gain that nobody calibrated ([plan] free) and what the model leaves "
-    "out come on top."
+    "Noise is all that predicted deviations count: a gain that nobody calibrated ([plan] free) and what the model "
+    "leaves out come on top."
 )
 NOTES: Final = (
     "Deviations are those that no unbiased fit of such a test goes below (Cramér and Rao), at the values that the "

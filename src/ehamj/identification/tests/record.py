@@ -59,7 +59,8 @@ class RecordTest(Reading, TestSettings):
             )
         made = self.driven(measured, context, clock)
         begins = self._linear(measured, context) if self.compare == "both" else None
-        return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context, begins)
+        stated = self.scenario(context).timestep != "auto"
+        return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context, begins, stated)
 
     def _linear(self, measured: Measured, context: Context) -> LinearResiduals:
         """Its responses beside the linear model's."""
