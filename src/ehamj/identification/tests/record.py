@@ -72,7 +72,9 @@ class RecordTest(Reading, TestSettings):
         def at(values: Values) -> Scenario:
             return with_values(scenario, {key: values[key] for key in context.keys})
 
-        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines)
+        holds = [one.hold for one in self.measurement.values() if (one.channel or "").startswith("valve_command ")]
+        held = measured.rate if "held" in holds else None
+        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held)
 
     def _port(self, channel: MeasuredChannel) -> Port:
         key = entry_of(self, channel)
