@@ -65,13 +65,13 @@ class RecordTest(Reading, TestSettings):
         """Its responses beside the linear model's."""
         scenario = self.scenario(context)
         check_linear(scenario, f"test {self.name!r}")
-        frequency, lines = averaged(measured, self.settle, self.band, self.segment)
+        frequency, lines, alike = averaged(measured, self.settle, self.band, self.segment)
         into, out = ([self._port(channel) for channel in side] for side in (measured.inputs, measured.outputs))
 
         def at(values: Values) -> Scenario:
             return with_values(scenario, {key: values[key] for key in context.keys})
 
-        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines)
+        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, averaging=alike)
 
     def _port(self, channel: MeasuredChannel) -> Port:
         key = entry_of(self, channel)
