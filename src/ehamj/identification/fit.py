@@ -9,7 +9,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.identification.noise import Noise, noises
 from ehamj.identification.problem import Linearised, Problem
-from ehamj.identification.residual import Compared, Failed
+from ehamj.identification.residual import Compared, Failed, fit_percent
 from ehamj.identification.unknowns import Unknown
 
 ROUNDS: Final = 24
@@ -213,7 +213,5 @@ def _same(before: Sequence[Noise], after: Sequence[Noise], within: float) -> boo
 
 
 def _words(compared: Sequence[Compared]) -> str:
-    from ehamj.identification.outcome import fit_percent
-
     worst = min(fit_percent(one.measured, one.predicted) for one in compared)
     return f"worst channel fitted to {worst:.4g} %"

@@ -23,6 +23,7 @@ from ehamj.identification.problem import Problem
 from ehamj.identification.residual import Failed, Residuals
 from ehamj.identification.results import identification_of
 from ehamj.identification.starts import begun
+from ehamj.identification.stepping import coarse
 from ehamj.identification.tests.record import RecordTest
 from ehamj.identification.tests.responses import ResponsesTest
 from ehamj.identification.tests.test import Context
@@ -85,7 +86,11 @@ def identify(
     seeming = doubts_at(found.at.tests, found.at.compared, doubted)
     notes = [f"test {one.test!r}: {one.channel} {one.said}" for one in doubted]
     notes += [f"test {one.test!r}, beside the machine that was found: {one.channel} {one.said}" for one in seeming]
-    notes += [*outcome.notes, *misfits(file, read, threads, problem, found, outcome.tests, progress)]
+    notes += [
+        *outcome.notes,
+        *coarse(problem, found, outcome.values),
+        *misfits(file, read, threads, problem, found, outcome.tests, progress),
+    ]
     return replace(outcome, choice=choice, notes=tuple(notes))
 
 

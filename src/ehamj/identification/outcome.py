@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from ehamj.arrays import Array, ComplexArray
 from ehamj.identification.residual import Axis
 from ehamj.identification.whiteness import Whiteness
@@ -139,9 +137,3 @@ def line_of(key: str, one: Identified) -> str:
         return f"{key}: not told by the data{f' ({one.why})' if one.why else ''}"
     spread = "" if one.deviation is None else f" ± {one.deviation:.2g}"
     return f"{key}: {one.value:.5g}{spread} {one.unit}".rstrip() + (f" ({one.why})" if one.why else "")
-
-
-def fit_percent(measured: Array | ComplexArray, predicted: Array | ComplexArray) -> float:
-    """100·(1 − |measured − predicted|/|measured − mean|) [%]; NaN of a constant."""
-    spread = float(np.linalg.norm(measured - np.mean(measured)))
-    return 100.0 * (1.0 - float(np.linalg.norm(measured - predicted)) / spread) if spread > 0.0 else float("nan")

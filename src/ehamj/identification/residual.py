@@ -49,6 +49,12 @@ def real(values: Array | ComplexArray) -> Array:
     return np.asarray(values, float)
 
 
+def fit_percent(measured: Array | ComplexArray, predicted: Array | ComplexArray) -> float:
+    """100·(1 − |measured − predicted|/|measured − mean|) [%]; NaN of a constant."""
+    spread = float(np.linalg.norm(measured - np.mean(measured)))
+    return 100.0 * (1.0 - float(np.linalg.norm(measured - predicted)) / spread) if spread > 0.0 else float("nan")
+
+
 class Failed(Exception):
     """No prediction at this point: the run stopped, or there is no equilibrium; the message says why."""
 

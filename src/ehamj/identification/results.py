@@ -10,11 +10,11 @@ from ehamj.identification.file import IdentifyFile
 from ehamj.identification.fit import Fitted, Told
 from ehamj.identification.lateness import late_channels
 from ehamj.identification.noise import Noise, noises
-from ehamj.identification.outcome import ChannelFit, Combination, Identification, Identified, TestFit, fit_percent
+from ehamj.identification.outcome import ChannelFit, Combination, Identification, Identified, TestFit
 from ehamj.identification.problem import Problem
 from ehamj.identification.profiles import profile
 from ehamj.identification.provenance import identified_machine
-from ehamj.identification.residual import Compared, Failed, Residuals
+from ehamj.identification.residual import Compared, Failed, Residuals, fit_percent
 from ehamj.identification.statistics import Statistics, statistics, words_of
 from ehamj.identification.unknowns import Unknown
 from ehamj.identification.whiteness import Whiteness, whiteness

@@ -9,8 +9,9 @@ from ehamj.arrays import Array
 
 LAGS: Final = 40
 """That are looked at."""
-LIKELY: Final = 0.01
-"""Probability of so large a statistic below which errors count as not white."""
+LIKELY: Final = 1e-3
+"""Probability of so large a statistic below which errors count as not white: a test has dozens of channels, none of
+which should be called so by chance."""
 WITHIN: Final = 2.576
 """Deviations within which 99 % stay."""
 

@@ -1,12 +1,12 @@
 """A plan as a person reads it: answers, tables, a figure, a page."""
 
-import re
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import xarray as xr
 
 from ehamj.arrays import Array
+from ehamj.campaign.names import short_names
 from ehamj.identification.planning.candidate import rounded
 from ehamj.identification.planning.information import TOLD
 from ehamj.pages import ANNEX, Page, Section, Table
@@ -19,9 +19,14 @@ from ehamj.studies.page import headline_of, pictures_of, said_besides
 if TYPE_CHECKING:
     from ehamj.identification.planning.outcome import Forecast, Plan
 
+CAUTION: Final = (
+    "Noise is all that predicted deviations count: a gain that nobody calibrated ([plan] free) and what the model "
+    "leaves out come on top."
+)
 NOTES: Final = (
     "Deviations are those that no unbiased fit of such a test goes below (Cramér and Rao), at the values that the "
     "sensitivities are taken at; a machine that is another than believed comes out otherwise.",
+    CAUTION,
     "Tests are predicted by the linear model about rest, where one has none by the small-motion engine; those that are "
     "recommended by the engine as well.",
     "Before any test a parameter counts as known as its prior says, or as any value within its bounds.",
@@ -97,20 +102,19 @@ def drawings_of(plan: "Plan") -> dict[str, Drawing]:
 def candidate_table(plan: "Plan") -> Table:
     """What each test alone would tell of each parameter: deviation and, behind ×, how many times sharper that is; a
     dash where it does not tell it. Tests that tell the same stand in one row."""
-    names = zip(short_names(plan), _units(plan), strict=True)
-    head = ["test, made alone", *(f"{short.replace('_', ' ')} [{unit}]" for short, unit in names)]
-    rows: dict[tuple[str, ...], list[str]] = {}
-    for one in plan.forecasts:
-        rows.setdefault((one.trial.kind, *shown(one)), []).append(one.trial.name)
-    table = [[names[0] + _alike(len(names) - 1), *cells] for (_, *cells), names in rows.items()]
+    names = zip(short_names(plan.keys).values(), _units(plan), strict=True)
+    head = ["test, made alone", *(f"{short} [{unit}]" for short, unit in names)]
+    table = [[name, *shown(one)] for name, one in told_apart(plan)]
     note = "± predicted standard deviation, × by which factor smaller it is than before."
     return Table("What each test would tell", head, table, note, kind="words")
 
 
-def short_names(plan: "Plan") -> list[str]:
-    """Parameters by the last part of their keys where that is one's own, else whole."""
-    parts = [re.sub(r"^.*\.(?=\D)", "", key) for key in plan.keys]
-    return [part if parts.count(part) == 1 else key for part, key in zip(parts, plan.keys, strict=True)]
+def told_apart(plan: "Plan") -> list[tuple[str, "Forecast"]]:
+    """Tests by name, those that tell the same once."""
+    found: dict[tuple[str, ...], list[Forecast]] = {}
+    for one in plan.forecasts:
+        found.setdefault((one.trial.kind, *shown(one)), []).append(one)
+    return [(some[0].trial.name + _alike(len(some) - 1), some[0]) for some in found.values()]
 
 
 def shown(one: "Forecast") -> list[str]:
@@ -134,7 +138,7 @@ def deviation_table(plan: "Plan") -> Table:
     last = steps[-1].nonlinear if steps else None
     head += ["by engine"] if last is not None else []
     rows = []
-    for k, (one, short) in enumerate(zip(plan.unknowns, short_names(plan), strict=True)):
+    for k, (one, short) in enumerate(zip(plan.unknowns, short_names(plan.keys).values(), strict=True)):
         row = [short, f"{plan.at[one.name]:.5g}", _units(plan)[k], f"{plan.before[k]:.2g}"]
         row += [f"{step.deviations[k]:.2g}" for step in steps]
         rows.append(row + ([f"{last[k]:.2g}"] if last is not None else []))

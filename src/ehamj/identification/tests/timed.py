@@ -100,6 +100,14 @@ class TimeResiduals:
             return self._begins.rough(batch, share)
         return self._compared(batch, self.clock.until(ROUGHLY, share))
 
+    def finer(self, values: Values) -> tuple[Compared, ...] | Failed:
+        """All channels at a point, of a run at half the step."""
+        scenario = self._scenario_at(values)
+        assert scenario.timestep != "auto"
+        half = scenario.model_copy(update={"timestep": scenario.timestep / 2.0})
+        (ran,) = histories([half], [output.name for output in self.outputs], self.threads)
+        return self._seen(ran, values)
+
     def found(self, values: Values) -> Mapping[str, Any]:
         """Nothing else."""
         return {}
