@@ -13,6 +13,8 @@ from ehamj.run.many import observe_many
 from ehamj.run.simulate import Observed
 from ehamj.scenario.model import Scenario
 
+DERIVED = 1e-4
+"""Step of the runs that are differenced [s]."""
 STEP = 2e-3
 """Of differences, over the value; of what may be zero in its own unit."""
 
@@ -35,7 +37,7 @@ def bound(
     """
     information = np.zeros((len(keys), len(keys)))
     for name, run in runs.items():
-        small, own = run.model_copy(update={"engine": "small-motion"}), list(seen[name])
+        small, own = run.model_copy(update={"engine": "small-motion", "timestep": DERIVED}), list(seen[name])
         values = [value_of(small, key) for key in keys]
         steps = [STEP * (1.0 if ".cg." in key else abs(value)) for key, value in zip(keys, values, strict=True)]
         moved = [

@@ -7,7 +7,7 @@ samples, once in a thousand times; what AICc asks, 2, once in six.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -19,6 +19,7 @@ from ehamj.identification.fit import Fitted, fitted
 from ehamj.identification.optional import ChoiceSettings, Place, neutral_of, places_of
 from ehamj.identification.problem import Problem
 from ehamj.identification.residual import Failed, Residuals
+from ehamj.identification.stepping import short_enough
 from ehamj.identification.unknowns import Unknown
 from ehamj.identification.verdicts import Choice, Tried, Verdict, justified, needless
 from ehamj.scenario.model import Scenario
@@ -86,6 +87,7 @@ class Choosing:
             if larger is None:
                 break
             model = self._backward(larger)
+        model = replace(model, fitted=short_enough(model.problem, model.fitted, self.told))
         verdicts = {name: self._verdict(name, model, effects) for name in self.settings.options}
         return model, Choice(self.settings.criterion, model.options, verdicts, tuple(self.tried))
 

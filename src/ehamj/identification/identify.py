@@ -23,7 +23,7 @@ from ehamj.identification.problem import Problem
 from ehamj.identification.residual import Failed, Residuals
 from ehamj.identification.results import identification_of
 from ehamj.identification.starts import begun
-from ehamj.identification.stepping import coarse
+from ehamj.identification.stepping import coarse, short_enough
 from ehamj.identification.tests.record import RecordTest
 from ehamj.identification.tests.responses import ResponsesTest
 from ehamj.identification.tests.test import Context
@@ -77,7 +77,7 @@ def identify(
         problem, found = model.problem, model.fitted
     progress("what the data tell")
     at = problem.linearised(found.point, central=True)
-    found = found if isinstance(at, Failed) else replace(found, at=at)
+    found = short_enough(problem, found if isinstance(at, Failed) else replace(found, at=at), progress)
     told = {
         "starts": len(starts.costs), "steps": found.steps, "runs": problem.runs + starts.runs,
         "seconds": round(clock.perf_counter() - began, 3), "converged": found.converged,
@@ -88,7 +88,7 @@ def identify(
     notes += [f"test {one.test!r}, beside the machine that was found: {one.channel} {one.said}" for one in seeming]
     notes += [
         *outcome.notes,
-        *coarse(problem, found, outcome.values),
+        *coarse(problem, found),
         *misfits(file, read, threads, problem, found, outcome.tests, progress),
     ]
     return replace(outcome, choice=choice, notes=tuple(notes))

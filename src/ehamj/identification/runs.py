@@ -5,11 +5,13 @@ from typing import Final
 
 import numpy as np
 
+from ehamj import growing
 from ehamj.arrays import Array
 from ehamj.errors import InputError, SimulationFailed
 from ehamj.identification.channels import taken
 from ehamj.identification.residual import Failed
 from ehamj.mujoco import hydraulics
+from ehamj.run.budget import size_of
 from ehamj.run.failures import broken_off
 from ehamj.run.observe import Observing
 from ehamj.run.timestep import choose_timestep
@@ -54,10 +56,18 @@ def histories(
             return Failed(str(error))
         raise error
 
-    items = [Item(number, scenario) for number, scenario in enumerate(scenarios)]
-    if not items:
-        return []
-    return together(items, seen, threads or processors(), len(items), on_failure=failed, held=False)
+    many, found = threads or processors(), list[Histories | Failed]()
+    part = many * beside(scenarios)
+    for begin in range(0, len(scenarios), part):
+        items = [Item(number, scenario) for number, scenario in enumerate(scenarios[begin : begin + part])]
+        found += together(items, seen, many, len(items), on_failure=failed, held=False)
+    return found
+
+
+def beside(scenarios: Sequence[Scenario]) -> int:
+    """How many of these runs step side by side with all their rows in memory; one at least."""
+    largest = max((size_of(scenario) for scenario in scenarios), default=0.0)
+    return max(1, int(growing.IN_MEMORY / largest)) if largest else 1
 
 
 def with_step(scenario: Scenario) -> Scenario:

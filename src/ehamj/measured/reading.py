@@ -88,7 +88,12 @@ def wanted_of(measurement: Measurement, mounts: tuple[str, ...], key: str, label
         earlier = next((one.component for one in found if one.channel == channel), None)
         if earlier is not None:
             raise InputError(f"{own}.channel: {earlier} is {channel} already; leave one of them out")
-        found.append(Wanted(component, said, channel, role_of(channel, said.role, own), own))
+        role = role_of(channel, said.role, own)
+        if said.hold is not None and (role == "output" or channel.startswith("ground_")):
+            raise InputError(
+                f"{own}.hold = {said.hold!r}: {channel} is neither a command nor a force that drives; leave it out"
+            )
+        found.append(Wanted(component, said, channel, role, own))
     return found
 
 

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.measured.measured import Role
+from ehamj.records.inputs import Hold
 from ehamj.settings import Direction, Positive, Settings, Vector3
 
 Free = Literal["free"]
@@ -44,6 +45,11 @@ class MeasuredComponent(Settings):
     offset: Free | None = Field(None, description="'free': the sensor adds an unknown constant, which is found")
     gain: Free | None = Field(None, description="'free': the sensor's gain is not known, and is found")
     delay: Free | None = Field(None, description="'free': the channel comes late by an unknown time, which is found")
+    hold: Hold | None = Field(
+        None,
+        description="of a command or a force that drives, between its samples: smooth, a spline; straight lines; or "
+        "held, as a converter holds what it gives; without: smooth",
+    )
     accept: tuple[Accepted, ...] = Field(
         (), description="faults that are known and let pass: dead (never changes), clipped, coarse (few steps)"
     )

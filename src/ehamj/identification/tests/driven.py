@@ -88,7 +88,7 @@ def _source(test: "RecordTest", measured: Measured, channel: MeasuredChannel) ->
             f"test {test.name!r}: {channel.name} is an input that was given in memory; write the record to a file, or "
             "let the scenario have the signal (set)"
         )
-    own = {"unit": said.unit, "full_scale": said.full_scale}
+    own = {"unit": said.unit, "full_scale": said.full_scale, "hold": said.hold}
     return {
         "file": test.file, "component": channel.component, "scale": said.scale, "start": measured.begin,
         **{name: value for name, value in own.items() if value is not None}, **_read(test),

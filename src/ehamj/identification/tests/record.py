@@ -59,7 +59,8 @@ class RecordTest(Reading, TestSettings):
             )
         made = self.driven(measured, context, clock)
         begins = self._linear(measured, context) if self.compare == "both" else None
-        return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context, begins)
+        stated = self.scenario(context).timestep != "auto"
+        return TimeResiduals(self.name, self.hold_out, made.at, made.unknowns, outputs, clock, context, begins, stated)
 
     def _linear(self, measured: Measured, context: Context) -> LinearResiduals:
         """Its responses beside the linear model's."""
@@ -71,7 +72,9 @@ class RecordTest(Reading, TestSettings):
         def at(values: Values) -> Scenario:
             return with_values(scenario, {key: values[key] for key in context.keys})
 
-        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, averaging=alike)
+        holds = [one.hold for one in self.measurement.values() if (one.channel or "").startswith("valve_command ")]
+        held = measured.rate if "held" in holds else None
+        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held, alike)
 
     def _port(self, channel: MeasuredChannel) -> Port:
         key = entry_of(self, channel)

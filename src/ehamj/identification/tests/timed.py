@@ -67,6 +67,7 @@ class TimeResiduals:
         clock: "Clock",
         context: Context,
         begins: Residuals | None = None,
+        stated: bool = False,
     ) -> None:
         """What was measured, and what it is compared with.
 
@@ -79,7 +80,9 @@ class TimeResiduals:
             clock: of the record, and what of it is compared.
             context: parameters that are looked for, and threads that step runs.
             begins: tells where to begin, in place of the record's beginning.
+            stated: whether the scenario states its step.
         """
+        self.stated = stated
         self.name, self.held_out = name, held_out
         self.outputs, self.clock, self.threads = tuple(outputs), clock, context.threads
         self.unknowns = (*driving, *(one for output in outputs for one in output.unknowns(name)))
@@ -100,12 +103,12 @@ class TimeResiduals:
             return self._begins.rough(batch, share)
         return self._compared(batch, self.clock.until(ROUGHLY, share))
 
-    def finer(self, values: Values) -> tuple[Compared, ...] | Failed:
-        """All channels at a point, of a run at half the step."""
+    def finer(self, values: Values, factor: int) -> tuple[Compared, ...] | Failed:
+        """All channels at a point, of a run with so many steps in one."""
         scenario = self._scenario_at(values)
         assert scenario.timestep != "auto"
-        half = scenario.model_copy(update={"timestep": scenario.timestep / 2.0})
-        (ran,) = histories([half], [output.name for output in self.outputs], self.threads)
+        fine = scenario.model_copy(update={"timestep": scenario.timestep / factor})
+        (ran,) = histories([fine], [output.name for output in self.outputs], self.threads)
         return self._seen(ran, values)
 
     def found(self, values: Values) -> Mapping[str, Any]:
