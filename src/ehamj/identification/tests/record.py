@@ -10,7 +10,7 @@ from ehamj.identification.channels import check_seen
 from ehamj.identification.machine import with_values
 from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.averaged import averaged
-from ehamj.identification.tests.driven import Driven, driven, entry_of
+from ehamj.identification.tests.driven import FADE, Driven, driven, entry_of
 from ehamj.identification.tests.linear import LinearResiduals, Port, check_linear
 from ehamj.identification.tests.test import Context, TestSettings
 from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
@@ -49,9 +49,9 @@ class RecordTest(Reading, TestSettings):
         if self.compare == "frequency":
             return self._linear(measured, context)
         outputs = self._outputs(measured, context)
-        clock = Clock(
-            measured.rate, measured.channels[0].samples.size, self.settle, any(one.delay for one in outputs), self.rate
-        )
+        late = any(one.delay for one in outputs)
+        faded = FADE if any(one.name.startswith("ground_") for one in measured.inputs) else 0.0
+        clock = Clock(measured.rate, measured.channels[0].samples.size, self.settle, late, self.rate, faded)
         if clock.part(int(clock.duration * clock.compared)).start + 10 >= clock.duration * clock.compared:
             raise InputError(
                 f"test {self.name!r}: lasts {clock.duration:g} s, of which settle = {self.settle:g} s and filters "
