@@ -66,7 +66,7 @@ class RecordTest(Reading, TestSettings):
         """Its responses beside the linear model's."""
         scenario = self.scenario(context)
         check_linear(scenario, f"test {self.name!r}")
-        frequency, lines = averaged(measured, self.settle, self.band, self.segment)
+        frequency, lines, alike = averaged(measured, self.settle, self.band, self.segment)
         into, out = ([self._port(channel) for channel in side] for side in (measured.inputs, measured.outputs))
 
         def at(values: Values) -> Scenario:
@@ -74,7 +74,7 @@ class RecordTest(Reading, TestSettings):
 
         holds = [one.hold for one in self.measurement.values() if (one.channel or "").startswith("valve_command ")]
         held = measured.rate if "held" in holds else None
-        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held)
+        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held, alike)
 
     def _port(self, channel: MeasuredChannel) -> Port:
         key = entry_of(self, channel)
