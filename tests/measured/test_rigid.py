@@ -40,3 +40,8 @@ def test_one_mistake_is_named(order: list[int], signs: dict[int, float], said: s
 def test_six_sensors_tell_nothing_and_a_part_that_bends_is_no_mistake_of_sensors() -> None:
     assert misplaced(NAMES[:6], POINTS[:6], DIRECTIONS[:6], -READ[:6]) == ""
     assert misplaced(NAMES, POINTS, DIRECTIONS, RANDOM.normal(size=(12, 40)).astype(complex)) == ""
+
+
+def test_readings_of_nothing_tell_nothing() -> None:
+    assert misplaced(NAMES, POINTS, DIRECTIONS, np.zeros((12, 3), complex)) == ""
+    assert misplaced(NAMES, POINTS, DIRECTIONS, np.zeros((12, 0), complex)) == ""

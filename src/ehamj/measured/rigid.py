@@ -32,6 +32,8 @@ def misplaced(names: Sequence[str], points: Array, directions: Array, readings: 
         readings: of one kind of motion, (n, m), each column at some time, frequency or of some mode.
     """
     size = np.linalg.norm(readings, axis=0)
+    if not size.any():
+        return ""
     shares = readings[:, size > 0.0] / size[size > 0.0]
     power = (shares @ shares.conj().T).real
     now = _outside(points, directions, power)
