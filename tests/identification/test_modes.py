@@ -1,6 +1,7 @@
 """Modes of another machine against a scenario's: paired, and what made them found within what is stated."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -218,3 +219,21 @@ def test_shapes_in_wrong_directions_are_refused_before_anything_is_fitted() -> N
     scaled = measured_modes(slower, PLACES, Deviations(), SCENARIO.plant, SCENARIO.points)
     with pytest.raises(InputError, match=r"none of its modes .* is like one of the machine's"):
         ModalResiduals.of("hammer", False, SCENARIO, KEYS, scaled)
+
+
+def test_a_reversed_sensor_and_exchanged_ones_are_named() -> None:
+    """Of modes with their errors, by what a rigid machine can do."""
+    whole = measured_of(dict(zip(KEYS, AT, strict=True)), np.random.default_rng(7))
+    names = whole.sensors.names
+    turned, exchanged = whole.shape.copy(), whole.shape.copy()
+    turned[:, 4] *= -1.0
+    one, other = names.index("F front-left x"), names.index("F rear-right z")
+    exchanged[:, [one, other]] = exchanged[:, [other, one]]
+    for shape, said in (
+        (turned, f"{names[4]} is the wrong way round"),
+        (exchanged, "F front-left x and F rear-right z are exchanged"),
+    ):
+        with pytest.raises(InputError, match=said):
+            ModalResiduals.of("hammer", False, SCENARIO, KEYS, replace(whole, shape=shape))
+        with pytest.raises(InputError, match=said):
+            pairing(replace(whole, shape=shape), computed_modes(SCENARIO))

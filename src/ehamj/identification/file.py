@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.planning.settings import PlanSettings
@@ -74,6 +74,16 @@ class IdentifyFile(Settings):
     choice: ChoiceSettings | None = Field(None, description="options of the valves that the tests may justify")
     plan: PlanSettings | None = Field(None, description="tests that could be made next; without: sensible ones")
 
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _in_quotes(cls, given: Any) -> Any:
+        """In TOML a key with dots that stand in no quotes is a table in a table."""
+        for key, value in given.items() if isinstance(given, Mapping) else ():
+            whole = _whole(key, value)
+            if whole != key:
+                raise ValueError(f'a key with dots stands in quotes: "{whole}" = …')
+        return given
+
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
         names = [one.name for one in self.test]
@@ -96,6 +106,13 @@ class IdentifyFile(Settings):
         """
         machine = otherwise(as_scenario(self.scenario), self.set, "set")
         return machine if self.choice is None else with_neutral(self.choice, machine)
+
+
+def _whole(key: str, value: Any) -> str:
+    """A key with those of the tables in it, down to what is said of a parameter."""
+    below = set(value) - set(ParameterSettings.model_fields) if isinstance(value, Mapping) else set[str]()
+    tables = sorted(one for one in below if isinstance(value[one], Mapping))
+    return _whole(f"{key}.{tables[0]}", value[tables[0]]) if tables else key
 
 
 def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrides: Iterable[str] = ()) -> IdentifyFile:

@@ -93,6 +93,7 @@ def fitted(
     at = levelled(at, noises(at.compared, 0, False), problem.unknowns)
     noise, colour, known = noises(at.compared, 0, False, at_most_signal=True), False, False
     for _ in range(ROUNDS):
+        to_the_last = known  # noise that is stated stays from the first round on, whose end is rough
         fall = ENOUGH / max(2.0 * _cost(at, noise, problem.unknowns), 1.0) if known else NEARLY
         at, ended = _round(steps, at, noise, max(iterations - steps.taken, 1) + 1, fall)
         told(f"{steps.taken} steps, {_words(at.compared)}")
@@ -100,7 +101,7 @@ def fitted(
         same, known = _same(before, noise, SETTLED), known or (ended and _same(before, noise, ABOUT))
         if steps.taken >= iterations or (roughly and known):
             break
-        if not (known and ended and same):
+        if not (to_the_last and ended and same):
             continue
         # What is left of a model that is not yet fitted is no noise, so that its colour is asked for now only.
         before, noise, colour = noise, noises(at.compared, count, coloured, noise), coloured

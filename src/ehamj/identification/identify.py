@@ -107,8 +107,7 @@ def _doubts(
     """What is wrong with the channels beside machines of which other values differ than those that are looked for."""
     machine, looked_for = file.machine, list(file.parameters)
     neutral = {} if file.choice is None else neutral_of(places_of(file.choice, machine, looked_for))
-    moments = any(key.startswith("machine.inertia.") for key in looked_for)  # else they follow the mass
-    held = [one for one in held_values(file, machine, looked_for) if moments or ".inertia." not in one.name]
+    held = held_values(file, machine, looked_for)
     keys = (*looked_for, *(one.name for one in held), *neutral)
     tests = zip(file.test, following(file, machine, keys, read, threads), strict=True)
     judged = [one for test, one in tests if isinstance(test, RecordTest | ResponsesTest)]

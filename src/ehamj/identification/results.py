@@ -8,6 +8,7 @@ import numpy as np
 from ehamj.arrays import Array
 from ehamj.identification.file import IdentifyFile
 from ehamj.identification.fit import Fitted, Told
+from ehamj.identification.inertia import inertia_notes
 from ehamj.identification.lateness import late_channels
 from ehamj.identification.noise import Noise, noises
 from ehamj.identification.outcome import ChannelFit, Combination, Identification, Identified, TestFit
@@ -67,9 +68,11 @@ def identification_of(
         number = [one.name for one in problem.parameters].index(key)
         profiles[key] = profile(problem, fit, about.covariance, number)
     held, failed = _validation([test for test in tests if test.held_out], kinds, values)
+    machine = _scenario(file, found)
+    odd = inertia_notes(file.machine, machine, file.parameters)
     return Identification(
-        file, _scenario(file, found), found, _correlation(about, count), combinations, tuple(fits), held,
-        fit.cost, sum(one.error.size for one in fit.at.compared), (*_notes(fit, about, found), *failed), told,
+        file, machine, found, _correlation(about, count), combinations, tuple(fits), held,
+        fit.cost, sum(one.error.size for one in fit.at.compared), (*_notes(fit, about, found), *odd, *failed), told,
         profiles,
     )  # fmt: skip
 

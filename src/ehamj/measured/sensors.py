@@ -51,10 +51,14 @@ class Sensors:
     turns: Array
     scales: Array
 
+    def at(self, positions: Array) -> Array:
+        """Where each stands from the mount plane's centre [m], (n, 3), with feet at ``positions`` (mount, 3) [m]."""
+        return np.where((self.mounts < 0)[:, None], self.points, positions[np.maximum(self.mounts, 0)])
+
     def rows(self, positions: Array) -> Array:
         """Reading of each sensor per motion of the mount plane's centre [m, rad], (n, 6), with feet at ``positions``
         (mount, 3) [m]."""
-        at = np.where((self.mounts < 0)[:, None], self.points, positions[np.maximum(self.mounts, 0)])
+        at = self.at(positions)
         turned = self.turns[:, None]
         # d·(u + θ × p) = d·u + (p × d)·θ
         moved = np.where(turned, 0.0, self.directions)

@@ -11,7 +11,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.identification.modal.compared import Pairs, coupling_deviation, likely, pairs_of, seen
 from ehamj.identification.modal.computed import Computed, computed_many, computed_modes, in_closed_form
-from ehamj.identification.modal.told import left_out, nothing_alike, pairing
+from ehamj.identification.modal.told import check_places, left_out, nothing_alike, pairing
 from ehamj.identification.residual import Compared, Failed
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.linear.pairing import NOTHING, likely_pairs
@@ -53,6 +53,7 @@ class ModalResiduals:
             InputError: if no measured mode is like any of the machine's.
         """
         computed = computed_modes(scenario)
+        check_places(measured, computed.positions)
         strange = left_out(measured, computed.positions)
         words = tuple(f"the mode at {measured.names[k]} is left out: {why}" for k, why in strange.items())
         kept = measured.without(np.isin(np.arange(measured.frequency.size), list(strange)))

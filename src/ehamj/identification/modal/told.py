@@ -13,6 +13,7 @@ from ehamj.identification.modal.compared import alike, at_sensors, groups, likel
 from ehamj.identification.modal.computed import Computed
 from ehamj.linear.pairing import likely_pairs
 from ehamj.measured.modes import MeasuredModes
+from ehamj.measured.rigid import misplaced
 
 RIGID: Final = 0.7
 """Share of a measured shape below which it is no motion of a rigid machine."""
@@ -92,6 +93,25 @@ def rigid_shares(measured: MeasuredModes, positions: Array) -> Array:
     return np.asarray((inside / np.linalg.norm(measured.shape, axis=1)) ** 2)
 
 
+def check_places(measured: MeasuredModes, positions: Array) -> None:
+    """Refuse sensors that are not where or as they are said to be (`ehamj.measured.rigid`).
+
+    Raises:
+        InputError: naming which, where there were enough of them to tell.
+    """
+    sensors = measured.sensors
+    moving = np.flatnonzero(sensors.turns == 0)
+    if moving.size and (
+        said := misplaced(
+            [sensors.names[int(k)] for k in moving],
+            sensors.at(positions)[moving],
+            sensors.directions[moving],
+            measured.shape.T[moving],
+        )
+    ):
+        raise InputError(f"measurement: {said}")
+
+
 def left_out(measured: MeasuredModes, positions: Array) -> dict[int, str]:
     """Measured modes that no rigid machine has, and why."""
     shares = rigid_shares(measured, positions)
@@ -105,8 +125,9 @@ def pairing(measured: MeasuredModes, computed: Computed) -> Pairing:
     """Which measured mode is which computed one.
 
     Raises:
-        InputError: if none is like any: the message says what to check.
+        InputError: if none is like any, or a sensor is not as it is said to be: the message says what to check.
     """
+    check_places(measured, computed.positions)
     strange = left_out(measured, computed.positions)
     like = likely(measured, computed)
     like[list(strange)] = 0.0

@@ -2,8 +2,9 @@
 
 Inputs that go together leave errors of single responses that go together as well. So of several inputs the response to
 each is compared beside what the others share with it: H L/L_jj with G_xx = L Lᴴ, whose errors are those of each column
-by itself (for inputs that have nothing in common it is H). Lines of Hann's window share (2/3)² and (1/6)² of their
-power with their neighbours, so that each tells 0.51 of what it seems to: deviations are wider by that.
+by itself (for inputs that have nothing in common it is H). Lines of Hann's window share (2/3)² of their power with
+their neighbours and (1/6)² with the next ones: every second one is compared, which tells as much as all, each by
+itself.
 """
 
 from collections.abc import Sequence
@@ -15,10 +16,11 @@ from ehamj.arrays import Array
 from ehamj.errors import InputError
 from ehamj.estimate.spectra import Spectra
 from ehamj.identification.tests.linear import Line
+from ehamj.identification.tests.played import Averaging, averaging
 from ehamj.measured.measured import Measured, MeasuredChannel
 
-SHARED: Final = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0)
-"""Lines of Hann's window that tell as much as one alone."""
+SHARED: Final = 1.0 + 2.0 / 36.0
+"""Every second line of Hann's window that tell as much as one alone."""
 SEGMENT: Final = 2.0
 """Length of a segment, where the record has room for `SEGMENTS` of it [s]."""
 SEGMENTS: Final = 8
@@ -30,8 +32,8 @@ LEAST: Final = 1e-9
 
 def averaged(
     measured: Measured, begin: float, band: tuple[float, float], segment: float | None
-) -> tuple[Array, tuple[Line, ...]]:
-    """Frequencies [Hz] and compared responses of a record.
+) -> tuple[Array, tuple[Line, ...], Averaging]:
+    """Frequencies [Hz] and compared responses of a record, and what averages a model's alike.
 
     Args:
         measured: inputs and outputs.
@@ -60,12 +62,12 @@ def averaged(
     power = np.einsum("fqq->fq", spectra.xx).real
     usable = (power > FAINT * power.max(axis=0)).any(axis=1)
     inside = (spectra.frequency >= band[0]) & (spectra.frequency <= min(band[1], measured.usable_to))
-    kept = usable & inside
+    kept = usable & inside & (np.arange(usable.size) % 2 == 1)
     if not kept.any():
         raise InputError(f"test {measured.name!r}: no input excites anything from {band[0]:g} to {band[1]:g} Hz")
-    return spectra.frequency[kept], tuple(
-        line for p in range(len(measured.outputs)) for line in _lines(measured, spectra, kept, p)
-    )
+    lines = [line for p in range(len(measured.outputs)) for line in _lines(measured, spectra, kept, p)]
+    top = float(spectra.frequency[kept][-1])
+    return spectra.frequency[kept], tuple(lines), averaging(measured, first, spectra, kept, length, top)
 
 
 def _stacked(channels: Sequence[MeasuredChannel], first: int) -> Array:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 LATEST = 0.02
 """Delay of an input at most, earlier or later [s]."""
+FADE = 0.1
+"""Time over which a record of the ground fades at both ends, where nothing is compared [s]."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,8 @@ def _ground(test: "RecordTest", measured: Measured, channels: list[MeasuredChann
     unit = units.pop()
     return {
         "kind": "record", "file": test.file, "axes": axes, "quantity": motions.pop(), "start": measured.begin,
-        "taper": min(0.1, max(test.settle, 1e-3)), **_read(test), **({} if unit in (None, "SI") else {"unit": unit}),
+        # A line that the motion itself has over a short record is no drift; the high-pass takes what is one.
+        "taper": FADE, "detrend": "constant", **_read(test), **({} if unit in (None, "SI") else {"unit": unit}),
         **({} if set(scales.values()) == {1.0} else {"scale": scales}),
     }  # fmt: skip
 

@@ -11,6 +11,7 @@ from ehamj.control.channels import axis_of
 from ehamj.control.settings import DigitalSettings
 from ehamj.errors import InputError
 from ehamj.identification.residual import Compared, Failed
+from ehamj.identification.tests.played import Averaging, fine_response
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.linear.machine import FORCES, LinearModel, linear_model
 from ehamj.measured.measured import ForcePlace
@@ -66,6 +67,7 @@ class LinearResiduals:
     def __init__(
         self, name: str, held_out: bool, scenario_at: Callable[[Values], Scenario], frequency: Array,
         inputs: Sequence[Port], outputs: Sequence[Port], lines: Sequence[Line], held: float | None = None,
+        averaging: Averaging | None = None,
     ) -> None:  # fmt: skip
         """What was measured, and what it is compared with.
 
@@ -77,11 +79,13 @@ class LinearResiduals:
             inputs: of the model, in the order of mixtures.
             outputs: of the model.
             lines: responses that are compared.
+            averaging: that a record's lines went through, which the model's go through as well; without, lines are
+                responses themselves.
             held: rate at which a converter held the commands, where they were measured before it [Hz].
         """
         self.name, self.held_out = name, held_out
         self.inputs, self.outputs, self.lines = tuple(inputs), tuple(outputs), tuple(lines)
-        self.frequency, self._scenario_at, self._held = frequency, scenario_at, held
+        self.frequency, self._scenario_at, self._held, self._averaging = frequency, scenario_at, held, averaging
         self.unknowns = tuple(one for port in (*inputs, *outputs) for one in port.unknowns(name))
 
     def compared(self, batch: Sequence[Values]) -> list[tuple[Compared, ...] | Failed]:
@@ -97,22 +101,27 @@ class LinearResiduals:
         return {}
 
     def _at(self, values: Values) -> tuple[Compared, ...] | Failed:
+        hertz = self.frequency if self._averaging is None else self._averaging.hertz
         try:
-            response = self._response(self._scenario_at(values))
+            response = self._response(self._scenario_at(values), hertz)
         except InputError as error:
             return Failed(str(error))
-        s = np.asarray(2j * np.pi * self.frequency, np.complex128)
-        into = [_sensor(port, values, s) for port in self.inputs]
-        out = [_sensor(port, values, s) for port in self.outputs]
-        return tuple(self._line(line, response, into, out, values, s) for line in self.lines)
+        s = np.asarray(2j * np.pi * hertz, np.complex128)
+        into, out = (
+            np.stack([_sensor(port, values, s) for port in ports], axis=1) for ports in (self.inputs, self.outputs)
+        )
+        # A response through its sensors: y' = g_y e^(−s τ_y) H u, u' = g_u e^(−s τ_u) u.
+        sensed = response * out[:, :, None] / into[:, None, :]
+        if self._averaging is None:
+            return tuple(self._line(line, sensed[:, line.output] * line.mixture, values) for line in self.lines)
+        parts, count = self._averaging.parts(sensed), len(self.inputs)
+        return tuple(
+            self._line(line, parts[:, line.output, :, number % count], values) for number, line in enumerate(self.lines)
+        )
 
-    def _line(
-        self, line: Line, response: ComplexArray, into: Sequence[ComplexArray], out: Sequence[ComplexArray],
-        values: Values, s: ComplexArray,
-    ) -> Compared:  # fmt: skip
-        """A response through its sensors: y' = g_y e^(−s τ_y) H u, u' = g_u e^(−s τ_u) u."""
-        port = self.outputs[line.output]
-        parts = response[:, line.output] * line.mixture / np.stack(into, axis=1) * out[line.output][:, None]
+    def _line(self, line: Line, parts: ComplexArray, values: Values) -> Compared:
+        """A compared response from what each input contributes to it, (f, input)."""
+        port, s = self.outputs[line.output], np.asarray(2j * np.pi * self.frequency, np.complex128)
         predicted = parts.sum(axis=1)
         slopes: dict[str, ComplexArray] = {}
         if port.gain:
@@ -131,16 +140,16 @@ class LinearResiduals:
             line.deviation[known], {name: slope[known] for name, slope in slopes.items()}, coherence,
         )  # fmt: skip
 
-    def _response(self, scenario: Scenario) -> ComplexArray:
-        """Outputs over inputs of the model, (f, output, input)."""
+    def _response(self, scenario: Scenario, hertz: Array) -> ComplexArray:
+        """Outputs over inputs of the model at frequencies [Hz], (f, output, input)."""
         model = linear_model(scenario.plant)
         names = [port.name for port in self.outputs]
-        s = np.asarray(2j * np.pi * self.frequency, np.complex128)
-        whole = model.response(self.frequency, names, model.inputs)
+        s = np.asarray(2j * np.pi * hertz, np.complex128)
+        whole = fine_response(model, hertz, names, model.inputs)
         columns = {name: whole[:, :, k] for k, name in enumerate(model.inputs)}
         found = np.stack([_input(port, model, scenario, columns, s) for port in self.inputs], axis=2)
         if self._held is not None:
-            hold = np.exp(-0.5 * s / self._held) * np.sinc(self.frequency / self._held)
+            hold = np.exp(-0.5 * s / self._held) * np.sinc(hertz / self._held)
             commands = [k for k, port in enumerate(self.inputs) if port.name.startswith("valve_command")]
             found[:, :, commands] *= hold[:, None, None]
         return np.asarray(found)

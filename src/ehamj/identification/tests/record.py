@@ -10,7 +10,7 @@ from ehamj.identification.channels import check_seen
 from ehamj.identification.machine import with_values
 from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.averaged import averaged
-from ehamj.identification.tests.driven import Driven, driven, entry_of
+from ehamj.identification.tests.driven import FADE, Driven, driven, entry_of
 from ehamj.identification.tests.linear import LinearResiduals, Port, check_linear
 from ehamj.identification.tests.test import Context, TestSettings
 from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
@@ -49,9 +49,9 @@ class RecordTest(Reading, TestSettings):
         if self.compare == "frequency":
             return self._linear(measured, context)
         outputs = self._outputs(measured, context)
-        clock = Clock(
-            measured.rate, measured.channels[0].samples.size, self.settle, any(one.delay for one in outputs), self.rate
-        )
+        late = any(one.delay for one in outputs)
+        faded = FADE if any(one.name.startswith("ground_") for one in measured.inputs) else 0.0
+        clock = Clock(measured.rate, measured.channels[0].samples.size, self.settle, late, self.rate, faded)
         if clock.part(int(clock.duration * clock.compared)).start + 10 >= clock.duration * clock.compared:
             raise InputError(
                 f"test {self.name!r}: lasts {clock.duration:g} s, of which settle = {self.settle:g} s and filters "
@@ -66,7 +66,7 @@ class RecordTest(Reading, TestSettings):
         """Its responses beside the linear model's."""
         scenario = self.scenario(context)
         check_linear(scenario, f"test {self.name!r}")
-        frequency, lines = averaged(measured, self.settle, self.band, self.segment)
+        frequency, lines, alike = averaged(measured, self.settle, self.band, self.segment)
         into, out = ([self._port(channel) for channel in side] for side in (measured.inputs, measured.outputs))
 
         def at(values: Values) -> Scenario:
@@ -74,7 +74,7 @@ class RecordTest(Reading, TestSettings):
 
         holds = [one.hold for one in self.measurement.values() if (one.channel or "").startswith("valve_command ")]
         held = measured.rate if "held" in holds else None
-        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held)
+        return LinearResiduals(self.name, self.hold_out, at, frequency, into, out, lines, held, alike)
 
     def _port(self, channel: MeasuredChannel) -> Port:
         key = entry_of(self, channel)

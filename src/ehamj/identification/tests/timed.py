@@ -183,6 +183,8 @@ class Clock:
     """Whether a channel's delay is not known."""
     wanted: float
     """Rate that is enough to compare [Hz]."""
+    faded: float = 0.0
+    """Time at each end over which what drives the machine fades [s]."""
 
     @property
     def first(self) -> int:
@@ -219,8 +221,8 @@ class Clock:
 
     @property
     def margin(self) -> float:
-        """What filters and delays spoil at each end [s]."""
-        spoilt = lost(self.first) / self.rate + lost(self.second) / self.recorded
+        """What filters, delays and fading spoil at each end [s]."""
+        spoilt = self.faded + lost(self.first) / self.rate + lost(self.second) / self.recorded
         return spoilt + (LATEST + HALF / self.recorded if self.late else 0.0)
 
     def until(self, most: float, share: float) -> float:
