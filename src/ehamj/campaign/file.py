@@ -9,7 +9,6 @@ A study goes through stages, in this order; its designs have numbers through all
 - ``confirm``: these designs once more, on the machine as ``confirm.set`` has it; ``parent`` is the design.
 """
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -23,11 +22,10 @@ from ehamj.campaign.plans.plan import Goals
 from ehamj.campaign.spreads import Vary
 from ehamj.merits import catalogue  # noqa: F401  # fills the sources of merits
 from ehamj.merits.merit import Machine, source_of
-from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import entries, override
-from ehamj.scenario.load import anchored, as_scenario, otherwise
+from ehamj.scenario.keys import entries
+from ehamj.scenario.load import as_scenario, otherwise, settings_of
 from ehamj.scenario.variation import LawChoice
-from ehamj.scenario_files import path_of, shipped_studies, table_of
+from ehamj.scenario_files import shipped_studies
 from ehamj.settings import OVERRIDES, SCENARIO, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -165,13 +163,4 @@ def load_study(source: str | Path | Mapping[str, Any] | StudyFile, overrides: It
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
     """
-    if isinstance(source, StudyFile):
-        table: dict[str, Any] = json.loads(source.model_dump_json(exclude_unset=True))
-    elif isinstance(source, Mapping):
-        table = dict(anchored(dict(source), StudyFile, Path.cwd()))
-    else:
-        path = path_of(source, shipped_studies(), "study")
-        table = anchored(table_of(path, "study"), StudyFile, path.resolve().parent)
-    for text in overrides:
-        override(table, text)
-    return checked(StudyFile, anchored(table, StudyFile, Path.cwd()))
+    return settings_of(StudyFile, source, overrides, shipped_studies(), "study")

@@ -1,6 +1,5 @@
 """An identification file: which machine, which of its values are looked for, and which tests tell them."""
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -10,11 +9,9 @@ from pydantic import Field, field_validator, model_validator
 from ehamj.identification.optional import ChoiceSettings, with_neutral
 from ehamj.identification.planning.settings import PlanSettings
 from ehamj.identification.tests.kinds import TESTS
-from ehamj.scenario.explain import checked
-from ehamj.scenario.keys import override
-from ehamj.scenario.load import anchored, as_scenario, otherwise
+from ehamj.scenario.load import as_scenario, otherwise, settings_of
 from ehamj.scenario.model import Engine, Scenario
-from ehamj.scenario_files import path_of, shipped_identifications, table_of
+from ehamj.scenario_files import shipped_identifications
 from ehamj.settings import OVERRIDES, SCENARIO, Positive, Settings, one_of
 
 Overrides = Annotated[dict[str, Any], OVERRIDES]
@@ -125,13 +122,4 @@ def load_identify(source: str | Path | Mapping[str, Any] | IdentifyFile, overrid
     Raises:
         InputError: with one message that names the key, the value and what is allowed.
     """
-    if isinstance(source, IdentifyFile):
-        table: dict[str, Any] = json.loads(source.model_dump_json(exclude_unset=True))
-    elif isinstance(source, Mapping):
-        table = dict(anchored(dict(source), IdentifyFile, Path.cwd()))
-    else:
-        path = path_of(source, shipped_identifications(), "identification")
-        table = anchored(table_of(path, "identification file"), IdentifyFile, path.resolve().parent)
-    for text in overrides:
-        override(table, text)
-    return checked(IdentifyFile, anchored(table, IdentifyFile, Path.cwd()))
+    return settings_of(IdentifyFile, source, overrides, shipped_identifications(), "identification")

@@ -1,10 +1,11 @@
 """Read scenarios: TOML files and shipped names, with overrides; file names become absolute."""
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import ValidationError
 
@@ -15,7 +16,7 @@ from ehamj.scenario.keys import other_kinds, override, written
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import keys_of
 from ehamj.scenario.variation import changed, derived_anew, otherwise, unlike, warn_derived
-from ehamj.scenario_files import scenario_path, scenario_table, shipped_scenarios
+from ehamj.scenario_files import path_of, scenario_path, scenario_table, shipped_scenarios, table_of
 from ehamj.settings import FILE, OVERRIDES, SCENARIO, Settings, schema_of
 
 __all__ = [
@@ -30,9 +31,12 @@ __all__ = [
     "override",
     "parse_scenario",
     "scenario_schema",
+    "settings_of",
     "shipped_scenarios",
     "written",
 ]
+
+S = TypeVar("S", bound=Settings)
 
 
 def scenario_schema() -> str:
@@ -112,6 +116,38 @@ def parse_scenario(table: Mapping[str, Any]) -> Scenario:
         InputError: see `load_scenario`.
     """
     return checked(Scenario, table)
+
+
+def settings_of(
+    kind: type[S],
+    source: str | Path | Mapping[str, Any] | S,
+    overrides: Iterable[str],
+    shipped: Mapping[str, Path],
+    word: str,
+) -> S:
+    """What a file of some kind of settings states: a study, an identification.
+
+    Args:
+        kind: of the settings.
+        source: a shipped name, a TOML file, or its content.
+        overrides: ``a.b=value`` each, applied to its content, as ``--set`` has them.
+        shipped: files that come with ehamj, by name.
+        word: what messages call the file.
+
+    Raises:
+        InputError: with one message that names the key, the value and what is allowed.
+    """
+    if isinstance(source, kind):
+        table: dict[str, Any] = json.loads(source.model_dump_json(exclude_unset=True))
+    elif isinstance(source, Mapping):
+        table = dict(anchored(dict(source), kind, Path.cwd()))
+    else:
+        assert isinstance(source, str | Path)
+        path = path_of(source, shipped, word)
+        table = anchored(table_of(path, word), kind, path.resolve().parent)
+    for text in overrides:
+        override(table, text)
+    return checked(kind, anchored(table, kind, Path.cwd()))
 
 
 def anchored(value: Any, kind: Any, folder: Path) -> Any:

@@ -1,10 +1,7 @@
 """Every key of an identification file, on one page for each of its tables."""
 
-import json
-
 from ehamj.identification.file import IdentifyFile
-from ehamj.settings import schema_of
-from handbook.reference.tables import Tables, summary_table
+from handbook.reference.tables import pages_of
 
 TITLES = {
     "parameters": ("Parameters", "How the values are looked for, each by its key in the scenario."),
@@ -21,15 +18,8 @@ TITLES = {
 
 def identify_pages() -> dict[str, str]:
     """Markdown by path within the site."""
-    tables = Tables(json.loads(schema_of(IdentifyFile)))
-    pages = {f"{key}.md": tables.page(title, said, f"{key}.md", [key]) for key, (title, said) in TITLES.items()}
-    properties = tables.schema["properties"]
-    required = tables.schema.get("required", ())
-    parts = [
-        "# Keys of an identification file\n",
+    said = (
         "An identification file is TOML: which machine, which of its values are looked for, which tests tell them, and "
-        "which could. `ehamj schema identify` prints the same as a JSON schema.\n",
-        summary_table({name: (name, node) for name, node in properties.items()}),
-        *(tables.key(name, node, name, name in required) for name, node in properties.items()),
-    ]
-    return {f"reference/identify/{name}": text for name, text in {"index.md": "\n".join(parts), **pages}.items()}
+        "which could. `ehamj schema identify` prints the same as a JSON schema."
+    )
+    return pages_of(IdentifyFile, "identify", "Keys of an identification file", said, TITLES)

@@ -1,10 +1,7 @@
 """Every key of a study file, on one page for each of its tables."""
 
-import json
-
 from ehamj.campaign.file import StudyFile
-from ehamj.settings import schema_of
-from handbook.reference.tables import Tables, summary_table
+from handbook.reference.tables import pages_of
 
 TITLES = {
     "vary": ("Spreads", "How the values of a parameter spread, by the keys that a table has."),
@@ -20,15 +17,8 @@ TITLES = {
 
 def study_pages() -> dict[str, str]:
     """Markdown by path within the site."""
-    tables = Tables(json.loads(schema_of(StudyFile)))
-    pages = {f"{key}.md": tables.page(title, said, f"{key}.md", [key]) for key, (title, said) in TITLES.items()}
-    properties = tables.schema["properties"]
-    required = tables.schema.get("required", ())
-    parts = [
-        "# Keys of a study file\n",
+    said = (
         "A study file is TOML: which machine, what is varied, which designs that makes, and what is asked of them. "
-        "`ehamj schema study` prints the same as a JSON schema.\n",
-        summary_table({name: (name, node) for name, node in properties.items()}),
-        *(tables.key(name, node, name, name in required) for name, node in properties.items()),
-    ]
-    return {f"reference/study/{name}": text for name, text in {"index.md": "\n".join(parts), **pages}.items()}
+        "`ehamj schema study` prints the same as a JSON schema."
+    )
+    return pages_of(StudyFile, "study", "Keys of a study file", said, TITLES)

@@ -1,10 +1,11 @@
 """The tables of a file of settings as pages: every key once, with an anchor of its own."""
 
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from ehamj.settings import PROVENANCE
+from ehamj.settings import PROVENANCE, Settings, schema_of
 from handbook.reference.words import Node, allowed, magnitude, referred, unit, value
 
 SHARED_BY = 3
@@ -196,3 +197,27 @@ def summary_table(rows: dict[str, tuple[str, Node]]) -> str:
         source = f" {node.get('source', '')} |" if sourced else ""
         lines.append(f"| [`{name}`](#{anchor}) | {shown} | {known if known and known != '-' else ''} |{source}")
     return "\n".join(lines) + "\n"
+
+
+def pages_of(
+    kind: type[Settings], folder: str, head: str, said: str, titles: Mapping[str, tuple[str, str]]
+) -> dict[str, str]:
+    """Pages of every key of a kind of file, one for each of its tables, as Markdown by path within the site.
+
+    Args:
+        kind: of settings that the file holds.
+        folder: of the pages, below ``reference``.
+        head: title of their index.
+        said: what the index begins with.
+        titles: title and first sentence of each table's page, by its key.
+    """
+    tables = Tables(json.loads(schema_of(kind)))
+    pages = {f"{key}.md": tables.page(title, first, f"{key}.md", [key]) for key, (title, first) in titles.items()}
+    properties, required = tables.schema["properties"], tables.schema.get("required", ())
+    parts = [
+        f"# {head}\n",
+        f"{said}\n",
+        summary_table({name: (name, node) for name, node in properties.items()}),
+        *(tables.key(name, node, name, name in required) for name, node in properties.items()),
+    ]
+    return {f"reference/{folder}/{name}": text for name, text in {"index.md": "\n".join(parts), **pages}.items()}
