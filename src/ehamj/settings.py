@@ -46,11 +46,20 @@ SHORTEST_FADE: Final = 1e-9
 """[s]"""
 
 
+def _rises(band: tuple[float, float]) -> tuple[float, float]:
+    if not band[0] < band[1]:
+        raise ValueError("the first must be below the second")
+    return band
+
+
 def _lasts(fade: float) -> float:
     if 0.0 < fade < SHORTEST_FADE:
         raise ValueError(f"must be zero or at least {SHORTEST_FADE:g} s")
     return fade
 
+
+Band = Annotated[tuple[Positive, Positive], AfterValidator(_rises)]
+"""Lowest and highest frequency [Hz]."""
 
 Fade = Annotated[float, Field(ge=0), AfterValidator(_lasts)]
 """Time over which something fades; at once, 0, or in a time that its rate of change does not suffer from [s]."""

@@ -2,17 +2,17 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from ehamj.errors import InputError
 from ehamj.forces.kinds import load_of
 from ehamj.identification.planning.candidate import HIGHEST, Bench, CandidateSettings, place, words_of
 from ehamj.identification.planning.trial import Trial
 from ehamj.rig.low_peak import low_peak, zippered
-from ehamj.settings import Direction, Positive, Settings, Vector3
+from ehamj.settings import Band, Direction, Positive, Settings, Vector3
 
 AXES: tuple[Vector3, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -72,15 +72,9 @@ class ShakerCandidate(CandidateSettings):
         "cg", description="a name in [points], 'cg', or a place from the mount plane's centre [m]"
     )
     direction: Direction = Field((0.0, 0.0, 1.0), description="direction of the force (any length)")
-    band: tuple[Positive, Positive] = Field((2.0, 200.0), description="lowest and highest frequency [Hz]")
+    band: Band = Field((2.0, 200.0), description="lowest and highest frequency [Hz]")
     lines: int = Field(40, ge=1, le=200, description="lines, at most")
     peak: Positive | None = Field(None, description="peak of the force; without: a tenth of plan.limits.force [N]")
-
-    @model_validator(mode="after")
-    def _rises(self) -> Self:
-        if not self.band[0] < self.band[1]:
-            raise ValueError(f"band = {list(self.band)} Hz: the first must be below the second")
-        return self
 
     @classmethod
     def usual(cls, bench: Bench) -> tuple[CandidateSettings, ...]:

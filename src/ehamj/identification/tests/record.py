@@ -20,7 +20,7 @@ from ehamj.measured.reading import read_measured
 from ehamj.measured.settings import Measurement
 from ehamj.records.choices import Reading
 from ehamj.scenario.model import Scenario
-from ehamj.settings import FileName, Positive
+from ehamj.settings import Band, FileName, Positive
 
 Comparison = Literal["time", "frequency", "both"]
 
@@ -41,7 +41,7 @@ class RecordTest(Reading, TestSettings):
     segment: Positive | None = Field(
         None, description="in frequency: length of a segment of Welch's spectra; without: 2 s, or an eighth of it [s]"
     )
-    band: tuple[Positive, Positive] = Field((1.0, 400.0), description="in frequency: what is compared [Hz]")
+    band: Band = Field((1.0, 400.0), description="in frequency: what is compared [Hz]")
 
     def residuals(self, context: Context) -> Residuals:
         """See `TestSettings.residuals`."""
