@@ -252,7 +252,7 @@ def _other_text(random: Random, content: bytes) -> tuple[bytes, str]:
         k = random.randrange(len(lines))
         return b"\n".join([*lines[:k], lines[k], *lines[k:]]), f"line {k + 1} twice"
     if how == 2:
-        return content.decode().encode(random.choice(["utf-16", "utf-32", "cp037"])), "in another encoding"
+        return content.decode().encode(random.choice(["utf-16", "utf-32", "cp037"]), "replace"), "in another encoding"
     if how == 3:
         k = random.randrange(len(content))
         return content[:k] + random.choice([b"\xff", b"\xc3", b"\x00", b"\xed\xa0\x80", b"\r"]) + content[
