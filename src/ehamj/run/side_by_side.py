@@ -66,12 +66,20 @@ def drive_block(
     except MemoryError:
         raise no_room(first, count) from None
     struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
-    done, begin, rows, seconds, sampled, given = 0, 0, 0, 0.0, range(0), None
+    done, begin, rows, seconds, sampled, given, lost = 0, 0, 0, 0.0, range(0), None, None
     while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
+        if streaming and all(stream.lost for stream in streaming):
+            break
         check()
         if given is None or done not in sampled:
             sampled = range(done, min(done + STRETCH, first.steps))
-            given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
+            try:
+                given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
+            except (MemoryError, OSError) as error:
+                if not done:
+                    raise
+                lost = error
+                break
         _strike(block, struck, done)
         running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
         steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
@@ -101,7 +109,7 @@ def drive_block(
         told = (block.tally(number), stopped, seconds / len(runs))
         if streaming:
             streaming[number].add(table, faults.found)
-        yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
+        yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None, lost)
 
 
 def _strike(block: Block, struck: Sequence[Faults], done: int) -> None:
