@@ -1,8 +1,10 @@
 """What the program states itself without a validator is what a validator would have made of it."""
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
+import numpy as np
 import pytest
 
 from ehamj.control.sensors import IDEAL
@@ -49,3 +51,21 @@ def test_what_is_stated_is_valid(which: str) -> None:
         again = type(one).model_validate({type(one).model_fields[name].alias or name: own[name] for name in own})
         assert again == one, type(one).__name__
         assert again.model_fields_set == one.model_fields_set
+
+
+class Cached(Settings):
+    value: float
+
+    @cached_property
+    def table(self) -> Any:
+        return np.arange(3.0)
+
+
+def test_settings_are_equal_by_their_values_whatever_they_have_computed() -> None:
+    ones = [Cached(value=1.0), Cached(value=1.0), Cached(value=2.0)]
+    for one in ones:
+        _ = one.table
+    assert ones[0] == ones[1]
+    assert hash(ones[0]) == hash(ones[1])
+    assert ones[1] != ones[2]
+    assert ones[0] != 1.0

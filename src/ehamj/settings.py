@@ -123,6 +123,16 @@ class Settings(BaseModel):
             del made.__dict__[name]
         return made
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are of one kind and have equal values, whatever they have computed of themselves: a cached array
+        has no one truth."""
+        if not isinstance(other, Settings):
+            return NotImplemented
+        if type(self) is not type(other):
+            return False
+        ours, theirs = self.__dict__, other.__dict__
+        return all(ours[name] is theirs[name] or ours[name] == theirs[name] for name in type(self).model_fields)
+
     @model_validator(mode="before")
     @classmethod
     def _lists_are_tuples(cls, table: Any) -> Any:

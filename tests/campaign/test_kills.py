@@ -44,7 +44,7 @@ def test_kills_at_random_moments_lose_nothing(tmp_path: Path) -> None:
         folder, studies = tmp_path / str(studies), studies + 1
         while True:
             resume = (folder / STORE_FILE).exists()
-            process, _ = begun(folder, search(PLAN, SPACE), scheduler="threads:2", resume=resume)
+            process = begun(folder, search(PLAN, SPACE), scheduler="threads:2", resume=resume)
             process.join(moments.uniform(0.0, 0.4 * whole) if kills < KILLS else None)
             process.kill()
             process.join()
@@ -58,7 +58,7 @@ def test_kills_at_random_moments_lose_nothing(tmp_path: Path) -> None:
 
 def test_a_store_is_free_once_its_study_is_killed(tmp_path: Path) -> None:
     folder = tmp_path / "study"
-    process, _ = begun(folder, search(space=Plain(pause=0.5)))
+    process = begun(folder, search(space=Plain(pause=0.5)))
     while True:
         with contextlib.suppress(InputError), reading(folder) as store:
             if store.said("holder"):

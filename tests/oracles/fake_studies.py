@@ -141,19 +141,14 @@ def done(folder: Path, stage: Search | None = None, **how: Any) -> Conducted:
 
 
 def done_aloud(told: Any, folder: Path, stage: Search, **how: Any) -> None:
-    """As `done`, in a process of its own: says when it begins, and at its end by how much memory it grew [KiB], since
-    a copy has from the beginning what it was made of."""
-    from resource import RUSAGE_SELF, getrusage
-
+    """As `done`, in a process of its own, which says when it begins."""
     machine()
-    before = getrusage(RUSAGE_SELF).ru_maxrss
     told.send("begins")
     done(folder, stage, **how)
-    told.send(getrusage(RUSAGE_SELF).ru_maxrss - before)
 
 
-def begun(folder: Path, stage: Search, **how: Any) -> tuple[Any, Any]:
-    """A process of its own that has just begun a study, and what it tells; a copy of this one, which takes no time."""
+def begun(folder: Path, stage: Search, **how: Any) -> Any:
+    """A process of its own that has just begun a study; a copy of this one, which takes no time."""
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
     machine()
@@ -163,7 +158,7 @@ def begun(folder: Path, stage: Search, **how: Any) -> tuple[Any, Any]:
         process.start()
     theirs.close()
     ours.recv()
-    return process, ours
+    return process
 
 
 def results(folder: Path) -> Any:

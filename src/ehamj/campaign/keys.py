@@ -3,15 +3,21 @@
 from typing import Any
 
 from ehamj.bounds import unit_of
-from ehamj.designs.parameters import FOOTPRINT, footprint, quantity_of
+from ehamj.designs.parameters import FOOTPRINT, changes_of, footprint, quantity_of
 from ehamj.errors import InputError, did_you_mean
 from ehamj.scenario.keys import plain
+from ehamj.scenario.load import changed
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.places import by_kind, inside, only
 
 
-def own_value(scenario: Scenario, key: str) -> Any:
+def own_value(scenario: Scenario, key: str, said: str = "vary") -> Any:
     """The scenario's value of a key, as TOML has it; None where it is left out, or there is no such key.
+
+    Args:
+        scenario: whose.
+        key: dotted, as ``--set`` has it.
+        said: the table that names the key, for messages.
 
     Raises:
         InputError: if it is of isolators that there are none of.
@@ -22,10 +28,23 @@ def own_value(scenario: Scenario, key: str) -> Any:
     for part in key.split("."):
         if place is scenario.actuators and part not in place:
             raise InputError(
-                f"vary: {key}: {did_you_mean(part, place)}there are the actuators {', '.join(scenario.actuators)}"
+                f"{said}: {key}: {did_you_mean(part, place)}there are the actuators {', '.join(scenario.actuators)}"
             )
         place = _entry(place, part)
     return plain(place)
+
+
+def check_known(scenario: Scenario, key: str, said: str = "vary") -> None:
+    """Refuse a key that is none, in the scenario's words.
+
+    Raises:
+        InputError: which names what may have been meant.
+    """
+    try:
+        changed(scenario, changes_of(scenario, {key: 1.0}))
+    except InputError as error:
+        if "unknown key" in str(error):
+            raise InputError(f"{said}: {str(error).replace(f'{key} = 1.0', key)}") from None
 
 
 def unit_at(scenario: Scenario, key: str) -> str:

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from ehamj.arrays import Array
-from ehamj.campaign.keys import own_value, unit_at
+from ehamj.campaign.keys import check_known, own_value, unit_at
 from ehamj.campaign.spread import SpreadSettings
 from ehamj.campaign.spreads import Listed
 from ehamj.designs.parameters import changes_of
@@ -71,7 +71,8 @@ def parameters_of(scenario: Scenario, key: str, spread: SpreadSettings) -> list[
     try:
         spread.check(own)
     except ValueError as error:
-        _check_known(scenario, key, own)
+        if own is None:  # has no value to spread about either
+            check_known(scenario, key)
         raise InputError(f"vary: {key}: {error}") from None
     numbers = not (isinstance(spread, Listed) and not spread.numbers)
     stated = Parameter(key, key, unit_at(scenario, key) if numbers else "1", spread, own)
@@ -86,16 +87,6 @@ def parameters_of(scenario: Scenario, key: str, spread: SpreadSettings) -> list[
             f"actuators.({', '.join(dict.fromkeys(m.actuator for m in scenario.mount))}).QUANTITY"
         )
     return [Parameter(f"mount.{m.name}.actuator.{parts[2]}", key, stated.unit, spread, own) for m in mounts]
-
-
-def _check_known(scenario: Scenario, key: str, own: Any) -> None:
-    """Refuse a key that is none, in the scenario's words: it has no value to spread about either."""
-    if own is None:
-        try:
-            changed(scenario, changes_of(scenario, {key: 1.0}))
-        except InputError as error:
-            if "unknown key" in str(error):
-                raise InputError(f"vary: {str(error).replace(f'{key} = 1.0', key)}") from None
 
 
 def _try(scenario: Scenario, one: Parameter) -> None:

@@ -150,7 +150,8 @@ def _made(
     table, matrices, inputs_of, size = _laws((*parts, *inner, *stage), channels, timestep, functions, mounts)
     lines, followed, kept, frequencies = lines_of(parts, table)
     filters, feedthrough, grid = _instruments(channels, sensors, timestep)
-    rests = [name not in converter.measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
+    measures = converter.measures
+    rests = [name not in measures and quantity_of(name.partition(" ")[0]) in STATIC for name in channels]
     times = float(converter.switch_on), float(converter.fade)
     conversion = Conversion(float(converter.voltage_limit), converter.resolution, *times)
     within = np.array([k for k in np.argsort(table["fraction"], kind="stable") if table["fraction"][k]], np.int64)
@@ -206,11 +207,16 @@ def _instruments(
     discrete = [exact if sensor is None else discretise(sensor, timestep) for sensor in found]
     n = max((d.A.shape[0] for d in discrete), default=0)
     filters = np.zeros((n + 3, n, len(channels)))
+    alike: dict[int, list[int]] = {}
     for c, d in enumerate(discrete):
+        alike.setdefault(id(d), []).append(c)
+    for same in alike.values():
+        d = discrete[same[0]]
         own = d.A.shape[0]
         at = [*range(own - OLDER), *range(n - OLDER, n)] if own else []
-        filters[np.ix_(at, at, [c])] = d.A[:, :, None]
-        filters[n, at, c], filters[n + 1, at, c], filters[n + 2, at, c] = d.B, d.C, d.settled
+        filters[np.ix_(at, at, same)] = d.A[:, :, None]
+        for row, values in enumerate((d.B, d.C, d.settled), start=n):
+            filters[np.ix_([row], at, same)] = values[:, None]
     ranges = np.array([np.inf if s is None else s.range for s in found], float)
     resolutions = np.array([0.0 if s is None else s.resolution for s in found], float)
     return filters, np.array([d.D for d in discrete], float), (ranges, resolutions)

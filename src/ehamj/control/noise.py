@@ -1,11 +1,12 @@
 """Noise and drift of the readings of instruments."""
 
 import math
-from functools import cache
-from typing import Final
+from functools import cache, cached_property
+from typing import Final, NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ehamj.arrays import Array
 from ehamj.control.compiled.noise import FACTORS, compiled_noise
@@ -21,23 +22,27 @@ class ReadingNoise:
 
     def __init__(self, channels: tuple[str, ...], sensors: Sensors, seed: int, period: float) -> None:
         self._source = channels, sensors, seed, period
-        known = ((k, sensors.of(name), name) for k, name in enumerate(channels))
+        known = ((k, sensors.of(name)) for k, name in enumerate(channels))
         # What is silent draws nothing: each channel has random numbers of its own.
-        noisy = {
-            k: (sensor, randomness(seed, name, NOISE))
-            for k, sensor, name in known
+        self._noisy = {
+            k: sensor
+            for k, sensor in known
             if sensor is not None and (sensor.noise, sensor.drift, sensor.random_walk) != (0.0, 0.0, 0.0)
         }
-        low_passes = {k: _low_pass(sensor.order, 2.0 * sensor.high * period) for k, (sensor, _) in noisy.items()}
-        most = max(map(len, low_passes.values()), default=0)
-        self._random, self._period, self._done = {k: random for k, (_, random) in noisy.items()}, period, 0
-        self._factors, self._levels = np.zeros((len(channels), len(FACTORS))), np.zeros((len(channels), 2))
-        self._sections, self._filtered = np.zeros((len(channels), most, 6)), np.zeros((len(channels), most, 2))
-        self._counts = np.full(len(channels), -1, np.int64)
-        for k, (sensor, random) in noisy.items():
-            self._counts[k] = len(low_passes[k])
-            self._sections[k, : self._counts[k]] = low_passes[k]
-            self._factors[k], self._levels[k, 0] = _start(sensor, random, period)
+        self._done = 0
+
+    @cached_property
+    def _begun(self) -> "_Begun":
+        """What is known before the first sample; of runs that hear the same, one asks."""
+        channels, _, seed, period = self._source
+        low_passes = {k: _low_pass(one.order, 2.0 * one.high * period) for k, one in self._noisy.items()}
+        begun = _Begun.of(len(channels), max(map(len, low_passes.values()), default=0))
+        for k, sensor in self._noisy.items():
+            random = begun.random[k] = randomness(seed, channels[k], NOISE)
+            begun.counts[k] = len(low_passes[k])
+            begun.sections[k, : begun.counts[k]] = low_passes[k]
+            begun.factors[k], begun.levels[k, 0] = _start(sensor, random, period)
+        return begun
 
     def alike(self, other: "ReadingNoise") -> bool:
         """Whether another one, of which as many samples were taken, or none, gives the same."""
@@ -46,19 +51,43 @@ class ReadingNoise:
     @property
     def silent(self) -> bool:
         """Whether there is none at all."""
-        return not self._random
+        return not self._noisy
 
     def take(self, samples: int, found: Array | None = None) -> Array:
         """The next samples, (samples, channels) in the channels' units; put into ``found`` where it is given, which
         must be zero."""
-        found = np.zeros((samples, self._counts.size)) if found is None else found
-        drawn = np.empty((self._counts.size, samples, NUMBERS))
-        for k, random in self._random.items():
-            random.standard_normal(out=drawn[k])
-        tables = (self._factors, self._sections, self._counts, self._levels, self._filtered)
-        compiled_noise()(drawn, self._done, self._period, *tables, found)
+        channels, _, _, period = self._source
+        found = np.zeros((samples, len(channels))) if found is None else found
+        drawn = np.empty((len(channels), samples, NUMBERS))
+        random, *tables = self._begun
+        for k, own in random.items():
+            own.standard_normal(out=drawn[k])
+        compiled_noise()(drawn, self._done, period, *tables, found)
         self._done += samples
         return found
+
+
+class _Begun(NamedTuple):
+    """Random numbers of the channels that are not silent, and what the compiled noise takes and remembers of all."""
+
+    random: dict[int, np.random.Generator]
+    factors: Array
+    """(channel, `FACTORS`)"""
+    sections: Array
+    """(channel, section, 6) of the low-passes."""
+    counts: NDArray[np.int64]
+    """(channel,) sections, −1 of what is silent."""
+    levels: Array
+    """(channel, 2) of the rising noise and the walk."""
+    filtered: Array
+    """(channel, section, 2)"""
+
+    @classmethod
+    def of(cls, channels: int, most: int) -> "_Begun":
+        """Silent channels, with room for so many sections at most."""
+        factors, sections = np.zeros((channels, len(FACTORS))), np.zeros((channels, most, 6))
+        counts, levels = np.full(channels, -1, np.int64), np.zeros((channels, 2))
+        return cls({}, factors, sections, counts, levels, np.zeros((channels, most, 2)))
 
 
 def _start(sensor: Instrument, random: np.random.Generator, period: float) -> tuple[tuple[float, ...], float]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -87,17 +88,18 @@ def _moves(own: Known, period: float) -> Moves:
     return Moves._make([*spool, *lag, 2.0 * time, *led, -math.expm1(-period / LASTING)])
 
 
-def _valve_moves(own: Known | KnownSpool, period: float) -> list[float]:
+def _valve_moves(own: Known | KnownSpool, period: float) -> tuple[float, ...]:
     """The known valve's spool and its rate from sample to sample, its target held."""
     return _held(
         -(own.valve_frequency**2), -2.0 * own.valve_damping * own.valve_frequency, own.valve_frequency**2, period
     )
 
 
-def _held(stiffness: float, damping: float, gain: float, period: float) -> list[float]:
+@lru_cache(maxsize=64)
+def _held(stiffness: float, damping: float, gain: float, period: float) -> tuple[float, ...]:
     """ẍ = stiffness·x + damping·ẋ + gain·u with u held: x⁺ and ẋ⁺ of x, ẋ and u each."""
     step = scipy.linalg.expm(np.array([[0.0, 1.0, 0.0], [stiffness, damping, gain], [0.0, 0.0, 0.0]]) * period)
-    return [float(number) for number in step[:2].ravel()]
+    return tuple(float(number) for number in step[:2].ravel())
 
 
 def pressure_places(

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ehamj.campaign.keys import own_value, unit_at
+from ehamj.campaign.keys import check_known, own_value, unit_at
 from ehamj.designs.parameters import mount_of, value_of
 from ehamj.errors import InputError
 from ehamj.identification.file import ParameterSettings
@@ -81,14 +81,15 @@ def _own(scenario: Scenario, key: str) -> float:
     said = f"parameters: {key}"
     if mount_of(scenario, key)[0] is not None and ".actuator." in key:
         return value_of(scenario, key)
-    own = own_value(scenario, key)
+    own = own_value(scenario, key, "parameters")
     if isinstance(own, list) and own and len(set(own)) == 1:
         own = own[0]
     if own is None:
         try:
             return value_of(scenario, key)
         except InputError:
-            raise InputError(f"{said}: the scenario has no such value (or leaves it out)") from None
+            check_known(scenario, key, "parameters")
+            raise InputError(f"{said}: the scenario leaves it out; give it a value to begin with (set)") from None
     if isinstance(own, bool) or not isinstance(own, int | float) or not np.isfinite(own):
         raise InputError(f"{said}: holds {own!r}; only a finite number can be looked for")
     return float(own)

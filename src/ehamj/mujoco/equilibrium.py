@@ -42,6 +42,11 @@ class Inputs:
         mounts = mounts_of(model)
         return cls(np.zeros((mounts, len(AXES))), np.zeros((mounts, len(AXES))), np.zeros(mounts))
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether they are those of `rest`."""
+        return not (self.displacement.any() or self.velocity.any() or self.command.any())
+
     def write(self, data: mujoco.MjData) -> None:
         """Hand the inputs to the callbacks as the start of a step of one second."""
         data.userdata[:] = 0.0

@@ -7,6 +7,7 @@ callbacks of `ehamj.mujoco` add the oil and the ground's share.
 """
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -39,6 +40,16 @@ def template() -> Path:
     raise FileNotFoundError(f"machine.xml is in none of {', '.join(map(str, candidates))}; reinstall ehamj")
 
 
+@cache
+def _begun(drawn: bool) -> mujoco.MjSpec:
+    """The template, with its geometry or without; read once, as a copy takes less. Nobody is to change it."""
+    spec = mujoco.MjSpec.from_file(str(template()))
+    if not drawn:
+        for geom in list(spec.geoms):
+            spec.delete(geom)
+    return spec
+
+
 def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjSpec:
     """The model as an editable MjSpec.
 
@@ -51,7 +62,7 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
         InputError: if the plant cannot be built with these plates.
     """
     check_plates(plant)
-    spec = mujoco.MjSpec.from_file(str(template()))
+    spec = _begun(drawn).copy()
     spec.option.timestep = timestep
     spec.option.gravity = [0.0, 0.0, -plant.gravity]
     spec.nuserdata = userdata_size(len(plant.mounts), len(plant.slides))
@@ -69,9 +80,6 @@ def build_spec(plant: Plant, timestep: float, drawn: bool = False) -> mujoco.MjS
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     if drawn:
         draw(spec, plant)
-    else:
-        for geom in list(spec.geoms):
-            spec.delete(geom)
     return spec
 
 

@@ -71,7 +71,7 @@ def multisine(
 
 
 def driven(
-    machine: Scenario, path: Path, rate: float, commands: Mapping[str, Array], shakers: Sequence[Shaker] = ()
+    machine: Scenario, path: str | Path, rate: float, commands: Mapping[str, Array], shakers: Sequence[Shaker] = ()
 ) -> Scenario:
     """A machine whose valves and shakers play a file, which is written.
 
@@ -92,6 +92,7 @@ def driven(
     if len(lengths) != 1:
         raise InputError(f"signals are of {sorted(lengths)} samples; there must be some, all of one length")
     (size,) = lengths
+    path = Path(path)
     with written_whole(path) as unfinished:
         rows = np.column_stack([np.arange(size) / rate, *columns.values()])
         np.savetxt(unfinished, rows, "%.12g", ",", header=",".join(["time [s]", *columns]), comments="")
@@ -106,7 +107,7 @@ def driven(
 
 
 def valve_test(
-    machine: Scenario, path: Path, *, rate: float = 2000.0, duration: float = 1.0,
+    machine: Scenario, path: str | Path, *, rate: float = 2000.0, duration: float = 1.0,
     band: tuple[float, float] = (2.0, 300.0), volts: float = 0.6, shaker: tuple[str | Vector3, Vector3] | None = None,
     newtons: float = 1000.0, seed: int = 0,
 ) -> Scenario:  # fmt: skip

@@ -1,6 +1,6 @@
 """From a scenario to a model that stands in its equilibrium, its controller and everything that drives it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,7 @@ from ehamj.plant.plant import Plant
 from ehamj.plant.statics import check_standing
 from ehamj.run.budget import check_rows, check_steps
 from ehamj.run.faults import shorter_step, unread
-from ehamj.run.timestep import GIVEN, OF_FILE, OF_SCENARIO, choose_timestep
+from ehamj.run.timestep import GIVEN, OF_FILE, OF_SCENARIO, Standing, choose_timestep, standing
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variation import held
 from ehamj.signals import Signal
@@ -138,6 +138,29 @@ def _check_standing(scenario: Scenario) -> None:
         raise InputError(str(error)) from error
 
 
+def _begins(motion: Motion, commands: Sequence[Signal]) -> Inputs:
+    """Ground and commands at the beginning."""
+    start = np.zeros(1)
+    ground = motion.sample(start).below(len(commands))
+    command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
+    return Inputs(ground.displacement[0], ground.velocity[0], command)
+
+
+def _placed(
+    plant: Plant, timestep: float, inputs: Inputs, stands: Standing | None
+) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The model in its equilibrium as the run begins: the one that stands at rest already, where there is one."""
+    if stands is None:
+        model = build_model(plant, timestep)
+        data = mujoco.MjData(model)
+    else:
+        model, data = stands.model, stands.data
+        model.opt.timestep = timestep
+    if stands is None or not inputs.at_rest:
+        equilibrium(model, data, inputs)
+    return model, data
+
+
 def found_for(scenario: Scenario) -> Found | None:
     """How a scenario's law is found for the machine at hand; None of a law that is not."""
     control, nominal = scenario.control, scenario.nominal
@@ -169,15 +192,11 @@ def prepare(
     else:  # instead of the scenario's control, its open-loop commands too
         commands, keys = Passive().commands(scenario.plant.mounts, scenario.duration), GIVEN
     try:
-        timestep = choose_timestep(scenario, controller, keys)
+        stands = standing(scenario)
+        timestep = choose_timestep(scenario, controller, keys, stands)
         check_steps(scenario, timestep)
         loop = make_loop(controller, scenario.plant, timestep, scenario.sensors, scenario.seed)
-        model = build_model(scenario.plant, timestep)
-        data = mujoco.MjData(model)
-        start = np.zeros(1)
-        ground = motion.sample(start).below(len(commands))
-        command = np.array([signal.sample(start, left=True).value[0] for signal in commands])
-        equilibrium(model, data, Inputs(ground.displacement[0], ground.velocity[0], command))
+        model, data = _placed(scenario.plant, timestep, _begins(motion, commands), stands)
         usual = choose_timestep(scenario.model_copy(update={"fault": ()}), controller) if scenario.fault else timestep
     except EquilibriumError as error:
         raise InputError(f"{error} (machine.mass, actuators, supply, control)") from error

@@ -6,21 +6,25 @@ Delays do not count: commands may switch within a step.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Self
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ehamj.arrays import Array
 from ehamj.control import AnyController, Controller, PythonController
 from ehamj.control.clock import common_divisor
 from ehamj.errors import InputError
 from ehamj.mujoco import hydraulics
-from ehamj.mujoco.equilibrium import Inputs, equilibrium, jacobian
+from ehamj.mujoco.equilibrium import Inputs, equilibrium, jacobian, rates
 from ehamj.mujoco.model import build_model, reduced
 from ehamj.plant.plant import Plant
 from ehamj.run.faults import plants
 from ehamj.scenario.model import Scenario
+
+ANY_STEP: Final = 1e-4
+"""Step of models that take none [s]: those of tied plates are the same at any."""
 
 SHORTEST_STEP = 2e-6
 """Step below which the automatic choice gives up [s]: periods that have no common divisor were hardly meant."""
@@ -43,11 +47,48 @@ OF_FILE: Final = Keys("1/period_s of the law's file", "1/period_s of its spools"
 GIVEN: Final = Keys("1/period of the controller", "1/period of its spools", "the controller's spools")
 
 
-def choose_timestep(scenario: Scenario, controller: AnyController | None = None, keys: Keys = OF_SCENARIO) -> float:
+class Standing(NamedTuple):
+    """The model of a plant in its equilibrium at rest, whatever its step is."""
+
+    plant: Plant
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    state: Array
+
+    @classmethod
+    def of(cls, plant: Plant) -> Self:
+        """A plant that is put there; call it with the hydraulics installed."""
+        model = build_model(plant, ANY_STEP)
+        data = mujoco.MjData(model)
+        return cls(plant, model, data, equilibrium(model, data, Inputs.rest(model)))
+
+    @property
+    def modes(self) -> NDArray[np.complex128]:
+        """Eigenvalues there [rad/s]."""
+        rest = Inputs.rest(self.model)
+        matrix = jacobian(self.model, self.data, self.state, rest)
+        rates(self.model, self.data, self.state, rest)  # it stands there again
+        return np.linalg.eigvals(matrix).astype(complex)
+
+
+def standing(scenario: Scenario) -> Standing | None:
+    """The machine that runs, where it is that of whose modes the step is chosen too: it is built once, then."""
+    plant = scenario.plant
+    same = scenario.timestep == "auto" and stiffest(plant) == plant and plant.plates == "tied"
+    return Standing.of(plant) if same else None
+
+
+def choose_timestep(
+    scenario: Scenario,
+    controller: AnyController | None = None,
+    keys: Keys = OF_SCENARIO,
+    stands: Standing | None = None,
+) -> float:
     """The integration step [s]: as stated, or the longest that resolves the fastest mode at equilibrium.
 
     It divides the recording period and the controller's sampling periods, and follows the shortest force on the
-    machine. Call it with the hydraulics installed; ``keys`` are those that its messages name.
+    machine. Call it with the hydraulics installed; ``keys`` are those that its messages name, and ``stands`` a machine
+    that needs no model again.
 
     Raises:
         InputError: if a stated step does not divide them, or no reasonable step does.
@@ -56,7 +97,7 @@ def choose_timestep(scenario: Scenario, controller: AnyController | None = None,
     if scenario.timestep != "auto":
         return _stated(scenario.timestep, periods, keys)
     # Faults may make it faster: the step is one for the whole run.
-    fastest = max(float(np.abs(_modes(plant)).max()) for plant in plants(scenario))
+    fastest = max(float(np.abs(_modes(plant, stands)).max()) for plant in plants(scenario))
     fastest = max(fastest, STEP_PER_TIME_CONSTANT / scenario.load().longest_step)
     period = float(common_divisor(periods.values()))
     if period < SHORTEST_STEP:
@@ -110,12 +151,16 @@ def follows(plant: Plant, timestep: float) -> bool:
     return bool(np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))).max() <= 1.0)
 
 
-def _modes(plant: Plant) -> NDArray[np.complex128]:
-    """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
+def stiffest(plant: Plant) -> Plant:
+    """The plant whose modes are as fast as they can be: oil without its air, slides where they start, tied plates."""
     stiff = tuple(one.with_values({"air_fraction": 0.0}) if one.air_fraction else one for one in plant.actuators)
-    model = build_model(reduced(replace(plant.locked(), actuators=stiff)), 1e-4)
-    data = mujoco.MjData(model)
+    return reduced(replace(plant.locked(), actuators=stiff))
+
+
+def _modes(plant: Plant, stands: Standing | None = None) -> NDArray[np.complex128]:
+    """Eigenvalues at the equilibrium at rest [rad/s]; of oil without its air, which is stiffest."""
+    stiff = stiffest(plant)
+    if stands is not None and stands.plant == stiff:
+        return stands.modes
     with hydraulics():
-        rest = Inputs.rest(model)
-        matrix = jacobian(model, data, equilibrium(model, data, rest), rest)
-    return np.linalg.eigvals(matrix).astype(complex)
+        return Standing.of(stiff).modes

@@ -10,11 +10,14 @@ from ehamj.arrays import Array
 from ehamj.memory import MACHINE_BODY, exchange, isolators, mounts_of, slides_of
 from ehamj.mujoco.equilibrium import Inputs
 from ehamj.mujoco.slides import FIRST
-from ehamj.plant.axes import AXES, DOFS
+from ehamj.plant.axes import AXES
 
 SMALL: Final = 1e-4
 """Motion for differences over positions [m, rad]: with its fourth power left out, rounding and truncation are both
 below 1e-14 of a membrane's stiffness, and below 1e-9 of gravity's."""
+
+GROUND: Final = ("ground", "ground_rate")
+"""What moves the ground."""
 
 
 def slope(of: Callable[[Array], Array], size: int, step: float = 1.0, curved: bool = False) -> Array:
@@ -48,6 +51,7 @@ class Probe:
         held = exchange(self.data, mounts_of(model))
         self._given = [(held[f"ground_{axis}"]["value"], held[f"ground_{axis}"]["slope"]) for axis in AXES]
         """Views, which cost more to make than a step of the engine."""
+        self._ground_moved = True
         self.coordinates = free_coordinates(model)
 
     def moved(self, **by: Array) -> mujoco.MjData:
@@ -56,21 +60,27 @@ class Probe:
         q, v (n): motions [m, rad] and their rates; ground, ground_rate (mount, 3) [m, m/s]; load (6,) at the machine's
         centre of gravity [N, N m]; place, speed (slide): coordinates [m] and speeds [m/s] of the slides.
         """
-        model, data, mounts = self.model, self.data, self.ground.shape
-        still, slides = np.zeros(self.coordinates.shape[1]), np.zeros(self.slides)
-        at = slice(FIRST, FIRST + self.slides)
-        data.qpos[:] = self.rest + self.coordinates @ by.get("q", still)
-        data.qvel[:] = self.coordinates @ by.get("v", still)
-        data.qpos[at] += by.get("place", slides)
-        data.qvel[at] += by.get("speed", slides)
-        ground = self.ground + by.get("ground", np.zeros(mounts)).reshape(mounts)
-        rate = by.get("ground_rate", np.zeros(mounts)).reshape(mounts)
-        for k, (value, gradient) in enumerate(self._given):
-            value[:], gradient[:] = ground[:, k], rate[:, k]
-        data.xfrc_applied[:] = 0.0
-        data.xfrc_applied[MACHINE_BODY] = by.get("load", np.zeros(len(DOFS)))
+        model, data, at = self.model, self.data, slice(FIRST, FIRST + self.slides)
+        data.qpos[:] = self.rest + self.coordinates @ by["q"] if "q" in by else self.rest
+        data.qvel[:] = self.coordinates @ by["v"] if "v" in by else 0.0
+        if "place" in by:
+            data.qpos[at] += by["place"]
+        if "speed" in by:
+            data.qvel[at] += by["speed"]
+        moves = not by.keys().isdisjoint(GROUND)
+        if moves or self._ground_moved:  # all else leaves it alone: a hundred motions make a machine
+            self._move_ground(*(by.get(name) for name in GROUND))
+        self._ground_moved = moves
+        data.xfrc_applied[MACHINE_BODY] = by.get("load", 0.0)
         mujoco.mj_forward(model, data)
         return data
+
+    def _move_ground(self, by: Array | None, rate: Array | None) -> None:
+        """Let the ground stand where the equilibrium was found with it, or so far from there, at a rate."""
+        ground = self.ground if by is None else self.ground + by.reshape(self.ground.shape)
+        rates = None if rate is None else rate.reshape(self.ground.shape)
+        for k, (value, gradient) in enumerate(self._given):
+            value[:], gradient[:] = ground[:, k], 0.0 if rates is None else rates[:, k]
 
     def force(self, **by: Array) -> Array:
         """What accelerates the free coordinates (n,) [N, N m], the oil's pressures held: as `moved`.
@@ -78,8 +88,10 @@ class Probe:
         ``acceleration`` (slide) of the slides [m/s²] counts by their reaction.
         """
         data = self.moved(**by)
+        if "acceleration" not in by:
+            return np.asarray(self.coordinates.T @ data.qfrc_smooth)
         pushed, carried = np.zeros(self.model.nv), np.zeros(self.model.nv)
-        pushed[FIRST : FIRST + self.slides] = by.get("acceleration", np.zeros(self.slides))
+        pushed[FIRST : FIRST + self.slides] = by["acceleration"]
         mujoco.mj_mulM(self.model, data, carried, pushed)
         return np.asarray(self.coordinates.T @ (data.qfrc_smooth - carried))
 
