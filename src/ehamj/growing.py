@@ -175,6 +175,18 @@ class Kept(NamedTuple):
         return True
 
 
+def copied(dataset: "xr.Dataset", rows: int, place: Path, folder: Path) -> None:
+    """Write channels that are read as they are asked for to a file, so many rows at a time.
+
+    ``folder`` is one for the time being on the same file system, which is not there yet.
+    """
+    count = dataset.sizes["time"]
+    file = Growing(folder, rows, count)
+    for first in range(0, count, rows):
+        file.add(dataset.isel(time=slice(first, first + rows)))
+    file.ended(lambda _: dataset.attrs).put(place)
+
+
 def _opened(path: Path) -> "tuple[Any, xr.Dataset]":
     """What reads a file, and its channels, each of which holds on to that."""
     import xarray as xr  # takes its time
