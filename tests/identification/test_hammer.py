@@ -122,5 +122,5 @@ def test_what_shows_no_blows_is_refused(logs: Logs, tmp_path: Path) -> None:
     asked = written(tmp_path, logs)
     asked["test"] = [{"name": "r", "kind": "record", "file": str(tmp_path / "x.csv"),
                       "measurement": asked["test"][0]["measurement"]}]  # fmt: skip
-    with pytest.raises(InputError, match="far x.accelerometer: is of kind = 'hammer' only"):
+    with pytest.raises(InputError, match=r"far x\.accelerometer: is of kind = 'hammer' only"):
         ehamj.identify(asked)

@@ -104,7 +104,7 @@ def polyreference(hertz: Array, response: ComplexArray, order: int) -> ComplexAr
 
 
 def polyreference_modes(hertz: Array, response: ComplexArray, order: int) -> tuple[ComplexArray, ComplexArray]:
-    """Poles as `polyreference` has them (k,), and with which of the inputs each goes, its participations (k, inputs)."""
+    """Poles as `polyreference` has them (k,), and the inputs' participations in each (k, inputs)."""
     _, outputs, inputs = response.shape
     period = 0.5 / float(hertz[-1])
     powers = np.exp(2j * np.pi * np.outer(hertz * period, np.arange(order + 1)))

@@ -181,7 +181,7 @@ def _relaxed(s: ComplexArray, scale: float) -> list[ComplexArray]:
 def _at(hertz: Array, response: ComplexArray, deviation: Array, poles: ComplexArray, of: ComplexArray) -> ModalFit:
     """Shapes and rest that fit best with some poles and participations."""
     of = of / np.linalg.norm(of, axis=1)[:, None]
-    s = 2j * np.pi * hertz
+    s = np.asarray(2j * np.pi * hertz, np.complex128)
     count, inputs = of.shape
     shares = np.array([1.0 / (s[:, None] - poles), 1.0 / (s[:, None] - poles.conj())])
     first, second = shares[0][:, None] * of.T, shares[1][:, None] * of.conj().T

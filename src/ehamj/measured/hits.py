@@ -87,12 +87,13 @@ def responses_of_hits(
             f"{FEWEST_LINES} are needed at least"
         )
     each = [_one_place(one, record, count, inside) for record, one in places]
-    response, variance, coherence = (np.stack([one[k] for one in each], axis=-1) for k in range(3))
+    response, variance = np.stack([one[0] for one in each], axis=-1), np.stack([one[1] for one in each], axis=-1)
+    coherence = np.stack([one[2] for one in each], axis=-1)
     kept = np.isfinite(variance).any(axis=(1, 2))
     inputs = [one.channel for _, one in places]
     whole = MeasuredResponses(
         name or records[0].name,
-        frequency[inside][kept],
+        np.asarray(frequency[inside][kept], np.float64),
         tuple(one.name for one in inputs),
         tuple(one.name for one in outputs),
         tuple(one.unit for one in inputs),

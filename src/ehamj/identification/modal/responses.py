@@ -7,6 +7,7 @@ alike among the sensors, would move it (surrogates of random phases; Prichard an
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.errors import InputError
 from ehamj.estimate.identification import oscillating, polyreference_modes
 from ehamj.estimate.modal_fit import STEPS, ModalFit, modal_fit
+from ehamj.identification.modal.compared import CLOSE, turned_into
 from ehamj.measured.modes import ModeTable
 from ehamj.measured.sensors import Place
 
@@ -161,11 +163,11 @@ def _table(found: _Weighed, measured: Mobilities, words: str) -> ModeTable:
     """Modes with the larger of both deviations: what moves a fit unseen, as the force's noise does, is in the blows'
     own differences only; and these are few."""
     poles = found.fit.poles
-    frequency, damping, shape = np.sqrt(np.mean(_squares(found.moved, found.fit), axis=0))
+    spread = np.sqrt(np.mean(_squares(found.moved, found.fit), axis=0))
     if found.parts:
         few = measured.freedom / max(measured.freedom - 2.0, 0.5)  # as the variance of Student's t is wider
-        others = np.sqrt(few * np.sum(_squares(found.parts, found.fit), axis=0))
-        frequency, damping, shape = np.maximum((frequency, damping, shape), others)
+        spread = np.maximum(spread, np.sqrt(few * np.sum(_squares(found.parts, found.fit), axis=0)))
+    frequency, damping, shape, mixing = spread[:, 0], spread[:, 1], spread[:, 2], spread[:, 3:]
     size = np.abs(poles)
     hertz, ratio = size / (2.0 * np.pi), -poles.real / size
     return ModeTable(
@@ -179,18 +181,27 @@ def _table(found: _Weighed, measured: Mobilities, words: str) -> ModeTable:
         False,
         words,
         measured.places,
+        np.hypot(mixing, LEAST * hertz),
     )
 
 
 def _squares(moved: Moved, fit: ModalFit) -> Array:
-    """Of what frequencies [Hz], damping ratios and shapes, over their largest, differ by from the fit's, (n, 3, k)."""
+    """Of what moved modes differ by from the fit's: frequency [Hz], damping ratio, shape over its largest, and coupling
+    with each mode [Hz], (n, k, 3 + k); of close modes as they are compared with a model's, so that what only mixes
+    them is the coupling's."""
     size, shapes = np.abs(fit.poles), _largest_one(fit.shapes)
-    rows = []
-    for poles, others in moved:
-        hertz = (np.abs(poles) - size) / (2.0 * np.pi)
-        ratio = fit.poles.real / size - poles.real / np.abs(poles)
-        rows.append([hertz**2, ratio**2, _apart(others, shapes)])
-    return np.array(rows)
+    count = size.size
+    rows = np.zeros((len(moved), count, 3 + count))
+    for row, (poles, others) in zip(rows, moved, strict=True):
+        row[:, 0] = ((np.abs(poles) - size) / (2.0 * np.pi)) ** 2
+        row[:, 1] = (fit.poles.real / size - poles.real / np.abs(poles)) ** 2
+        row[:, 2] = _apart(others, shapes)
+        for one, two in combinations(range(count), 2):
+            if abs(size[one] - size[two]) < CLOSE * min(size[one], size[two]):
+                pair = [one, two]
+                turned, _ = turned_into(fit.poles[pair], shapes[pair].T, others[pair].T)
+                row[pair, [3 + two, 3 + one]] = np.abs(turned[[0, 1], [1, 0]] / (2.0 * np.pi)) ** 2
+    return rows
 
 
 def _largest_one(shapes: ComplexArray) -> ComplexArray:
