@@ -155,6 +155,13 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     return named_anew(value, kind, lambda name: str(folder / name))
 
 
+def files_of(scenario: Scenario) -> list[str]:
+    """Names of the files that a scenario reads; those that ship with ehamj are none."""
+    found: list[str] = []
+    named_anew(scenario.table, Scenario, lambda name: found.append(name) or name)
+    return found
+
+
 def named_anew(value: Any, kind: Any, name: Callable[[str], str]) -> Any:
     """``value`` of a field of type ``kind`` with each file name in it, absolute or not, as ``name`` has it.
 
