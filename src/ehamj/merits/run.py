@@ -103,7 +103,7 @@ class Runs(Source):
             return {name: numbers[path] for name, path in paths.items()}
 
         shared = self._numbers(machine).shared
-        return together(items(), found, 1, len(designs), on_failure=_failed, held=False, shared=shared)
+        return together(items(), found, 0, len(designs), on_failure=_failed, held=False, shared=shared)
 
     def _numbers(self, machine: Machine) -> "_Numbers":
         """What the machine's summary holds; that of the last machine is kept."""

@@ -79,7 +79,7 @@ def together(
     Args:
         items: what to run; asked for as threads get free.
         work: makes of a run, on its thread, what is wanted of it.
-        threads: how many.
+        threads: how many; 0: on that of the caller, which has its own memory to come back to.
         count: how many items there are, if that is known: each thread gets its share.
         meanwhile: called now and then on the thread of the caller.
         on_failure: gives, by its number and the error, what stands for one that cannot be run or worked on; without it
@@ -87,7 +87,7 @@ def together(
         held: whether what is made of a run may hold on to its channels; else runs of one batch share what is the same.
         shared: what they have in common with runs before and after these; with it, channels must not be held.
     """
-    room = LANES if count is None else max(1, min(LANES, -(-count // threads)))
+    room = LANES if count is None else max(1, min(LANES, -(-count // max(threads, 1))))
 
     def batches() -> Iterator[list[Item | Refused]]:
         batch: list[Item | Refused] = []
@@ -115,6 +115,8 @@ def together(
         ]
 
     with hydraulics():
+        if threads == 0:
+            return [each for number, batch in enumerate(batches()) for each in one(number, batch)]
         return [each for batch in worked_through(batches(), one, threads, meanwhile) for each in batch]
 
 
