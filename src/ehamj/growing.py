@@ -13,7 +13,7 @@ import numpy as np
 
 from ehamj.errors import InputError
 from ehamj.plain.needs import gib
-from ehamj.unfinished import HELD, MARGIN, check_room, remove
+from ehamj.unfinished import HELD, MARGIN, check_room, occupy, remove
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +23,9 @@ IN_MEMORY: Final = 2**29
 """Size of the rows of runs that step together [byte] up to which they stay in memory: a minute and a half of the
 default machine at 2 kHz. A result of that size is written and read in a second or two, and several fit side by side."""
 
+RESERVE: Final = 2**23
+"""Held on the file's disk while it grows, and let go when it has ended: where others fill the disk meanwhile, the file
+can still be closed, and what says what it holds be written beside it [B]."""
 COPIES: Final = 1.6
 """What of a result is in memory at once where all of it is, over its size: its channels, and what is made of them."""
 
@@ -47,8 +50,12 @@ class Growing:
         """Of the file."""
         return self.folder / FILE
 
+    @property
+    def _reserve(self) -> Path:
+        return self.folder / "reserve"
+
     def add(self, part: "xr.Dataset") -> None:
-        """Append rows.
+        """Append rows; where that fails, those before them stay.
 
         Raises:
             OSError: where there is no room.
@@ -56,11 +63,11 @@ class Growing:
         if self._file is None:
             self._begin(part)
         if shutil.disk_usage(self.folder).free < part.nbytes + MARGIN:  # others write too
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.folder))
-        first, self._written = self._written, self._written + part.sizes["time"]
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.folder.parent))
         for name, channel in part.variables.items():
             if channel.dims[:1] == ("time",):
-                self._append(self._file.variables[name]._h5ds.id, channel.values, first)
+                self._append(self._file.variables[name]._h5ds.id, channel.values, self._written)
+        self._written += part.sizes["time"]
 
     def _begin(self, part: "xr.Dataset") -> None:
         """Lay out all rows that are to come: a time without end would be counted anew whenever a channel is read."""
@@ -69,7 +76,8 @@ class Growing:
 
         HELD.add(self.folder)
         self.folder.mkdir(parents=True)
-        check_room(self.path, part.nbytes // max(part.sizes["time"], 1) * self._count)
+        check_room(self.path, part.nbytes // max(part.sizes["time"], 1) * self._count + RESERVE)
+        occupy(self._reserve, RESERVE)
         self._file = h5netcdf.File(self.path, "w")
         self._file.attrs.update(part.attrs)
         self._file.dimensions = {name: self._count if name == "time" else size for name, size in part.sizes.items()}
@@ -100,6 +108,7 @@ class Growing:
         """
         import h5netcdf
 
+        self._reserve.unlink(missing_ok=True)
         for channel in self._file.variables.values():
             if channel.dimensions[:1] == ("time",) and self._written < self._count:  # what broke off is shorter
                 channel._h5ds.resize(self._written, axis=0)
@@ -164,6 +173,18 @@ class Kept(NamedTuple):
         check_room(place, self.path.stat().st_size)
         shutil.copyfile(self.path, place)
         return True
+
+
+def copied(dataset: "xr.Dataset", rows: int, place: Path, folder: Path) -> None:
+    """Write channels that are read as they are asked for to a file, so many rows at a time.
+
+    ``folder`` is one for the time being on the same file system, which is not there yet.
+    """
+    count = dataset.sizes["time"]
+    file = Growing(folder, rows, count)
+    for first in range(0, count, rows):
+        file.add(dataset.isel(time=slice(first, first + rows)))
+    file.ended(lambda _: dataset.attrs).put(place)
 
 
 def _opened(path: Path) -> "tuple[Any, xr.Dataset]":

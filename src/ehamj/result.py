@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 import xarray as xr
 
-from ehamj import growing
+from ehamj import columns, growing
 from ehamj.above import ABOVE
 from ehamj.belonging import (
     HISTORIES,
@@ -44,7 +44,7 @@ from ehamj.scenario.load import load_scenario
 from ehamj.scenario.model import Scenario
 from ehamj.scenario.variants import labels
 from ehamj.unfinished import HELD, beside, check_room, clear_leftovers, remove
-from ehamj.variables import DIMENSIONS, FIXED, VARIABLES, check_histories
+from ehamj.variables import DIMENSIONS, FIXED, VARIABLES, Stored, check_histories, stored_of, variables_of
 
 if TYPE_CHECKING:
     from ehamj.report.alone import Plots
@@ -125,6 +125,14 @@ class Result:
         given = self.dataset.attrs.get(RUN)  # none where it was put together by hand
         return str(given) if given else identity_of(self.scenario.to_toml(), self.summary.versions, self.dataset)
 
+    @property
+    def _stored(self) -> xr.Dataset:
+        """The histories that its file holds, as the scenario's ``output.channels`` says."""
+        there = list(map(str, self.dataset.data_vars))
+        wanted = stored_of(self.scenario.output.channels, there)
+        left_out = [name for name in there if name not in wanted]
+        return self.dataset.drop_vars(left_out) if left_out else self.dataset
+
     def write(self, folder: Path, variants: Mapping[str, str] = MappingProxyType({})) -> None:
         """Write the result's files into an existing folder, each renamed into place when it is whole.
 
@@ -136,11 +144,16 @@ class Result:
         if self.controller is not None:
             texts[CONTROLLER_FILE] = json.dumps(self.controller.to_dict(), indent=1) + "\n"
         with written_whole(folder / HISTORIES) as path:
-            own = self.kept if self.kept is not None and self.kept.dataset is self.dataset else None
-            if own is None or not own.put(path):
-                check_room(path, self.dataset.nbytes)
+            stored = self._stored
+            own = self.kept if self.kept is not None and self.kept.dataset is stored else None
+            if own is not None and own.put(path):
+                pass
+            elif self.kept is not None:
+                growing.copied(stored.assign_attrs({RUN: self.identity}), columns.ROWS, path, beside(folder / "rows"))
+            else:
+                check_room(path, stored.nbytes)
                 # Uncompressed: noise-like histories shrink by a sixth only, at the price of seconds.
-                self.dataset.assign_attrs({RUN: self.identity}).to_netcdf(path, engine="h5netcdf")
+                stored.assign_attrs({RUN: self.identity}).to_netcdf(path, engine="h5netcdf")
         for name, text in texts.items():
             with written_whole(folder / name) as path:
                 path.write_text(marked(name, text, self.identity), encoding="utf-8")
@@ -173,6 +186,9 @@ def load_result(folder: str | Path) -> Result:
             check_histories(dataset, scenario, law, summary)
         except ValueError as error:
             raise InputError(f"{whose}: {HISTORIES}: {error}") from error
+        if len(dataset.data_vars) < len(variables_of(scenario, law)):
+            dataset = Stored(dict(dataset.data_vars), dataset.coords, dataset.attrs)
+            kept = kept and kept._replace(dataset=dataset)
         if digest.result() != found.belongs.files[HISTORIES]:
             raise changed(folder, HISTORIES)
     return Result(scenario, dataset, summary, model, law, kept)

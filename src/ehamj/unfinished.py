@@ -34,17 +34,25 @@ def check_room(path: Path, size: int) -> None:
 
     HDF5 ends the process where a disk gets full while it writes.
     """
+    try:
+        occupy(path, size + MARGIN)
+    except OSError as error:
+        said = f"{error.strerror}; {size + MARGIN} bytes are needed"
+        raise OSError(error.errno, said, str(path.parent)) from error
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def occupy(path: Path, size: int) -> None:
+    """Make a file of ``size`` bytes that has its room on disk, where the system can tell; raises OSError without."""
     if not hasattr(os, "posix_fallocate"):
         return
     try:
         with path.open("wb") as file:
-            os.posix_fallocate(file.fileno(), 0, size + MARGIN)
+            os.posix_fallocate(file.fileno(), 0, size)
     except OSError as error:
         if error.errno in NO_ROOM:  # others: a file system that cannot tell
-            said = f"{error.strerror}; {size + MARGIN} bytes are needed"
-            raise OSError(error.errno, said, str(path.parent)) from error
-    finally:
-        path.unlink(missing_ok=True)
+            raise
 
 
 def clear_leftovers(folder: Path) -> None:

@@ -1,6 +1,7 @@
 """What a result's histories are: every variable with its dimensions and units, and which of them a run has."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from fnmatch import fnmatchcase
 from typing import Any, Final
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray as xr
 from ehamj.columns import blocks
 from ehamj.control import AnyController, LinearController
 from ehamj.control.learners import Learnt
+from ehamj.errors import InputError, did_you_mean
 from ehamj.judge.summary import Summary
 from ehamj.memory import LEDGER
 from ehamj.plant.axes import AXES, CHAMBERS, DOFS
@@ -121,6 +123,47 @@ def variables_of(scenario: Scenario, law: AnyController | None) -> set[str]:
     return found
 
 
+def stored_of(patterns: Sequence[str], there: Collection[str]) -> set[str]:
+    """Names of the variables that a result's file holds, of those that ``there`` are.
+
+    Args:
+        patterns: the scenario's ``output.channels``.
+        there: all that the run has.
+
+    Raises:
+        InputError: if one of them stands for none, which names those that there are.
+    """
+    found = set[str]()
+    for number, pattern in enumerate(patterns):
+        own = {name for name in there if fnmatchcase(name, pattern)}
+        if not own:
+            raise InputError(
+                f"output.channels.{number} = {pattern!r}: {did_you_mean(pattern, there)}must be a channel of this run, "
+                f"or stand for some by * and ?: {', '.join(sorted(there))}"
+            )
+        found |= own
+    return found
+
+
+class Stored(xr.Dataset):
+    """Histories of a file that holds some of a run's channels; whoever asks for another is told so."""
+
+    __slots__ = ()
+
+    def __getitem__(self, key: Any) -> Any:
+        missing = [str(one) for one in (key if isinstance(key, list) else [key]) if _left_out(self, one)]
+        if missing:
+            raise InputError(
+                f"output.channels: {', '.join(missing)} was not stored with this result; name it there, or leave "
+                "output.channels out, and run the result's scenario.toml again"
+            )
+        return super().__getitem__(key)
+
+
+def _left_out(dataset: xr.Dataset, name: Any) -> bool:
+    return isinstance(name, str) and name in VARIABLES and name not in dataset.variables
+
+
 def check_histories(dataset: xr.Dataset, scenario: Scenario, law: LinearController | None, summary: Summary) -> None:
     """Refuse histories that are not those of a run; reads one block of rows after another, so that a file may be large.
 
@@ -138,6 +181,7 @@ def check_histories(dataset: xr.Dataset, scenario: Scenario, law: LinearControll
     if python and "sensor" in dataset.coords:  # what a function reads stands nowhere else
         wanted.add("measured")
         along["sensor"] = dataset["sensor"].values.tolist()
+    wanted = stored_of(scenario.output.channels, wanted)
     for name in sorted(wanted ^ set(map(str, dataset.data_vars))):
         raise ValueError(f"{name} is missing" if name in wanted else f"{name} is no variable of this run")
     _check_labels(dataset, {**along, **{name: list(labels) for name, labels in FIXED.items()}})

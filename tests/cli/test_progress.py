@@ -2,6 +2,7 @@
 
 import io
 
+import numba
 import pytest
 from rich.console import Console
 
@@ -31,3 +32,14 @@ def test_on_a_terminal_words_stand_behind_a_spinner(monkeypatch: pytest.MonkeyPa
     with progress.doing("writing") as step:
         step("report of [one]")
     assert "writing: report of [one]" in stream.getvalue()
+
+
+def test_what_is_compiled_on_the_way_is_said(heard: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "EVERY", 0.0)
+
+    def doubled(x: float) -> float:
+        return 2.0 * x
+
+    with progress.doing("identify", steps=True):
+        assert numba.njit(doubled)(1.5) == 3.0
+    assert "identify: compiling doubled, once, 0 of 1\n" in heard.getvalue()

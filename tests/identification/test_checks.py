@@ -3,16 +3,19 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import ehamj
 from ehamj.errors import InputError
+from ehamj.identification.checks import undriven
 from ehamj.identification.file import IdentifyFile, load_identify
+from ehamj.measured.measured import Measured, MeasuredChannel
 from ehamj.plant.mounts import MOUNTS
 from ehamj.result import Result
 from ehamj.rig.logger import Tap, logged
 from ehamj.run.simulate import simulate
-from ehamj.scenario.load import parse_scenario
+from ehamj.scenario.load import load_scenario, parse_scenario
 
 MACHINE: dict[str, Any] = {"plates": "tied", "compare": [], "engine": "small-motion", "timestep": 2e-4}
 SIGNALS = [
@@ -83,3 +86,13 @@ def test_a_doubtful_channel_may_be_fitted_and_a_clock_that_is_a_little_off_is_to
                for note in said)  # fmt: skip
     for key, true in TRUE.items():
         assert found.values[key].value == pytest.approx(true, rel=0.01)
+
+
+def test_valves_whose_commands_are_left_out_are_told() -> None:
+    def record(*names: str) -> Measured:
+        return Measured("sweep", 1000.0, tuple(MeasuredChannel(name, "V", np.zeros(9), "input") for name in names))
+
+    machine, commands = load_scenario("recorded"), [f"valve_command {mount}" for mount in MOUNTS]
+    (said,) = undriven(machine, {"sweep": record(*commands[:3])})
+    assert said.startswith(f"test 'sweep': {commands[3]}: not in its measurement")
+    assert undriven(machine, {"all": record(*commands), "hammer": record("force F")}) == []

@@ -254,6 +254,38 @@ def test_what_shows_all_of_a_run_is_left_out_where_it_does_not_fit(
     same(held.dataset, result.dataset)
 
 
+@pytest.mark.parametrize("in_file", [True, False])
+def test_a_file_holds_the_channels_that_are_asked_for(
+    kept: Result, in_file: bool, short_blocks: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """As they are, whether all are in memory or in a file; whoever asks for another is told which key left it out."""
+    asked = kept.scenario.model_copy(
+        update={"output": kept.scenario.output.model_copy(update={"channels": ("cg_*", "stroke")})}
+    )
+    whole = replace(kept, scenario=asked)
+    if in_file:
+        monkeypatch.setattr(growing, "IN_MEMORY", 0)
+    (whole if in_file else whole.in_memory()).save(tmp_path / "a")
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+    read = load_result(tmp_path / "a")
+    assert set(read.dataset.data_vars) == {"cg_displacement", "cg_velocity", "cg_acceleration", "stroke"}
+    assert (read.kept is not None) == in_file
+    assert whole.dataset.drop_vars(set(whole.dataset.data_vars) - set(read.dataset.data_vars)).identical(read.dataset)
+    read.save(tmp_path / "b")
+    assert load_result(tmp_path / "b").identity == read.identity == whole.identity
+    for ask in (lambda: read.dataset.isel(time=slice(9))["spool"], lambda: read.in_memory().plot.histories()):
+        with pytest.raises(InputError, match=r"output\.channels: \w+ was not stored with this result; name it there"):
+            ask()
+
+
+def test_a_channel_that_no_run_has_is_refused_before_it_runs() -> None:
+    said = r"output\.channels\.1 = 'strok': did you mean 'stroke'\? must be a channel of this run, .*: .*cg_velocity, "
+    with pytest.raises(InputError, match=said):
+        unjudged(parse_scenario({"output": {"channels": ["cg_*", "strok"]}}))
+    with pytest.raises(InputError, match=r"output\.channels\.0 = 'slide': must be a channel|did you mean"):
+        unjudged(parse_scenario({"output": {"channels": ["slide"]}}))
+
+
 MEASURED = """
 import resource
 from ehamj import columns, growing

@@ -50,7 +50,7 @@ def design(
 
     check_out(out_folder, overwrite, DESIGN_FILES)
     margins = (gain_margin, phase_margin, disk_margin)
-    with doing("designing") as progress:
+    with doing("designing", steps=True) as progress:
         found = design_controller(scenario, overrides or (), architecture, *margins, progress=progress)
         progress("writing page and figures")
         with new_folder(out_folder, overwrite) as place:

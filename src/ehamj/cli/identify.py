@@ -67,7 +67,7 @@ def identify(
     from ehamj.identification.saving import MARKS
 
     check_out(out_folder, overwrite, MARKS)
-    with doing("identify") as step:
+    with doing("identify", steps=True) as step:
         found = found_by(file, overrides=overrides or (), progress=step, threads=threads)
         step("writing")
         with new_folder(out_folder, overwrite) as place:
@@ -93,7 +93,7 @@ def _planned(
     from ehamj.identification.planning.saving import MARKS
 
     check_out(out_folder, overwrite, MARKS)
-    with doing("plan") as step:
+    with doing("plan", steps=True) as step:
         found = plan_tests(file, overrides=overrides, progress=step, threads=threads)
         step("writing")
         with new_folder(out_folder, overwrite) as place:

@@ -85,6 +85,7 @@ def print_paired(title: str, found: Pairing) -> None:
     """Print measured modes beside computed ones; what is behind ± is the standard deviation, stated or assumed."""
     heads = ("measured [Hz]", "mode", "f [Hz]", "off %", "ζ [%]", "computed", "MAC", "close\nones")
     print_table(title, heads, (_pair_row(pair) for pair in found.pairs), gap=1)
+    say(f"measured: {found.words}")
     for pair in found.pairs:
         if pair.why:
             say(f"{pair.frequency:.4g} Hz has no pair: {pair.why}")

@@ -40,7 +40,8 @@ Measured = Annotated[
     str | None,
     typer.Option(
         metavar="KIND|FILE",
-        help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}; or a file of measured modes.",
+        help=f"Identify them from a simulated measurement too: {', '.join(KINDS)}; or a file of measured modes or "
+        "responses.",
     ),
 ]
 Noise = Annotated[float, typer.Option(help="Noise of the measurement's sensors, as a share of each signal's RMS.")]
@@ -74,9 +75,10 @@ def modes(
     `--measured` simulates a test of the machine with valves held and sets what is identified beside what is computed:
     `ring-down` jolts of the floor and free decays, `random` periodic noise and `sweep` a sine sweep of the floor,
     `hammer` blows on an upper corner of the machine. A FILE holds the modes of a real test: a table with a row per mode
-    and columns `frequency [Hz]`, `damping [%]` and one per sensor, such as `foot_velocity front-left x`; or TOML. Each
-    is paired with a computed one by the likeness of their shapes. That table stands alone unless `--all` asks for the
-    others.
+    and columns `frequency [Hz]`, `damping [%]` and one per sensor, such as `foot_velocity front-left x`; TOML, or a
+    universal file with mode shapes (dataset 55) or with responses of motions to forces (58), in which modes are found
+    first. Each is paired with a computed one by the likeness of their shapes. That table stands alone unless `--all`
+    asks for the others. The TOML may name another `file`, and say of it where `[nodes]` stood, which `band` counts.
 
     With `--replay` the modes are drawn exaggerated, the variants beside each other; open it with `rerun FILE.rrd`.
     """
@@ -85,9 +87,9 @@ def modes(
         _check_recording(replay, overwrite)
     loaded = load_scenario(scenario, overrides or ())
     places = {**loaded.points, **_points(points or [], loaded.plant.mounts)}
+    test, pairs = _measured(loaded, measured, noise)
     loops = _loops(loaded)
     found = {key: _modes_under(loaded, loop, bypassed, places) for key, (loop, bypassed) in loops.items()}
-    test, pairs = _measured(loaded, measured, noise)
     if replay is not None:
         _draw(replay, loaded, found)
     slopes = _slopes(loaded, loops) if sensitivity else {}
@@ -157,12 +159,23 @@ def _check_test(measured: str | None, noise: float) -> None:
         raise InputError(f"--noise {noise:g}: belongs to a measurement; add --measured, one of {', '.join(KINDS)}")
 
 
+def _numbers(text: str, count: int) -> list[float] | None:
+    """So many finite numbers between commas; None where they are not."""
+    try:
+        found = [float(part) for part in text.split(",")]
+    except ValueError:
+        return None
+    return found if len(found) == count and all(map(math.isfinite, found)) else None
+
+
 def _measured(scenario: Scenario, measured: str | None, noise: float) -> tuple[ModalTest | None, Pairing | None]:
     """What a simulated test finds, or which of a file's modes is which of the model's."""
     if measured is None:
         return None, None
     if measured not in KINDS:
-        return None, pairing(modes_of_file(Path(measured), scenario, {}), computed_modes(scenario))
+        with doing("finding modes in the file"):
+            found = modes_of_file(Path(measured), scenario, {})
+        return None, pairing(found, computed_modes(scenario))
     with doing(f"measuring: {measured}"):
         return modal_test(scenario, kind_of(measured), noise), None
 
@@ -194,15 +207,12 @@ def _points(given: Sequence[str], mounts: Sequence[str]) -> dict[str, tuple[floa
     found: dict[str, tuple[float, float, float]] = {}
     for text in given:
         name, equals, place = text.partition("=")
-        try:
-            x, y, z = (float(part) for part in place.split(","))
-        except ValueError:
-            x = y = z = math.nan
-        if not (name and equals and all(map(math.isfinite, (x, y, z)))):
+        at = _numbers(place, 3)
+        if not (name and equals) or at is None:
             raise InputError(f"--point {text!r}: must be a name and three numbers in m, such as spindle=0.2,0,1.4")
         if name in ("cg", *mounts):
             raise InputError(f"--point {text!r}: {name} is given anyway; choose another name")
-        found[name] = (x, y, z)
+        found[name] = (at[0], at[1], at[2])
     return found
 
 

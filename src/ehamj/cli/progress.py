@@ -18,12 +18,28 @@ EVERY: Final = 5.0
 
 
 @contextmanager
-def doing(title: str) -> Iterator[Callable[[str], None]]:
+def doing(title: str, steps: bool = False) -> Iterator[Callable[[str], None]]:
     """Say on standard error what is being done while the block lasts; call what it gives with each step's name.
 
     On a terminal the words stand behind a spinner and go when they are done. Elsewhere there are lines without any
     control characters: the title, then a step's name whenever `EVERY` seconds have passed since the last line.
+
+    Args:
+        title: of it all.
+        steps: whether machines are stepped, for which a first run compiles what later ones find: that is said too.
     """
+    with _words(title) as say:
+        if not steps:
+            yield say
+            return
+        from ehamj.compiled.told import telling
+
+        with telling(lambda what, done, of: say(f"compiling {what}, once, {done} of {of}")):
+            yield say
+
+
+@contextmanager
+def _words(title: str) -> Iterator[Callable[[str], None]]:
     if log.is_terminal:
         with log.status(escape(title)) as status:
             yield lambda step: status.update(f"{escape(title)}: {escape(step)}")

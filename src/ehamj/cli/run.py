@@ -11,8 +11,9 @@ from ehamj.cli.frame import Command, Json, Out, Overwrite, ScenarioName, Set, ap
 from ehamj.cli.printing import print_json
 from ehamj.cli.progress import doing
 from ehamj.cli.timing import Clock, Marks
-from ehamj.errors import SimulationFailed
+from ehamj.errors import InputError, NotShown, SimulationFailed
 from ehamj.folders import RESULT_FILES, RUNS, check_out, new_folder
+from ehamj.unfinished import NO_ROOM
 
 if TYPE_CHECKING:
     from ehamj.result import Result
@@ -52,8 +53,13 @@ def run(
     results, failures = _simulate(loaded, clock, RUNS if out_folder is None else out_folder.resolve().parent)
     from ehamj.store import check_shown, write_run
 
-    with new_folder(out_folder, overwrite) as place, doing("writing") as step, clock.during("writing"):
-        left_out, lost = write_run(place.target, results, step, apart=True)
+    try:
+        with new_folder(out_folder, overwrite) as place, doing("writing") as step, clock.during("writing"):
+            left_out, lost = write_run(place.target, results, step, apart=True)
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        raise InputError(f"--out {str(out_folder or RUNS)!r}: {error.strerror}; nothing of the run is kept") from error
     if left_out:
         log.print(f"note: {left_out}", markup=False, highlight=False, soft_wrap=True)
     summary = results[loaded.name].summary
@@ -64,9 +70,14 @@ def run(
         from ehamj.cli.told import print_run
 
         print_run(results, place.folder, clock.words("reading and compiling"))
+    try:
+        check_shown(place.folder, lost, () if failures else results.values())
+    except NotShown as error:
+        if failures:
+            raise SimulationFailed(f"{failures[0]}. {error}") from error
+        raise
     if failures:
         raise failures[0]
-    check_shown(place.folder, lost, results.values())
 
 
 def _simulate(scenario: "Scenario", clock: Clock, within: Path) -> "tuple[dict[str, Result], list[Exception]]":

@@ -88,7 +88,7 @@ def _command(one: Study[Any]) -> Callable[..., None]:
         check_out(out_folder, overwrite, STUDY_FILES)
         wanted = one.with_settings({**(_stored(settings, one) if settings else {}), **given})
         loaded = load_scenario(scenario, overrides or ())
-        with doing(f"study {one.name}") as step:
+        with doing(f"study {one.name}", steps=True) as step:
             outcome = one(loaded, wanted, step)
             step("tables and figures")
             with new_folder(out_folder, overwrite) as place:

@@ -99,7 +99,7 @@ def _compare(source: str, stored: bool, overrides: list[str], settings: Transmis
         raise InputError(f"--set {overrides[0]!r}: a stored result cannot be changed; name its scenario.toml")
     result = load_result(source) if stored else None
     scenario = result.scenario if result else load_scenario(source, overrides)
-    with doing("measuring") as step:
+    with doing("measuring", steps=True) as step:
         if settings.method == "welch":
             return compare_result(result or simulate(scenario), settings)
         return compare_scenario(scenario, settings, step)

@@ -34,7 +34,7 @@ def verify(
     if out_file is not None and not out_file.absolute().parent.is_dir():
         raise InputError(f"--out {str(out_file)!r}: cannot be written, since {str(out_file.parent)!r} is no folder")
     chosen = _named(words or [])
-    with doing("verifying") as step:
+    with doing("verifying", steps=True) as step:
         outcomes = check(progress=lambda done: step(done.case.name), cases=chosen)
     if out_file is not None:
         try:

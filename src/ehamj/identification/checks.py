@@ -4,7 +4,7 @@ Machines about the start are predicted, of which one is near the true one. A cha
 of them as it is, and with some of them well if it were otherwise: so a machine that differs by a third is none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -14,6 +14,8 @@ from ehamj.arrays import Array, ComplexArray
 from ehamj.identification.residual import Compared, Failed, Residuals, real
 from ehamj.identification.unknowns import Unknown, Values
 from ehamj.measured.alike import likeness
+from ehamj.measured.measured import Measured
+from ehamj.scenario.model import Scenario
 
 DRAWN: Final = 16
 """Machines beside that of the start."""
@@ -120,6 +122,19 @@ def doubts_at(tests: Sequence[str], compared: Sequence[Compared], known: Sequenc
         if (test, name) not in found and (said := _doubt([channel], FOUND)):
             found[test, name] = said
     return [Doubt(*place, said) for place, said in found.items()][len(known) :]
+
+
+def undriven(machine: Scenario, measured: Mapping[str, object]) -> list[str]:
+    """Valves whose commands a record leaves out that has those of others, in words: what they did would be taken
+    for what the machine is."""
+    found = []
+    for name, record in measured.items():
+        given = {one.name for one in record.inputs} if isinstance(record, Measured) else set[str]()
+        commands = [f"valve_command {mount}" for mount in machine.plant.obeying.mounts]
+        missing = [one for one in commands if one not in given]
+        if 0 < len(missing) < len(commands):
+            found.append(f"test {name!r}: {', '.join(missing)}: not in its measurement; these valves count as at rest")
+    return found
 
 
 def _machines(parameters: Sequence[Unknown]) -> list[Values]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ehamj.campaign.threads import one_thread
 from ehamj.errors import InputError, SimulationFailed
-from ehamj.identification.checks import Doubt, doubts, doubts_at
+from ehamj.identification.checks import Doubt, doubts, doubts_at, undriven
 from ehamj.identification.choice import Choosing
 from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
@@ -84,7 +84,7 @@ def identify(
     }  # fmt: skip
     outcome = identification_of(file, problem, tests, found, told, progress)
     seeming = doubts_at(found.at.tests, found.at.compared, doubted)
-    notes = [f"test {one.test!r}: {one.channel} {one.said}" for one in doubted]
+    notes = [*undriven(file.machine, read), *(f"test {one.test!r}: {one.channel} {one.said}" for one in doubted)]
     notes += [f"test {one.test!r}, beside the machine that was found: {one.channel} {one.said}" for one in seeming]
     notes += [
         *outcome.notes,

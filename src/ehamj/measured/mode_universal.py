@@ -15,6 +15,8 @@ SHAPES: Final = 55
 NORMAL, COMPLEX = 2, (3, 7)
 """Analysis types: normal modes, and complex ones."""
 SIDES: Final = ("+X", "+Y", "+Z")
+RESPONSES: Final = 58
+"""Dataset of frequency responses."""
 NEWER: Final = 2414
 """Dataset that shapes may stand in instead, which is not read."""
 
@@ -26,10 +28,11 @@ class _Shape(NamedTuple):
     """By node and direction."""
 
 
-def holds_shapes(path: Path) -> bool:
-    """Whether a universal file has datasets of modes; raises ValueError where it cannot be read."""
+def datasets_of(path: Path) -> set[int]:
+    """Numbers of the datasets that a universal file has; raises ValueError where it cannot be read."""
+    existing(path)
     with opened(path) as file, reading(path, " as a universal file"):
-        return SHAPES in [int(kind) for kind in file.get_set_types()]
+        return {int(kind) for kind in file.get_set_types()}
 
 
 def read_mode_universal(path: Path) -> ModeTable:
@@ -49,7 +52,7 @@ def read_mode_universal(path: Path) -> ModeTable:
     shapes = [_shape(one, told) for one in sets if int(one["analysis_type"]) in (NORMAL, *COMPLEX)]
     if not shapes:
         newer = f"; of its modes in dataset {NEWER} export the older dataset 55" * (NEWER in kinds)
-        raise ValueError(f"{told} holds no modes (dataset 55 of analysis type 2, 3 or 7){newer}")
+        raise ValueError(f"{told} holds no modes (dataset 55 of analysis type 2, 3 or 7) and no responses (58){newer}")
     names = list(dict.fromkeys(name for one in shapes for name in one.parts))
     values = np.array([[one.parts.get(name, 0.0) for name in names] for one in shapes], complex)
     kept = np.abs(values).max(axis=0) > 0.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,11 @@ from ehamj.measured.sensors import Place, Sensors, sensors_of
 from ehamj.plant.plant import Plant
 from ehamj.plant.points import Points
 from ehamj.settings import Positive, Settings
+
+COLUMNS: Final = (
+    "frequency", "damping_ratio", "frequency_deviation", "damping_deviation", "shape", "shape_deviation",
+)  # fmt: skip
+"""What there is of each mode."""
 
 
 class Deviations(Settings):
@@ -62,9 +68,12 @@ class ModeTable:
 
     def __post_init__(self) -> None:
         order = np.argsort(self.frequency, kind="stable")
-        for name in ("frequency", "damping_ratio", "frequency_deviation", "damping_deviation", "shape"):
+        for name in COLUMNS:
             object.__setattr__(self, name, getattr(self, name)[order])
-        object.__setattr__(self, "shape_deviation", self.shape_deviation[order])
+
+    def of(self, kept: NDArray[np.bool_]) -> "ModeTable":
+        """Some of them (k,)."""
+        return replace(self, **{name: getattr(self, name)[kept] for name in COLUMNS})
 
 
 def listed(entries: Sequence[ModeEntry], places: Mapping[str, Place], words: str) -> ModeTable:
@@ -127,8 +136,7 @@ class MeasuredModes:
     def without(self, left_out: NDArray[np.bool_]) -> "MeasuredModes":
         """The others."""
         kept = ~left_out
-        columns = ("frequency", "damping_ratio", "frequency_deviation", "damping_deviation", "shape", "shape_deviation")
-        return replace(self, **{name: getattr(self, name)[kept] for name in columns})
+        return replace(self, **{name: getattr(self, name)[kept] for name in COLUMNS})
 
 
 def measured_modes(

@@ -45,6 +45,8 @@ class Driven:
     """Faults that struck, in order."""
     stream: Stream | None = None
     """Where rows are that are too many for memory."""
+    lost: Exception | None = None
+    """Why it went no further, where what drives the machine could not be read or held."""
 
 
 def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
@@ -67,13 +69,19 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
     except MemoryError:
         raise no_room(prepared, count) from None
     done, recorded, seconds = 0, 0, 0.0
-    stopped, struck = Stopped(0, DONE, -1), Faults(prepared)
-    while stopped.status == DONE and done < prepared.steps:
+    stopped, struck, lost = Stopped(0, DONE, -1), Faults(prepared), None
+    while stopped.status == DONE and done < prepared.steps and not (stream and stream.lost):
         check()
         struck.strike(done)
         steps = min(STRETCH, prepared.steps - done, struck.steps_left(done))
         last = done + steps == prepared.steps
-        driven, pushed = driving(prepared, done, steps + last)
+        try:
+            driven, pushed = driving(prepared, done, steps + last)
+        except (MemoryError, OSError) as error:
+            if not recorded:
+                raise
+            lost = error
+            break
         noise = None if prepared.noise is None else prepared.noise.take(loop.samples(done, steps + last)[1])
         began = clock.perf_counter()
         stopped, rows_done = advance(
@@ -90,9 +98,9 @@ def drive(prepared: Prepared, progress: Progress | None = None) -> Driven:
             progress(done / prepared.steps)
     rows, ended = recording.rows.part(slice(recorded)), stopped._replace(steps=done)
     if stream is None:
-        return Driven(rows, recording.tally, ended, seconds, struck.found)
+        return Driven(rows, recording.tally, ended, seconds, struck.found, lost=lost)
     stream.add(rows, struck.found)
-    return Driven(None, recording.tally, ended, seconds, struck.found, stream)
+    return Driven(None, recording.tally, ended, seconds, struck.found, stream, lost)
 
 
 def no_room(prepared: Prepared, count: int) -> InputError:

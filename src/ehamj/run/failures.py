@@ -11,8 +11,10 @@ from ehamj.result import Result
 from ehamj.run.faults import plants
 from ehamj.run.prepare import Prepared
 from ehamj.run.timestep import follows
+from ehamj.run.unjudged import in_words
 from ehamj.smallmotion.advance import LARGEST_TURN
 from ehamj.stopped import CHAMBER_1_EMPTY, CHAMBER_2_EMPTY, DONE, LAW_FAILED, TOO_LARGE, Stopped
+from ehamj.unfinished import NO_ROOM
 from ehamj.variables import first_lost
 
 EMPTY = {CHAMBER_1_EMPTY: 1, CHAMBER_2_EMPTY: 2}
@@ -27,13 +29,15 @@ class Incomplete(SimulationFailed):
         self.result = result
 
 
-def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | None:
-    """What went wrong, in words; None where nothing did."""
+def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset, lost: Exception | None = None) -> str | None:
+    """What went wrong, in words; None where nothing did. ``lost``: why rows could not be made or written, if so."""
     scenario, timestep = prepared.scenario, prepared.timestep
+    if lost is not None:
+        return _left_out(lost, duration_of(dataset))
     if stopped.status != DONE:
         return _stopped(prepared, stopped, duration_of(dataset))
-    if lost := not_finite(dataset):
-        return lost
+    if found := not_finite(dataset):
+        return found
     if doubt := warned(prepared.data):
         return f"simulation failed: {doubt}. Kept to the end, marked incomplete"
     if scenario.timestep == "auto" or all(follows(plant, timestep) for plant in plants(scenario)):
@@ -50,6 +54,20 @@ def failure(prepared: Prepared, stopped: Stopped, dataset: xr.Dataset) -> str | 
         f"simulation failed{where}: timestep = {timestep:g} s is beyond the integrator's stability for the fastest "
         f"mode{whose}, and only voids in the oil kept the motion bounded. Kept to the end, marked incomplete; use "
         "timestep = 'auto' or a shorter one"
+    )
+
+
+def _left_out(lost: Exception, recorded: float) -> str:
+    """Of a run whose rows could be made or written until a time [s] only."""
+    why, way_out = in_words(lost), ""
+    if isinstance(lost, MemoryError):
+        why, way_out = "they do not fit in memory", ". Lower record_rate, or end what else takes memory"
+    elif isinstance(lost, OSError) and lost.errno in NO_ROOM:
+        why = f"{str(lost.filename)!r}: {lost.strerror}"
+        way_out = ". Make room there or lower record_rate, and run it again"
+    return (
+        f"simulation broken off: rows beyond {recorded:.6g} s could not be kept: {why}. Kept until {recorded:.6g} s, "
+        f"marked incomplete{way_out}"
     )
 
 

@@ -181,7 +181,7 @@ def _run(prepared: Prepared, driven: Driven, paths: Sequence[Path]) -> Run:
         wanted = {channel for path in paths for channel in FIGURES[path[0]].channels(path)}
         wanted |= set() if prepared.scenario.timestep == "auto" else {"chamber_void"}  # tells of a step too long
         run = Run(prepared, driven, observe(prepared, driven.rows, driven.struck, wanted=wanted))
-        failed = failure(prepared, driven.stopped, run.dataset)
+        failed = failure(prepared, driven.stopped, run.dataset, driven.lost)
     if failed is not None:
         raise SimulationFailed(failed)
     return run

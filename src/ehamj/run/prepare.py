@@ -32,6 +32,7 @@ from ehamj.scenario.variation import held
 from ehamj.signals import Signal
 from ehamj.synthesis.search import Found
 from ehamj.synthesis.settings import SynthesisSettings
+from ehamj.variables import stored_of, variables_of
 
 READ_FAST: Final = 2000.0
 """Rows per second from which rows show what noisy sensors make a machine do as fast as it is [Hz]: valves and oil let
@@ -191,6 +192,7 @@ def prepare(
         found, controller = found_for(scenario), scenario.controller()
     else:  # instead of the scenario's control, its open-loop commands too
         commands, keys = Passive().commands(scenario.plant.mounts, scenario.duration), GIVEN
+    stored_of(scenario.output.channels, variables_of(scenario, controller))
     try:
         stands = standing(scenario)
         timestep = choose_timestep(scenario, controller, keys, stands)

@@ -17,6 +17,7 @@ from ehamj.run.drive import Driven, Faults, Progress, no_room, sample_command, s
 from ehamj.run.prepare import Prepared
 from ehamj.run.stream import Stream, ready, room, rows_of
 from ehamj.signals import Zero
+from ehamj.smallmotion.advance import Recorded
 from ehamj.smallmotion.block import Block, Simulation, simulation
 from ehamj.smallmotion.cubics import staged
 from ehamj.smallmotion.lanes import WIDTHS
@@ -63,17 +64,16 @@ def drive_block(
     """
     block, first, alike, count = Block.of(simulations), runs[0], _alike(runs), rows_of(runs[0])
     streaming = _streams(runs)
-    try:
-        recorded = block.recorded(first.every, min(count, room(STRETCH)) if streaming else count)
-    except MemoryError:
-        raise no_room(first, count) from None
+    recorded = _recorded(block, first, min(count, room(STRETCH)) if streaming else count)
     struck = [Faults(run, block.loop_of(number)) for number, run in enumerate(runs)]
-    done, begin, rows, seconds, sampled, given = 0, 0, 0, 0.0, range(0), None
-    while done < first.steps and any(block.stopped(k, done).status == DONE for k in range(len(runs))):
+    done, begin, rows, seconds, sampled, given, lost = 0, 0, 0, 0.0, range(0), None, None
+    while done < first.steps and _goes_on(block, streaming, len(runs), done):
         check()
         if given is None or done not in sampled:
             sampled = range(done, min(done + STRETCH, first.steps))
-            given = _given(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
+            given, lost = _given_or_lost(block, runs, alike, done, len(sampled) + (sampled.stop == first.steps))
+            if given is None:
+                break
         _strike(block, struck, done)
         running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
         steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
@@ -103,7 +103,22 @@ def drive_block(
         told = (block.tally(number), stopped, seconds / len(runs))
         if streaming:
             streaming[number].add(table, faults.found)
-        yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None)
+        yield Driven(None if streaming else table, *told, faults.found, streaming[number] if streaming else None, lost)
+
+
+def _recorded(block: Block, first: Prepared, rows: int) -> Recorded:
+    """Room for so many rows of all."""
+    try:
+        return block.recorded(first.every, rows)
+    except MemoryError:
+        raise no_room(first, rows_of(first)) from None
+
+
+def _goes_on(block: Block, streaming: Sequence[Stream], runs: int, done: int) -> bool:
+    """Whether any run is not at its end, and has rows that are kept."""
+    if streaming and all(stream.lost for stream in streaming):
+        return False
+    return any(block.stopped(number, done).status == DONE for number in range(runs))
 
 
 def _strike(block: Block, struck: Sequence[Faults], done: int) -> None:
@@ -141,6 +156,18 @@ def _given(block: Block, runs: Sequence[Prepared], alike: Sequence[int], first: 
         load = None if run.load.absent else sample_load(run.load, first, steps, run.timestep)
         moved.append(own.machine.in_time(first, steps, run.timestep, load))
     return block.given(moved, ground, commands, steps)
+
+
+def _given_or_lost(
+    block: Block, runs: Sequence[Prepared], alike: Sequence[int], first: int, steps: int
+) -> tuple[Given | None, Exception | None]:
+    """`_given`, or why there is none, where some steps were taken before."""
+    try:
+        return _given(block, runs, alike, first, steps), None
+    except (MemoryError, OSError) as error:
+        if not first:
+            raise
+        return None, error
 
 
 def _commands(run: Prepared, times: Array) -> Array | None:

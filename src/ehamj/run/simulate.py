@@ -1,6 +1,7 @@
 """Run one scenario: prepare → drive → observe → summarise."""
 
 import time as clock
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,6 +15,7 @@ from ehamj.run.drive import Driven, Progress, drive
 from ehamj.run.judging import import_judging
 from ehamj.run.prepare import Prepared, prepare
 from ehamj.run.side_by_side import drive_block, small
+from ehamj.run.stream import Stream, streamed
 from ehamj.scenario.load import Given, as_scenario
 from ehamj.scenario.model import Scenario
 
@@ -128,13 +130,21 @@ def seen(prepared: Prepared, driven: Driven) -> Observed:
     from ehamj.run.observe import identity, observe
 
     if driven.stream is not None:
-        kept, failed = driven.stream.ended(driven.stopped)
-        return Observed(prepared, driven, kept.dataset, failed, kept)
+        return _in_a_file(prepared, driven, driven.stream)
     assert driven.rows is not None
-    dataset = observe(prepared, driven.rows, driven.struck)
-    failed = failure(prepared, driven.stopped, dataset)
+    dataset = None
+    with suppress(Exception):  # which holds what was made until then: it goes first
+        dataset = observe(prepared, driven.rows, driven.struck)
+    if dataset is None:  # a part at a time takes less memory, and those before one that fails are kept
+        return _in_a_file(prepared, driven, streamed(prepared, driven.rows, driven.struck))
+    failed = failure(prepared, driven.stopped, dataset, driven.lost)
     dataset.attrs |= {"complete": int(failed is None), RUN: identity(prepared, dataset)}
     return Observed(prepared, driven, dataset, failed)
+
+
+def _in_a_file(prepared: Prepared, driven: Driven, stream: Stream) -> Observed:
+    kept, failed = stream.ended(driven.stopped, driven.lost)
+    return Observed(prepared, driven, kept.dataset, failed, kept)
 
 
 def judged(run: Observed, began: float, controller: Any) -> "Result":

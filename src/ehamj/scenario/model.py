@@ -41,6 +41,12 @@ class Output(Settings):
 
     replay: bool = Field(True, description="write replay.rrd")
     report: bool = Field(True, description="write report.html and figures/")
+    channels: tuple[str, ...] = Field(
+        ("*",),
+        description="channels of result.nc by name; * and ? stand for any letters, as in foot_*. Verdict, report and "
+        "replay of the run are of all channels, whatever is stored",
+        min_length=1,
+    )
     nichols: bool = Field(False, description="show loop gains as Nichols plots too, in reports and designs")
     bookkeeping: bool = Field(False, description="balance oil and energy in states of their own, and report them")
     exaggeration: Positive | Literal["auto"] = Field("auto", description="factor on the motions drawn in the replay")

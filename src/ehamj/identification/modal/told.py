@@ -69,6 +69,8 @@ class Pairing:
     """Of their shapes, (k, m)."""
     missed: tuple[str, ...]
     """Computed modes that were not measured, with their frequencies."""
+    words: str
+    """What was measured, and how modes were found in it."""
     notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
@@ -77,6 +79,7 @@ class Pairing:
             "modes": [pair.to_dict() for pair in self.pairs],
             "mac": {"measured": list(self.measured), "computed": list(self.computed), "values": self.mac.tolist()},
             "not_measured": list(self.missed),
+            "method": self.words,
             "notes": list(self.notes),
         }
 
@@ -155,7 +158,7 @@ def pairing(measured: MeasuredModes, computed: Computed) -> Pairing:
         for at, (name, hertz) in enumerate(zip(computed.names, computed.frequency, strict=True))
         if at not in pairs.values()
     )
-    return Pairing(tuple(rows), measured.names, computed.names, similar, missed, measured.notes)
+    return Pairing(tuple(rows), measured.names, computed.names, similar, missed, measured.words, measured.notes)
 
 
 def nothing_alike(measured: MeasuredModes, computed: Computed) -> str:

@@ -6,7 +6,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ehamj.errors import InputError
-from ehamj.identification.modal.files import ASSUMED, WITHIN, modes_of_file
+from ehamj.identification.modal.files import ASSUMED, BAND_SAID, NODES_SAID, WITHIN, modes_of_file
 from ehamj.identification.modal.residuals import ModalResiduals
 from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.test import Context, TestSettings
@@ -14,24 +14,25 @@ from ehamj.measured.modes import Deviations, MeasuredModes, ModeEntry, listed, m
 from ehamj.measured.nodes import Frame, Nodes
 from ehamj.measured.sensors import Place
 from ehamj.scenario.model import Scenario
-from ehamj.settings import FileName
+from ehamj.settings import Band, FileName
 
 
 class ModesTest(TestSettings):
     """Modes of a hammer test or the like, valves held, paired with the machine's by the likeness of their shapes."""
 
     kind: Literal["modes"]
-    file: FileName | None = Field(None, description="table, TOML or universal file of modes")
+    file: FileName | None = Field(
+        None,
+        description="table, TOML or universal file of modes, or universal file of responses of motions to forces, in "
+        "which modes are found",
+    )
     mode: tuple[ModeEntry, ...] = Field((), description="instead: modes one by one")
     measurement: dict[str, Place] = Field(
         default_factory=dict, description="where the sensors of the shapes stood, by their names there"
     )
-    nodes: Nodes = Field(
-        default_factory=dict,
-        description="where nodes of a universal file stood, by their numbers: a foot, a point of the scenario, or a "
-        "place from the mount plane's centre [m]; without: as the file has them",
-    )
+    nodes: Nodes = Field(default_factory=dict, description=NODES_SAID)
     frame: Frame = Field(WITHIN, description="how the coordinates of a universal file lie in the machine")
+    band: Band | None = Field(None, description=BAND_SAID)
     deviation: Deviations = Field(ASSUMED, description="standard deviations of modes that state none")
 
     @model_validator(mode="after")
@@ -54,4 +55,4 @@ class ModesTest(TestSettings):
             table = listed(self.mode, {}, "modes one by one")
             return measured_modes(table, self.measurement, self.deviation, scenario.plant, scenario.points)
         stated = self.deviation if "deviation" in self.model_fields_set else None
-        return modes_of_file(Path(self.file), scenario, self.measurement, stated, self.frame, self.nodes)
+        return modes_of_file(Path(self.file), scenario, self.measurement, stated, self.frame, self.nodes, self.band)

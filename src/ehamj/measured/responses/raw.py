@@ -21,6 +21,10 @@ class RawResponse:
     word: str = ""
     """What messages call it, where that is not output over input."""
 
+    motion: str = ""
+    """What the output is by its data type, where no unit is stated: displacement, velocity or acceleration over a
+    force; of others ""."""
+
     @property
     def told(self) -> str:
         """What messages call it."""

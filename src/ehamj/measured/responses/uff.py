@@ -9,7 +9,7 @@ import numpy as np
 from ehamj.arrays import Array, ComplexArray
 from ehamj.measured.responses.raw import RawResponse
 from ehamj.records.files import existing, reading
-from ehamj.records.uff import IEEE, direction_of, label_of, opened, sets_of
+from ehamj.records.uff import DATA_TYPES, IEEE, direction_of, label_of, opened, sets_of
 from ehamj.records.units import is_silent, unit
 
 RESPONSES: Final = {4: "frequency response", 5: "transmissibility"}
@@ -17,6 +17,8 @@ AUTO, CROSS, COHERENCE = 2, 3, 6
 """Function types that tell how well a response is known."""
 FREQUENCY: Final = (0, 1, 18)
 """Data types that the abscissa may state: unknown, general, frequency."""
+FORCES: Final = (9, 13)
+"""Data types of a force that excites, and of any."""
 SAME: Final = 1e-5
 """How near two frequencies lie that are one, over the highest; ASCII has six digits."""
 
@@ -53,7 +55,13 @@ def read_uff(path: Path) -> list[RawResponse]:
                     coherence = _coherence(beside, output, driven, frequency)
                 found.append(
                     RawResponse(
-                        output, driven, frequency, np.asarray(sign * values, complex), _unit(content), coherence
+                        output,
+                        driven,
+                        frequency,
+                        np.asarray(sign * values, complex),
+                        _unit(content),
+                        coherence,
+                        motion=_motion(content),
                     )
                 )
     if not found:
@@ -100,6 +108,13 @@ def _unit(content: Head) -> str | None:
     if any(is_silent(part) for part in parts):
         return None
     return f"({parts[0]})/({parts[1]})"
+
+
+def _motion(content: Head) -> str:
+    """What is over a force, by the data types of ordinate and denominator; "" where they do not say it."""
+    if int(content.get("orddenom_spec_data_type", 0)) not in FORCES:
+        return ""
+    return DATA_TYPES.get(int(content.get("ordinate_spec_data_type", 0)), "")
 
 
 def _coherence(
