@@ -52,7 +52,7 @@ class SharedMotion:
 
     def __init__(self, motion: Motion, runs: int | None) -> None:
         self._motion, self._lock = motion, threading.Lock()
-        self._runs, self._room = (math.inf, LASTING) if runs is None else (runs, ROOM)
+        self._runs, self._room = math.inf if runs is None else runs, LASTING if runs is None else ROOM
         self._kept: OrderedDict[bytes, _Kept] = OrderedDict()
 
     def sample(self, time: Array) -> GroundSample:

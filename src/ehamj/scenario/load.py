@@ -158,7 +158,12 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
 def files_of(scenario: Scenario) -> list[str]:
     """Names of the files that a scenario reads; those that ship with ehamj are none."""
     found: list[str] = []
-    named_anew(scenario.table, Scenario, lambda name: found.append(name) or name)
+
+    def kept(name: str) -> str:
+        found.append(name)
+        return name
+
+    named_anew(scenario.table, Scenario, kept)
     return found
 
 
