@@ -1,5 +1,7 @@
 """The whole run's RMS: strikes count alike whenever they come, and neither lines nor strong bands hide weak ones."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,8 @@ from oracles.levels import whole_run_rms
 
 from ehamj.estimate.bands import Band, bands
 from ehamj.estimate.counted import Counted
-from ehamj.estimate.reading import band_rms
+from ehamj.estimate.reading import Reading, band_rms
+from ehamj.estimate.sliding import statistics
 from ehamj.ground.synthetic import HalfSine
 
 RATE = 1000.0
@@ -146,3 +149,29 @@ def test_a_period_of_a_multisine_is_read_as_it_is() -> None:
     known = [k for k, band in enumerate(ALL) if band.centre > 2.4]
     # The twentieth of the time that does not count scatters: 0.1 dB are asked for.
     np.testing.assert_allclose(10 * np.log10(total / expected)[known], 0.0, atol=0.1)
+
+
+def test_a_long_record_is_read_as_a_short_one_in_the_memory_of_a_few(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What of a long record is computed a part at a time, or not kept, changes no level."""
+    counted, chosen = Counted(300_000, 2000.0), bands(1.0, 315.0)
+    time = np.arange(counted.n) / counted.rate
+    samples = np.random.default_rng(3).standard_normal(counted.n) + 3.0 * np.sin(2 * np.pi * 25.03 * time)
+
+    def levels() -> list[np.ndarray]:
+        reading = Reading.of(samples, counted, chosen)
+        return [reading.rms(chosen), *statistics(reading, chosen, ("max_1s", "slow", "l10"))]
+
+    short = levels()
+    counted = Counted(300_000, 2000.0)  # which has kept nothing
+    monkeypatch.setattr("ehamj.estimate.counted.LONG", 0)
+    monkeypatch.setattr("ehamj.estimate.spectrum.LONG", 0)
+    monkeypatch.setattr("ehamj.estimate.steady.WHOLE", 0)
+    tracemalloc.start()
+    long = levels()
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    for one, other in zip(long, short, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12)  # sums over waves are in parts
+    assert most < 70 * samples.size

@@ -6,9 +6,10 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
+from scipy.fft import rfft
 
 from ehamj.arrays import Array
-from ehamj.columns import Samples, columns, digest
+from ehamj.columns import Samples, blocks, columns, digest
 from ehamj.estimate.bands import Band
 from ehamj.signals import rise
 
@@ -80,14 +81,33 @@ class Counted:
         """Of each sample, (n,)."""
         if self.taper == 0.0:
             return np.zeros(self.n)
-        time = np.arange(self.n) / self.rate
-        inside = np.minimum(time - (self.begin - self.taper), self.end - time)
-        return rise(inside / self.taper).value
+        found = np.empty(self.n)
+        for rows in blocks(self.n):
+            time = np.arange(rows.start, rows.stop) / self.rate
+            inside = np.minimum(time - (self.begin - self.taper), self.end - time)
+            found[rows] = rise(inside / self.taper).value
+        return found
 
     @cached_property
     def seconds(self) -> float:
         """Time that the energy of a stationary signal is of: ∫ weight² dt [s]."""
         return float((self.weight**2).sum()) / self.rate
+
+
+PLANS: Final = 16
+"""Lengths whose plans a library of transforms keeps at most."""
+
+
+def forget_plans(samples: int) -> None:
+    """Let SciPy and NumPy forget how they transform long records, of so many samples.
+
+    Both keep what they have worked out for the last `PLANS` lengths, which takes as much as a record each: short ones
+    take their places.
+    """
+    if samples > LONG:
+        for size in range(2, 2 + PLANS):
+            rfft(np.zeros(size))
+            np.fft.rfft(np.zeros(size))
 
 
 def of_all(kept: Any, samples: int) -> Callable[..., Any]:

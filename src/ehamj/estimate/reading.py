@@ -17,7 +17,7 @@ from scipy.fft import next_fast_len
 from ehamj.arrays import Array
 from ehamj.columns import Samples
 from ehamj.estimate.bands import Band
-from ehamj.estimate.counted import LEAST_BINS, Counted, by_column
+from ehamj.estimate.counted import LEAST_BINS, Counted, by_column, forget_plans
 from ehamj.estimate.spectrum import FADE, FILLING, HIGHEST, RINGING, Spectrum
 from ehamj.estimate.steady import Waves, lines_of
 
@@ -51,11 +51,18 @@ class Reading:
         highest = HIGHEST * max(band.centre for band in decided) * size / counted.rate
         padded = size, min(int(highest) + 2, size // 2 + 1)
         lines = lines_of(samples, counted)
+        forget_plans(counted.n)
         base = Waves(lines, counted)
-        spectra = [Spectrum.of(samples, lines, base, counted, padded, order) for order in ORDERS]
-        first, *others = (spectrum.rms(decided, least_bins=least_bins) for spectrum in spectra)
-        levels = np.array([CLEARLY * first, *others])
-        return cls(counted, dict(zip(decided, (spectra[k] for k in np.argmin(levels, axis=0)), strict=True)))
+        first = Spectrum.of(samples, lines, base, counted, padded, ORDERS[0])
+        least, found = CLEARLY * first.rms(decided, least_bins=least_bins), [first] * len(decided)
+        del first  # one that no band is read from goes before the next comes
+        for order in ORDERS[1:]:
+            spectrum = Spectrum.of(samples, lines, base, counted, padded, order)
+            levels = spectrum.rms(decided, least_bins=least_bins)
+            found = [spectrum if level < known else one for level, known, one in zip(levels, least, found, strict=True)]
+            least = np.minimum(least, levels)
+        forget_plans(counted.n)
+        return cls(counted, dict(zip(decided, found, strict=True)))
 
     def rms(self, chosen: Sequence[Band], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS of the whole run in each band, (bands,), NaN where undecided; see `band_rms`."""

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from ehamj.arrays import Array, ComplexArray
-from ehamj.columns import Samples
+from ehamj.columns import Samples, blocks
 from ehamj.estimate.bands import Band
 from ehamj.estimate.counted import LEAST_BINS, Counted, by_column, of_all
 from ehamj.estimate.reading import Reading
@@ -74,8 +74,11 @@ def _passing(band: Band, order: int, step: float, size: int) -> ComplexArray:
     """Response of the band's filter and of the derivative at the first bins [Hz] of a spectrum of ``size`` bins."""
     first = max(int(LOWEST * band.centre / step), 1)
     count = min(size, int(np.ceil(HIGHEST * band.centre / step)) + 1)
-    frequency = np.asarray(step * np.arange(first, count))
-    return np.concatenate([np.zeros(first), response(band, frequency) * (2j * np.pi * frequency) ** order])
+    found = np.zeros(max(first, count), complex)
+    for some in blocks(found.size - first):  # a part at a time: of a long run all at once are many times what is kept
+        frequency = np.asarray(step * np.arange(first + some.start, first + some.stop))
+        found[first + some.start : first + some.stop] = response(band, frequency) * (2j * np.pi * frequency) ** order
+    return found
 
 
 class Behind:
@@ -85,7 +88,8 @@ class Behind:
         """The channel's derivative of ``order``, as in `Reading.rms`."""
         counted = spectrum.counted
         passing = of_all(_passing, counted.n)(band, order, counted.rate / spectrum.size, spectrum.rest.size)
-        square = spectrum.filtered(passing) ** 2
+        square = spectrum.filtered(passing)
+        np.square(square, out=square)  # of a long run each is large
         step = spectrum.size / counted.rate / square.size
         several = max(int(averaging_time(band, "fast") / PER_TIME / step), 1)
         self.band, self.counted, self.filling = band, counted, FILLING / band.width
@@ -96,7 +100,9 @@ class Behind:
         rows = int((counted.end + RINGING / band.width) / self.step)
         self.square = square[: rows * several].reshape(rows, several).mean(axis=1)
         """Mean over each step, until the filter has rung out."""
-        self.energy = np.concatenate([[0.0], np.cumsum(self.square)]) * self.step
+        self.energy = np.zeros(self.square.size + 1)
+        np.cumsum(self.square, out=self.energy[1:])
+        self.energy *= self.step
         """Integral of the square from time −step/2/several, at the steps' ends."""
         self.offset = 0.5 * step
 

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from ehamj.arrays import Array, ComplexArray
+from ehamj.columns import blocks
 from ehamj.estimate.bands import Band
-from ehamj.estimate.counted import LEAST_BINS, Counted, of_all
+from ehamj.estimate.counted import LEAST_BINS, LONG, Counted, forget_plans
 from ehamj.estimate.steady import Steady, Waves, fitted
 from ehamj.signals import rise
 
@@ -49,9 +50,18 @@ class Spectrum:
             differences[:order] = 0.0
         amplitude, rest = fitted(differences, base, counted)
         size, bins = padded
-        spectrum = rfft(rest * counted.weight, size)[:bins].copy()  # the others need not stay
+        weighted = np.zeros(size)
+        np.multiply(rest, counted.weight, out=weighted[: counted.n])
+        del differences, rest  # of a long run each is large
+        spectrum = rfft(weighted, overwrite_x=True)[:bins].copy()  # the others need not stay
+        del weighted
         spectrum[0] = 0.0
-        spectrum[1:] *= of_all(_back, counted.n)(size, bins, order)
+        if counted.n <= LONG:
+            spectrum[1:] *= _back(size, bins, order)
+        else:  # a part at a time, which takes no memory
+            for some in blocks(bins - 1) if order else ():
+                own = slice(1 + some.start, 1 + some.stop)
+                spectrum[own] *= _back_at(own, size, order)
         return cls(counted, Steady(lines, amplitude / _difference(lines / counted.rate, order)), size, spectrum)
 
     @cached_property
@@ -86,8 +96,11 @@ class Spectrum:
         fade_in = 1.0 - rise((until - before) / (0.5 * FADE)).value
         beyond = fade_out * self.steady.at((n + np.arange(self.size - n)) / rate)
         beyond += fade_in * self.steady.at(-until)
-        inside = self.steady.at(np.arange(n) / rate)
-        return np.asarray(self.rest + rfft(np.concatenate([inside, beyond]))[: self.rest.size])
+        steady = np.empty(self.size)
+        steady[n:] = beyond
+        for rows in blocks(n):
+            steady[rows] = self.steady.at(np.arange(rows.start, rows.stop) / rate)
+        return np.asarray(self.rest + rfft(steady, overwrite_x=True)[: self.rest.size])
 
     def rms(self, chosen: Sequence[Band], order: int = 0, least_bins: float = LEAST_BINS) -> Array:
         """RMS of the whole run in each band, (bands,); bins and lines that an edge divides count by their share.
@@ -124,8 +137,12 @@ class Spectrum:
         """
         k = response.size
         m = self.size if k > self.size // 2 else next_fast_len(2 * k, real=True)
-        passed = self.whole[:k] * response
-        return np.asarray(irfft(passed, m)) * (m / self.size)
+        passed = np.zeros(max(m // 2 + 1, k), complex)
+        np.multiply(self.whole[:k], response, out=passed[:k])
+        found = np.asarray(irfft(passed, m, overwrite_x=True))
+        found *= m / self.size
+        forget_plans(self.counted.n)
+        return found
 
     def mean_square(self, response: ComplexArray) -> float:
         """Of the channel behind such a filter, over the whole run."""
@@ -138,7 +155,11 @@ class Spectrum:
 @lru_cache(maxsize=3)
 def _back(size: int, bins: int, order: int) -> ComplexArray:
     """From the spectrum of differences to that of the signal, at the bins above 0 Hz."""
-    return np.asarray(1.0 / _difference(np.arange(1, bins) / size, order))
+    return _back_at(slice(1, bins), size, order)
+
+
+def _back_at(bins: slice, size: int, order: int) -> ComplexArray:
+    return np.asarray(1.0 / _difference(np.arange(bins.start, bins.stop) / size, order))
 
 
 def _difference(frequency: Array, order: int) -> ComplexArray:

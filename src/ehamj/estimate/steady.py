@@ -45,9 +45,10 @@ class Steady:
     def at(self, time: Array) -> Array:
         """Sum of the lines at times [s]."""
         total = np.zeros(time.size)
-        for f, a in zip(self.frequency, self.amplitude, strict=True):
-            phase = (2 * np.pi * f) * time
-            total += a.real * np.cos(phase) - a.imag * np.sin(phase)
+        for rows in blocks(time.size):
+            for f, a in zip(self.frequency, self.amplitude, strict=True):
+                phase = (2 * np.pi * f) * time[rows]
+                total[rows] += a.real * np.cos(phase) - a.imag * np.sin(phase)
         return total
 
     @property
@@ -157,8 +158,10 @@ class _Search:
         nu, amplitude = _fit(self.spectrum, peak, m)
         if abs(nu - peak) > 1.0:
             return None
-        phase = np.arange(m) * (2 * np.pi * nu / m)
-        left = self.left - (amplitude.real * np.cos(phase) - amplitude.imag * np.sin(phase))
+        left = self.left.copy()
+        for rows in blocks(m):
+            phase = np.arange(rows.start, rows.stop) * (2 * np.pi * nu / m)
+            left[rows] -= amplitude.real * np.cos(phase) - amplitude.imag * np.sin(phase)
         spectrum = np.fft.rfft(left * self.window)
         if _energy(spectrum, nu) > LEFT * _energy(self.spectrum, nu):
             return None
