@@ -47,9 +47,8 @@ def drive_block(
     runs: Sequence[Prepared],
     simulations: Sequence[Simulation],
     progress: Progress | None = None,
-    copied: bool = True,
-    heard: Heard | None = None,
-) -> Iterator[Driven]:
+    copied: bool = True, heard: Heard | None = None,
+) -> Iterator[Driven]:  # fmt: skip
     """Step all to the end, or until each fails; what the loop left of one after the other.
 
     Args:
