@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,6 +21,8 @@ from ehamj.belonging import KEY, check_result, digest_of, told
 from ehamj.cli import main
 from ehamj.errors import InputError
 from ehamj.interruption import Interrupted
+from ehamj.replay import write_replay
+from ehamj.report import write_report
 from ehamj.result import Result, load_result
 from ehamj.run.simulate import simulate
 from ehamj.scenario.load import parse_scenario
@@ -165,6 +168,22 @@ def test_a_file_of_another_run_is_refused_by_its_name(copy: Path, other: Path, n
         load_result(copy)
     with pytest.raises(InputError, match=rf"copy': {name} is of another run"):
         check_result(copy)
+
+
+def test_a_page_and_a_recording_of_another_run_are_refused_by_their_names(
+    copy: Path, other: Path, loaded: Result, tmp_path: Path
+) -> None:
+    write_report(tmp_path, {"short": loaded})
+    write_replay(tmp_path / "replay.rrd", {"short": loaded})
+    foreign = Path(shutil.copytree(other, tmp_path / "foreign"))
+    for name, command in (("report.html", "report"), ("replay.rrd", "replay")):
+        shutil.copy(tmp_path / name, copy)
+        assert same(load_result(copy), loaded)
+        shutil.move(tmp_path / name, foreign)
+        way = f"take it away, and `ehamj {command} {foreign}` makes one of this run"
+        with pytest.raises(InputError, match=rf"{name} shows another run \({loaded.identity}, .*; {re.escape(way)}"):
+            load_result(foreign)
+        (foreign / name).unlink()
 
 
 def test_a_variant_of_another_run_is_refused(

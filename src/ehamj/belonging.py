@@ -3,7 +3,8 @@
 The identity is a digest of what a run came from and of where it ended: its scenario, versions, and the last row of
 every variable, in which a law shows too. So the same run comes out with the same identity and the same files, to the
 bit, and any other with another. It stands in a last line of ``scenario.toml`` and ``model.xml``, as ``run`` in
-``controller.json`` and among the attributes of ``result.nc``. ``summary.json`` has it in its table ``belongs``, with
+``controller.json`` and among the attributes of ``result.nc``, and at the
+beginning of ``report.html`` and ``replay.rrd``. ``summary.json`` has it in its table ``belongs``, with
 the digest of every file (as ``sha256sum`` prints it), of the summary itself, and the identities of the variants that
 ran beside it.
 """
@@ -36,6 +37,10 @@ COMMENTS: Final = {"scenario.toml": "# of run {}\n", "model.xml": "<!-- of run {
 _CARRIED: Final = re.compile(rb'(?:of run |"run": ?")([0-9a-f]{32})\b')
 CARRYING: Final = ("scenario.toml", "model.xml", "controller.json", HISTORIES)
 """Files that carry the identity, if they are there, beside the summary's."""
+SHOWING: Final = {"report.html": "report", "replay.rrd": "replay"}
+"""Files that show a run, and carry its identity at their beginning, each with the command that makes it anew."""
+BEGINNING: Final = 2**20
+"""Of such a file [B]; a recording's layout stands first."""
 PIECE: Final = 2**22
 """Of a file that is read at once for its digest [B]."""
 
@@ -81,6 +86,12 @@ def marked(name: str, text: str, run: str) -> str:
     if name in COMMENTS:
         return f"{text}\n{COMMENTS[name].format(run)}"
     return text.replace("{", f'{{\n "{RUN}": "{run}",', 1)
+
+
+def shown_mark(runs: Iterable[str]) -> str:
+    """What stands at the beginning of a file that shows runs of these identities: the first, and a digest of all."""
+    runs = list(runs)
+    return f"of run {runs[0]} {hashlib.blake2b(' '.join(runs).encode(), digest_size=4).hexdigest()}"
 
 
 def unmarked(name: str, text: str, run: str) -> str:
@@ -132,6 +143,12 @@ def check_own(found: Told) -> None:
             )
     carried = {name: _carried(found.folder / name) for name in CARRYING if (found.folder / name).is_file()}
     carried[SUMMARY] = belongs.run
+    for name, command in SHOWING.items():
+        if (found.folder / name).is_file() and (run := _carried(found.folder / name)) not in (belongs.run, None):
+            raise InputError(
+                f"{whose}: {name} shows another run ({run}, the others are of {belongs.run}); take it away, and "
+                f"`ehamj {command} {found.folder}` makes one of this run"
+            )
     missing = [name for name in belongs.files if not (found.folder / name).is_file()]
     if missing:
         raise InputError(f"{whose}: {missing[0]} is missing, which its run wrote; {_run_again(found.folder)}")
@@ -237,6 +254,10 @@ def _rest(summary: Mapping[str, Any]) -> str:
 def _carried(path: Path) -> str | None:
     """The identity that a file carries; None of one that has none, or cannot be read."""
     try:
+        if path.name in SHOWING:
+            with path.open("rb") as file:
+                first = _CARRIED.search(file.read(BEGINNING))
+            return str(first[1], "ascii") if first else None
         if path.name != HISTORIES:
             said = _CARRIED.findall(path.read_bytes())
             return str(said[-1], "ascii") if said else None

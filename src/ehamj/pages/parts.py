@@ -159,6 +159,8 @@ class Page:
     alerts: Sequence[tuple[str, str]] = ()
     """What went wrong, above everything: a few words, and what it means."""
     footer: str = ""
+    mark: str = ""
+    """What runs it shows (`ehamj.belonging.shown_mark`), if it shows any."""
     day: str = field(default_factory=lambda: date.today().isoformat())
     """When it was made, for the heads of the sheets."""
 

@@ -15,6 +15,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from ehamj.belonging import shown_mark
 from ehamj.replay.about import page
 from ehamj.replay.attenuation import curves_of, log_attenuation
 from ehamj.replay.blueprint import make_blueprint, playback_speed
@@ -56,7 +57,8 @@ def write_replay(path: Path, results: Mapping[str, Result], exaggeration: float 
     def layout() -> rrb.Blueprint:
         return make_blueprint(results, compared, isolators, curves, heats, factor, speed)
 
-    with recorded(path, _application(title, results, factor), title, layout) as recording:
+    mark = shown_mark(result.identity for result in results.values())
+    with recorded(path, _application(title, results, factor), title, layout, mark) as recording:
         fixed(recording, "about", rr.TextDocument(page(results, factor, arrows, speed), media_type="text/markdown"))
         for index, (label, result) in enumerate(results.items()):
             log_scene(recording, label, result, factor)

@@ -51,16 +51,16 @@ MOUNT_COLORS: Final[tuple[Color, ...]] = (
 
 @contextmanager
 def recorded(
-    path: Path, application: str, title: str, layout: Callable[[], rrb.Blueprint]
+    path: Path, application: str, title: str, layout: Callable[[], rrb.Blueprint], mark: str | None = None
 ) -> Iterator[rr.RecordingStream]:
-    """A recording that becomes the file when everything is logged.
+    """A recording that becomes the file when everything is logged; ``mark`` tells it from others, by default chance.
 
     Raises:
         OSError: if the file cannot be written.
     """
     # Rerun only warns of what it cannot log, unless told otherwise: here it is told for this block and thread alone.
     with written_whole(Path(path)) as temporary, catch_and_log_exceptions(strict=True):
-        recording = rr.RecordingStream(application)
+        recording = rr.RecordingStream(application, recording_id=mark)
         try:
             temporary.touch()  # fails with the system's own error where nothing can be written
             recording.save(temporary, default_blueprint=layout())

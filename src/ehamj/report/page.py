@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ehamj.belonging import shown_mark
 from ehamj.pages import Page, Section, write_page
 from ehamj.report.sections import SECTIONS
 from ehamj.report.shown import Results, Shown
@@ -38,6 +39,7 @@ def report_page(shown: Results | Shown, sections: Sequence[Callable[[Shown], Sec
         verdict(shown),
         failures(shown.results),
         f"Versions: {versions}.",
+        mark=shown_mark(result.identity for result in shown.results.values()),
     )
 
 
