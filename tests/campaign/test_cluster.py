@@ -7,12 +7,56 @@ from pathlib import Path
 from typing import Any
 
 import distributed
+import numpy as np
 import pandas as pd
 import pytest
 from oracles.fake_studies import done, results, search
 
 from ehamj.campaign.cluster import Dask
+from ehamj.campaign.conduct import conduct
+from ehamj.campaign.file import StudyFile
+from ehamj.campaign.staged import stages_of
+from ehamj.campaign.tables import frame
 from ehamj.errors import InputError, SimulationFailed
+
+POPULATION, GENERATIONS = 12, 2
+SEARCH: dict[str, Any] = {
+    "title": "Anywhere",
+    "question": "Does it matter where?",
+    "scenario": "vc-c-floor",
+    "set": {
+        "engine": "small-motion",
+        "plates": "tied",
+        "duration": 0.06,
+        "compare": [],
+        "control": {"kind": "combined"},
+    },
+    "vary": {
+        "actuators.isolator.piston_area": {"low": 0.02, "high": 0.06},
+        "machine.mass": {"low": 3000.0, "high": 5000.0},
+    },
+    "plan": {"kind": "optimise", "population": POPULATION, "generations": GENERATIONS},
+    "objectives": {"run.rms.cg_velocity.z": "lowest", "run.oil.mean_power_w": "lowest"},
+}
+"""Twelve designs are a block of eight lanes and one of four."""
+
+
+def searched(folder: Path, scheduler: Any) -> pd.DataFrame:
+    """All designs of the search."""
+    conduct(folder, stages_of(StudyFile(**SEARCH)), {"title": "Anywhere"}, scheduler=scheduler)
+    return frame(folder).drop(columns="seconds")
+
+
+@pytest.fixture(scope="module")
+def alone_over_runs(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    """On one thread."""
+    found = searched(tmp_path_factory.mktemp("alone"), "threads:1")
+    own = found[found["stage"] == "search"]
+    assert len(own) == POPULATION * GENERATIONS
+    assert not (own["status"] == "failed").any()
+    assert np.isfinite(own["run.rms.cg_velocity.z"]).all()
+    assert own["run.rms.cg_velocity.z"].nunique() == len(own)  # another order, lane or neighbour could show
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +91,14 @@ def test_own_functions_go_along(tmp_path: Path, cluster: Any) -> None:
     ended = done(tmp_path, stage, scheduler=cluster, functions={"count": lambda scenario: len(scenario.plant.mounts)})
     assert ended.failed == ended.done == 64  # no machine has these masses
     assert results(tmp_path)["reason"][0].startswith("own: ")
+
+
+@pytest.mark.parametrize("where", ["threads:2", "processes:2", "cluster"])
+def test_a_search_over_runs_is_the_same_to_the_bit_generation_by_generation(
+    tmp_path: Path, alone_over_runs: pd.DataFrame, cluster: Any, where: str
+) -> None:
+    found = searched(tmp_path, cluster if where == "cluster" else where)
+    pd.testing.assert_frame_equal(found, alone_over_runs, check_exact=True)
 
 
 def test_a_worker_that_is_lost_loses_no_design(tmp_path: Path, alone: pd.DataFrame, cluster: Any) -> None:

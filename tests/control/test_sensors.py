@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from ehamj.control import Controller, PythonController
 from ehamj.control.instruments import NOISE, Accelerometer, Geophone, PressureSensor, discretise, randomness
-from ehamj.control.noise import ReadingNoise
+from ehamj.control.noise import Heard, ReadingNoise
 from ehamj.control.sensors import Sensors
 from ehamj.errors import InputError
 from ehamj.run.simulate import simulate
@@ -78,6 +78,21 @@ def test_noise_does_not_depend_on_the_lengths_in_which_it_is_taken() -> None:
     whole = ReadingNoise(channels, sensors, 3, 1e-4).take(1000)
     made = ReadingNoise(channels, sensors, 3, 1e-4)
     np.testing.assert_array_equal(np.vstack([made.take(n) for n in (1, 0, 399, 600)]), whole)
+
+
+def test_noise_that_was_heard_before_is_the_noise_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three runs one after the other: the last one hears what there was no room for, behind what there was."""
+    channels = ("cg_velocity x", "cg_velocity z")
+    sensors = Sensors(inertial=Geophone(kind="geophone", random_walk=1e-6))
+    whole = ReadingNoise(channels, sensors, 3, 1e-4).take(5000)
+    monkeypatch.setattr("ehamj.control.noise.ROOM", 16 * 3100)
+    heard = Heard()
+    for _ in range(3):
+        noise = ReadingNoise(channels, sensors, 3, 1e-4)
+        parts = [heard.take(noise, *part) for part in ((0, 1000), (1000, 2000), (3000, 1500), (4500, 500))]
+        np.testing.assert_array_equal(np.concatenate(parts), whole)
+    other = ReadingNoise(channels, sensors, 4, 1e-4)
+    assert not np.array_equal(heard.take(other, 0, 1000), whole[:1000])
 
 
 def test_the_noise_is_what_scipys_filters_make_of_the_channels_random_numbers() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from ehamj.ground import GroundSample, Start
 from ehamj.ground.floors import FloorGround
-from ehamj.ground.shared import ROOM, Floors, SharedMotion
+from ehamj.ground.shared import FLOORS, LASTING, ROOM, Floors, SharedMotion
 
 START = Start(("a", "b"), np.array([[1.0, 0.0, 0.0], [-1.0, 0.5, 0.0]]), 1.0, 3)
 TIMES = np.arange(50) * 1e-3
@@ -89,3 +89,21 @@ def test_floors_are_one_where_ground_plan_and_seed_are() -> None:
     assert floors.motion(ground.model_copy(), START) is first
     other = Start(START.mounts, START.positions, START.duration, 4)
     assert floors.motion(ground, other) is not first
+
+
+def test_floors_without_an_end_are_kept_within_bounds() -> None:
+    ground = FloorGround(kind="floor", floor="workshop")
+    floors = Floors(None)
+    starts = [Start(START.mounts, START.positions, START.duration, seed) for seed in range(FLOORS + 1)]
+    found = [floors.motion(ground, one) for one in starts]
+    assert floors.motion(ground, starts[-1]) is found[-1]
+    assert floors.motion(ground, starts[0]) is not found[0]  # the oldest is gone
+    counted = Counted()
+    shared = SharedMotion(counted, None)
+    for number in (0, 1) * 20:
+        shared.sample(TIMES + number)
+    assert counted.calls == 2
+    stretch = np.arange(20_000) * 1e-4
+    for number in range(int(LASTING / (18 * stretch.nbytes)) + 2):
+        shared.sample(stretch + number)
+    assert sum(kept.size for kept in shared._kept.values()) <= LASTING

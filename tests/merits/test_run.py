@@ -24,7 +24,7 @@ MACHINE = Machine(BASE)
 RUNS = Runs()
 DESIGNS = [Design(k, {MASS: 4000.0 + 40.0 * k}) for k in range(3)]
 ALONE = (
-    "run.attenuation_db.z.31.5",
+    "run.attenuation_db.z.63",
     "run.attenuation_db.z.40",
     "run.attenuation_db.ry.50",
     "run.attenuation_db.x.50",
@@ -155,7 +155,7 @@ def test_a_class_whose_bands_a_short_run_does_not_know_is_not_kept() -> None:
 def test_all_numbers_of_the_summary_are_merits_and_chance_is_none() -> None:
     names = RUNS.merits(MACHINE)
     assert {*ALONE, *WHOLE} <= set(names)
-    assert names["run.attenuation_db.z.1.25"].unit == "dB"
+    assert names["run.attenuation_db.z.63"].unit == "dB"
     assert names["run.rms.stroke.front-left"].unit == "m"
     assert names["run.oil.peak_flow_m3_s"].unit == "m³/s"
     assert not any("wall_s" in name or "stepping_s" in name for name in names)
@@ -167,3 +167,13 @@ def test_all_numbers_of_the_summary_are_merits_and_chance_is_none() -> None:
 def test_the_scenario_that_shows_what_there_is_may_be_of_any_length() -> None:
     brief: Scenario = BASE.varied({"duration": 0.002})
     assert "run.oil.volume_m3" in Runs().merits(Machine(brief))
+
+
+def test_a_band_that_runs_are_too_short_for_is_refused_with_the_way_out() -> None:
+    """The 1 Hz band is 0.23 Hz wide: four times its reciprocal, and the second that does not count."""
+    with pytest.raises(InputError, match=r"its 1 Hz band needs duration = 18\.\d s, runs take 0\.6 s"):
+        merit(MACHINE, "run.attenuation_db.z.1")
+    with pytest.raises(InputError, match=r"its 1 Hz band needs .*with criteria\.low_frequency = 'classic' it has none"):
+        merit(Machine(BASE.varied({"criteria.low_frequency": "flat"})), "run.below.VC-F.z")
+    with pytest.raises(InputError, match=r"its 315 Hz band ends above half of record_rate = 500 Hz"):
+        merit(Machine(BASE.model_copy(update={"record_rate": 500.0})), "run.attenuation_db.z.315")

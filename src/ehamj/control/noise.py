@@ -1,6 +1,7 @@
 """Noise and drift of the readings of instruments."""
 
 import math
+import threading
 from functools import cache, cached_property
 from typing import Final, NamedTuple
 
@@ -15,6 +16,10 @@ from ehamj.control.sensors import Sensors
 
 NUMBERS: Final = 3
 """Random numbers for each reading: for its white noise, its rising noise, its walk."""
+PASSED: Final = 2048
+"""Samples that are drawn at once only to be passed over."""
+ROOM: Final = 32e6
+"""What is kept of noise for those who hear the same later [byte]: some seconds of a machine's."""
 
 
 class ReadingNoise:
@@ -29,7 +34,7 @@ class ReadingNoise:
             for k, sensor in known
             if sensor is not None and (sensor.noise, sensor.drift, sensor.random_walk) != (0.0, 0.0, 0.0)
         }
-        self._done = 0
+        self._done = self._behind = 0
 
     @cached_property
     def _begun(self) -> "_Begun":
@@ -48,6 +53,10 @@ class ReadingNoise:
         """Whether another one, of which as many samples were taken, or none, gives the same."""
         return self is other or self._source == other._source
 
+    def pass_over(self, samples: int) -> None:
+        """Go on behind so many samples, which somebody else has taken: they are drawn only if later ones are."""
+        self._behind += samples
+
     @property
     def silent(self) -> bool:
         """Whether there is none at all."""
@@ -56,6 +65,13 @@ class ReadingNoise:
     def take(self, samples: int, found: Array | None = None) -> Array:
         """The next samples, (samples, channels) in the channels' units; put into ``found`` where it is given, which
         must be zero."""
+        while self._behind:
+            passed = min(self._behind, PASSED)
+            self._behind -= passed
+            self._drawn(passed, np.zeros((passed, len(self._source[0]))))
+        return self._drawn(samples, found)
+
+    def _drawn(self, samples: int, found: Array | None) -> Array:
         channels, _, _, period = self._source
         found = np.zeros((samples, len(channels))) if found is None else found
         drawn = np.empty((len(channels), samples, NUMBERS))
@@ -64,6 +80,33 @@ class ReadingNoise:
             own.standard_normal(out=drawn[k])
         compiled_noise()(drawn, self._done, period, *tables, found)
         self._done += samples
+        return found
+
+
+class Heard:
+    """Noise that was taken from its first sample on, for runs that hear the same one after the other: that of one
+    source, the last, as far as there is room."""
+
+    def __init__(self) -> None:
+        self._lock, self._size = threading.Lock(), 0
+        self._first: ReadingNoise | None = None
+        self._pieces: dict[tuple[int, int], Array] = {}
+
+    def take(self, noise: ReadingNoise, first: int, samples: int) -> Array:
+        """`ReadingNoise.take` of samples from the ``first`` on, which nobody is to change."""
+        with self._lock:
+            if self._first is None or not self._first.alike(noise):
+                self._first, self._pieces, self._size = noise, {}, 0
+            found = self._pieces.get((first, samples))
+        if found is not None:
+            noise.pass_over(samples)
+            return found
+        found = noise.take(samples)
+        found.flags.writeable = False
+        with self._lock:
+            if self._first is not None and self._first.alike(noise) and self._size + found.nbytes <= ROOM:
+                self._size += found.nbytes
+                self._pieces[first, samples] = found
         return found
 
 

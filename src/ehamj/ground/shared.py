@@ -1,5 +1,6 @@
 """A floor of several machines that stand on it one beside the other in time: built once, and sampled once."""
 
+import math
 import threading
 from collections import OrderedDict
 from typing import Any, Final
@@ -12,12 +13,20 @@ from ehamj.ground.motion import GroundSample, GroundSettings, Motion, Start
 ROOM: Final = 16e6
 """What a floor keeps of what it was asked for, for those who have not asked yet [byte]: a minute of stretches takes
 more, but runs beside each other are rarely further apart."""
+LASTING: Final = 32e6
+"""What a floor keeps that is asked for again and again [byte]: some seconds of it."""
+FLOORS: Final = 4
+"""Floors that are kept, of those for which there are always more runs."""
 
 
 class Floors:
-    """Floors of so many runs: those of one ground, under one plan, of one seed are one."""
+    """Floors of so many runs: those of one ground, under one plan, of one seed are one.
 
-    def __init__(self, runs: int) -> None:
+    Without a number of runs there are always more, one after the other: the last `FLOORS` are kept, and what was asked
+    for of each as far as there is room (`LASTING`). A floor that reads a file must not be one of them: it may change.
+    """
+
+    def __init__(self, runs: int | None) -> None:
         self._runs, self._lock = runs, threading.Lock()
         self._known: list[tuple[tuple[Any, ...], SharedMotion]] = []
 
@@ -29,6 +38,8 @@ class Floors:
             if found is None:
                 found = SharedMotion(ground.motion(start), self._runs)
                 self._known.append((key, found))
+                if self._runs is None:
+                    del self._known[:-FLOORS]
         return found
 
 
@@ -36,11 +47,12 @@ class SharedMotion:
     """A motion that several runs sample at the same times: who asks second is given what the first one got.
 
     The arrays it gives are read-only. What all have asked for is forgotten; what some have not is kept as far as there
-    is `ROOM`, and computed anew else.
+    is room, and computed anew else.
     """
 
-    def __init__(self, motion: Motion, runs: int) -> None:
-        self._motion, self._runs, self._lock = motion, runs, threading.Lock()
+    def __init__(self, motion: Motion, runs: int | None) -> None:
+        self._motion, self._lock = motion, threading.Lock()
+        self._runs, self._room = math.inf if runs is None else runs, LASTING if runs is None else ROOM
         self._kept: OrderedDict[bytes, _Kept] = OrderedDict()
 
     def sample(self, time: Array) -> GroundSample:
@@ -66,7 +78,7 @@ class SharedMotion:
         """Drop the oldest of what is kept until the rest has room."""
         with self._lock:
             sizes = [kept.size for kept in self._kept.values()]
-            while sum(sizes) > ROOM:
+            while sum(sizes) > self._room:
                 self._kept.popitem(last=False)
                 sizes.pop(0)
 

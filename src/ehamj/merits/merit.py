@@ -73,6 +73,10 @@ class Source(ABC):
             names: of the merits that are wanted; all of this source.
         """
 
+    def why_not(self, machine: Machine, name: str) -> str:
+        """Why this machine has no merit of a name that others have, in words; nothing where there is nothing to say."""
+        return ""
+
     def notes(self, machine: Machine) -> list[str]:
         """What a reader of its merits must know of this machine: how they were computed, and what they leave out."""
         return []
@@ -103,7 +107,7 @@ def merit(machine: Machine, name: str) -> Merit:
     """
     found = SOURCES[source_of(name)].merits(machine)
     if name not in found:
-        said = did_you_mean(name, found).strip()
+        said = SOURCES[source_of(name)].why_not(machine, name) or did_you_mean(name, found).strip()
         if not said and found:
             said = f"there are {', '.join(list(found)[:12])}{', …' if len(found) > 12 else ''}"
         none = f"under control of kind {machine.scenario.control.name()!r} it has none that begins so"

@@ -13,12 +13,14 @@ from ehamj.errors import InputError, SimulationFailed
 from ehamj.findings import Finding
 from ehamj.merits.applied import scenario_of
 from ehamj.merits.merit import SOURCES, Design, Failed, Found, Machine, Merit, Source
+from ehamj.merits.undecided import undecided
 from ehamj.plant.axes import AXES
 from ehamj.run.failures import Incomplete
 from ehamj.run.figures import Path, figures
 from ehamj.run.side_by_side import LANES
 from ehamj.run.simulate import simulate
-from ehamj.run.together import Item, Ran, Refused, together
+from ehamj.run.together import Item, Ran, Refused, Shared, together
+from ehamj.scenario.load import files_of
 from ehamj.scenario.model import Scenario
 from ehamj.variables import VARIABLES
 
@@ -69,12 +71,18 @@ class Runs(Source):
         self._last: _Numbers | None = None
 
     def merits(self, machine: Machine) -> Mapping[str, Merit]:
-        """One for each number in the summary of the machine's own run; those of lists are left out.
+        """One for each number in the summary of the machine's own run; those of lists are left out, and those in bands
+        that runs are too short for.
 
         Raises:
             InputError: if the machine cannot be run as it is.
         """
         return self._numbers(machine).merits
+
+    def why_not(self, machine: Machine, name: str) -> str:
+        """Of a number in a band that runs are too short for."""
+        path = self._numbers(machine).paths.get(name)
+        return undecided(machine.scenario, path) if path else ""
 
     def evaluate(self, machine: Machine, designs: Sequence[Design], names: Sequence[str]) -> list[Found]:
         """Each design is run, those of equal structure side by side, on the thread of the caller."""
@@ -94,7 +102,8 @@ class Runs(Source):
             numbers = figures(ran.prepared, ran.driven, wanted)
             return {name: numbers[path] for name, path in paths.items()}
 
-        return together(items(), found, 1, len(designs), on_failure=_failed, held=False)
+        shared = self._numbers(machine).shared
+        return together(items(), found, 0, len(designs), on_failure=_failed, held=False, shared=shared)
 
     def _numbers(self, machine: Machine) -> "_Numbers":
         """What the machine's summary holds; that of the last machine is kept."""
@@ -113,6 +122,11 @@ class _Numbers:
         self.scenario = scenario
 
     @cached_property
+    def shared(self) -> Shared | None:
+        """What all designs' runs have in common; None where a file is read, which may change."""
+        return None if files_of(self.scenario) else Shared.lasting()
+
+    @cached_property
     def paths(self) -> dict[str, Path]:
         """Keys that lead to each, by its merit's name."""
         short = min(self.scenario.duration, ROWS / self.scenario.record_rate)
@@ -125,10 +139,11 @@ class _Numbers:
 
     @cached_property
     def merits(self) -> dict[str, Merit]:
-        """All of them."""
+        """All of them that runs can have."""
         return {
             name: BESIDE.get(path) or Merit(name, _unit(path), f"{' → '.join(path)} in the run's summary")
             for name, path in self.paths.items()
+            if not undecided(self.scenario, path)
         }
 
 

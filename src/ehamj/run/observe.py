@@ -50,6 +50,7 @@ def observe(
     names = [name for name in made if wanted is None or name in wanted]
     found = {name: made[name] for name in reversed(names)}  # accelerations come with what they are made of
     channels = {name: found[name] for name in names}
+    made.release()
     return make_dataset(
         made.times,
         channels,
@@ -86,6 +87,10 @@ class Observing(Mapping[str, Array]):
             found = self._makers[name]()
             self._made |= found if isinstance(found, dict) else {name: found}
         return self._made[name]
+
+    def release(self) -> None:
+        """Forget how channels are made, which holds what it is held by: rows would wait for a collection."""
+        self._makers.clear()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._makers)

@@ -9,7 +9,7 @@ import numpy as np
 from ehamj import columns
 from ehamj.arrays import Array
 from ehamj.compiled.kept import uncollected
-from ehamj.control.noise import ReadingNoise
+from ehamj.control.noise import Heard, ReadingNoise
 from ehamj.ground import GroundSample
 from ehamj.interruption import check
 from ehamj.run.budget import check_disk, size_of, streams
@@ -47,8 +47,8 @@ def drive_block(
     runs: Sequence[Prepared],
     simulations: Sequence[Simulation],
     progress: Progress | None = None,
-    copied: bool = True,
-) -> Iterator[Driven]:
+    copied: bool = True, heard: Heard | None = None,
+) -> Iterator[Driven]:  # fmt: skip
     """Step all to the end, or until each fails; what the loop left of one after the other.
 
     Args:
@@ -56,6 +56,7 @@ def drive_block(
         simulations: of each its `small` one.
         progress: called after each stretch with the fraction done.
         copied: whether the rows of each stand by themselves; else they hold those of all for as long as they are held.
+        heard: noise that runs before these have heard, and later ones will.
 
     Raises:
         InputError: if the rows do not fit in memory, or, of runs that are too long for that together, on disk.
@@ -76,7 +77,7 @@ def drive_block(
         running = [faults for k, faults in enumerate(struck) if block.stopped(k, done).status == DONE]
         steps = min(sampled.stop - done, *(faults.steps_left(done) for faults in running))
         last = done + steps == first.steps
-        noise = _heard(runs, block.width, done, steps + last)
+        noise = _heard(runs, block.width, done, steps + last, heard)
         part = given.part(done - sampled.start, steps + last)
         if done == 0:  # so that no simulation's timing contains what compiling takes
             with uncollected():
@@ -188,19 +189,28 @@ def _alike(runs: Sequence[Prepared]) -> list[int]:
     return [keys.index(key) for key in keys]
 
 
-def _heard(runs: Sequence[Prepared], width: int, first: int, steps: int) -> Array | None:
+def _heard(runs: Sequence[Prepared], width: int, first: int, steps: int, heard: Heard | None) -> Array | None:
     """Noise of the runs' readings at the samples among some steps, (sample, channel, width); None where all are
-    silent. Those of one seed and equal sensors draw it once."""
-    if all(run.noise is None for run in runs):
+    silent. Those of one seed and equal sensors draw it once, and not at all where it was ``heard`` before."""
+    noises = [run.noise for run in runs]
+    if all(noise is None for noise in noises):
         return None
     loop = runs[0].loop
-    found = np.zeros((loop.samples(first, steps)[1], loop.sensing.channels, width))
+    begin, count = loop.samples(first, steps)
     known: list[tuple[ReadingNoise, Array]] = []
-    for lane, noise in enumerate(run.noise for run in runs):
+    drawn: list[Array | None] = []
+    for noise in noises:
+        same = None
         if noise is not None:
-            same = next((drawn for one, drawn in known if one.alike(noise)), None)
+            same = next((own for one, own in known if one.alike(noise)), None)
             if same is None:
-                same = noise.take(len(found))
+                same = noise.take(count) if heard is None else heard.take(noise, begin, count)
                 known.append((noise, same))
-            found[:, :, lane] = same
+        drawn.append(same)
+    if all(one is known[0][1] for one in drawn):
+        return np.repeat(known[0][1][:, :, None], width, axis=2)
+    found = np.zeros((count, loop.sensing.channels, width))
+    for lane, one in enumerate(drawn):
+        if one is not None:
+            found[:, :, lane] = one
     return found

@@ -3,9 +3,10 @@
 import time as clock
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 from ehamj.control import as_controller
+from ehamj.control.noise import Heard
 from ehamj.errors import InputError
 from ehamj.ground.shared import Floors
 from ehamj.mujoco import hydraulics
@@ -41,6 +42,18 @@ class Refused(NamedTuple):
     error: Exception
 
 
+class Shared(NamedTuple):
+    """What runs of many batches, one after the other, have in common and is made once."""
+
+    floors: Floors
+    heard: Heard
+
+    @classmethod
+    def lasting(cls) -> Self:
+        """Of runs that read no file, which may change."""
+        return cls(Floors(None), Heard())
+
+
 class Ran(NamedTuple):
     """One run among many as the stepping loop left it."""
 
@@ -59,20 +72,22 @@ def together(
     meanwhile: Callable[[], None] = lambda: None,
     on_failure: Callable[[int, Exception], T] | None = None,
     held: bool = True,
+    shared: Shared | None = None,
 ) -> list[T]:
     """What is made of each run, in order.
 
     Args:
         items: what to run; asked for as threads get free.
         work: makes of a run, on its thread, what is wanted of it.
-        threads: how many.
+        threads: how many; 0: on that of the caller, which has its own memory to come back to.
         count: how many items there are, if that is known: each thread gets its share.
         meanwhile: called now and then on the thread of the caller.
         on_failure: gives, by its number and the error, what stands for one that cannot be run or worked on; without it
             the first failure is raised, named, and no other begins.
         held: whether what is made of a run may hold on to its channels; else runs of one batch share what is the same.
+        shared: what they have in common with runs before and after these; with it, channels must not be held.
     """
-    room = LANES if count is None else max(1, min(LANES, -(-count // threads)))
+    room = LANES if count is None else max(1, min(LANES, -(-count // max(threads, 1))))
 
     def batches() -> Iterator[list[Item | Refused]]:
         batch: list[Item | Refused] = []
@@ -87,7 +102,7 @@ def together(
     def one(_: int, batch: list[Item | Refused]) -> list[T]:
         found: dict[int, T] = {}
         failures = Failures({}, alone=on_failure is not None)
-        for ran in driven(batch, failures, held):
+        for ran in driven(batch, failures, held, shared):
             with failures.of(ran.item):
                 found[ran.item.number] = work(ran)
         if on_failure is None:
@@ -100,6 +115,8 @@ def together(
         ]
 
     with hydraulics():
+        if threads == 0:
+            return [each for number, batch in enumerate(batches()) for each in one(number, batch)]
         return [each for batch in worked_through(batches(), one, threads, meanwhile) for each in batch]
 
 
@@ -123,16 +140,18 @@ class Failures(NamedTuple):
             raise self.errors[min(self.errors)]
 
 
-def driven(batch: Sequence[Item | Refused], failures: Failures, held: bool) -> Iterator[Ran]:
+def driven(
+    batch: Sequence[Item | Refused], failures: Failures, held: bool, shared: Shared | None = None
+) -> Iterator[Ran]:
     """Runs as their engines leave them, those of one structure on the small-motion engine side by side; for ``held``
-    see `together`.
+    and ``shared`` see `together`.
 
     Where failures are not borne alone, the first that cannot be prepared is the last: those before it may fail too,
     and run.
     """
     blocks: dict[Hashable, list[_Standing]] = {}
     # Those of one floor build it once, and a block samples it once.
-    floors = Floors(1 if held else len(batch))
+    floors = Floors(1 if held else len(batch)) if shared is None else shared.floors
     for item in batch:
         begun = _begun(item, floors, failures)
         if isinstance(begun, Ran):
@@ -142,7 +161,7 @@ def driven(batch: Sequence[Item | Refused], failures: Failures, held: bool) -> I
         elif not failures.alone:
             break
     for block in blocks.values():
-        yield from _side_by_side(block, failures, held)
+        yield from _side_by_side(block, failures, held, None if shared is None else shared.heard)
 
 
 class _Standing(NamedTuple):
@@ -170,9 +189,9 @@ def _begun(item: Item | Refused, floors: Floors, failures: Failures) -> _Standin
     return None
 
 
-def _side_by_side(block: Sequence[_Standing], failures: Failures, held: bool) -> Iterator[Ran]:
+def _side_by_side(block: Sequence[_Standing], failures: Failures, held: bool, heard: Heard | None) -> Iterator[Ran]:
     began = clock.perf_counter()
-    ended = drive_block([one.prepared for one in block], [one.own for one in block], copied=held)
+    ended = drive_block([one.prepared for one in block], [one.own for one in block], copied=held, heard=heard)
     try:
         first = next(ended)
     except Exception as error:

@@ -155,6 +155,18 @@ def anchored(value: Any, kind: Any, folder: Path) -> Any:
     return named_anew(value, kind, lambda name: str(folder / name))
 
 
+def files_of(scenario: Scenario) -> list[str]:
+    """Names of the files that a scenario reads; those that ship with ehamj are none."""
+    found: list[str] = []
+
+    def kept(name: str) -> str:
+        found.append(name)
+        return name
+
+    named_anew(scenario.table, Scenario, kept)
+    return found
+
+
 def named_anew(value: Any, kind: Any, name: Callable[[str], str]) -> Any:
     """``value`` of a field of type ``kind`` with each file name in it, absolute or not, as ``name`` has it.
 

@@ -36,9 +36,15 @@ def changed(scenario: "Scenario", values: Mapping[Any, Any]) -> "Scenario":
         InputError: with one message that names the key, the value and what is allowed.
     """
     table = stated(scenario)
+    touched = set()
     for key, value in values.items():
-        place(table, key, plain(value), f"{key if isinstance(key, str) else '.'.join(key)} = {value!r}")
-    return checked(type(scenario), table)
+        parts = key.split(".") if isinstance(key, str) else list(key)
+        place(table, key, plain(value), f"{'.'.join(parts)} = {value!r}")
+        touched.add(parts[0])
+    # What nothing is changed of has been checked; that it fits the rest is checked again.
+    return checked(
+        type(scenario), {name: one if name in touched else getattr(scenario, name) for name, one in table.items()}
+    )
 
 
 def otherwise(scenario: "Scenario", table: Mapping[str, Any], where: str) -> "Scenario":
