@@ -191,12 +191,16 @@ def _at(hertz: Array, response: ComplexArray, deviation: Array, poles: ComplexAr
     columns = np.concatenate([first + second, 1j * (first - second), alone], axis=2).reshape(len(s) * inputs, -1)
     system = np.concatenate([columns.real, columns.imag])
     parts, errors, shapes = [], [], []
+    bases: dict[bytes, tuple[Array, Array]] = {}
     for o in range(response.shape[1]):
         weight = np.tile(1.0 / deviation[:, o].ravel(), 2)
-        q, r = np.linalg.qr(system * weight[:, None])
+        size = float(weight.max())
+        if (key := (weight / size).tobytes()) not in bases:  # outputs known alike at all lines have one
+            bases[key] = np.linalg.qr(system * (weight / size)[:, None])
+        q, r = bases[key][0], size * bases[key][1]
         known = np.concatenate([response[:, o].real.ravel(), response[:, o].imag.ravel()]) * weight
         share = q.T @ known
-        found, left = np.linalg.solve(r, share), known - q @ share
+        found, left = np.asarray(np.linalg.solve(r, share), np.float64), known - q @ share
         parts.append(_Part(weight, (q, r), found, left, shares, of))
         errors.append((left[: len(columns)] + 1j * left[len(columns) :]).reshape(len(s), inputs))
         shapes.append(found[:count] + 1j * found[count : 2 * count])
