@@ -24,7 +24,7 @@ AT = {11: (1.0, 0.7, 1.8), 12: (-1.0, 0.7, 1.8), 13: (1.0, -0.7, 1.8), 14: (0.9,
 HIT = ((11, 1), (12, -2))
 """Nodes that are hit, and along what: x, −y."""
 HERTZ = np.arange(40.0, 120.0, 0.5)
-NOISE = 0.02
+NOISE = 0.05
 TRUE = computed_modes(SCENARIO)
 LOW = TRUE.frequency < HERTZ[-1]
 
@@ -92,7 +92,7 @@ def read(path: Path, *sets: dict[str, Any]) -> MeasuredModes:
 def test_modes_are_those_of_the_machine_within_their_deviations(tmp_path: Path) -> None:
     """Two sways that are 0.6 Hz apart, and yaw."""
     apart = []
-    for seed in range(4):
+    for seed in range(3):
         found = read(tmp_path / "a.uff", *(dataset(*one) for one in noisy(seed).items()))
         assert found.frequency.size == 3
         paired = pairing(found, TRUE)
@@ -101,8 +101,8 @@ def test_modes_are_those_of_the_machine_within_their_deviations(tmp_path: Path) 
         apart.append((found.frequency - TRUE.frequency[LOW]) / found.frequency_deviation)
         apart.append((found.damping_ratio - TRUE.damping_ratio[LOW]) / found.damping_deviation)
         assert (found.frequency_deviation < 2e-3 * found.frequency).all()
-        assert (found.damping_deviation < 0.08 * found.damping_ratio).all()
-    assert 0.65 < np.sqrt(np.mean(np.square(apart))) < 1.35  # of 24 numbers
+        assert (found.damping_deviation < 0.1 * found.damping_ratio).all()
+    assert 0.55 < np.sqrt(np.mean(np.square(apart))) < 1.35  # of 18 numbers
     assert np.abs(apart).max() < 3.5
 
 

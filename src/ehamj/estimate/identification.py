@@ -100,6 +100,11 @@ def polyreference(hertz: Array, response: ComplexArray, order: int) -> ComplexAr
     Returns:
         λ [1/s], (order · inputs,).
     """
+    return polyreference_modes(hertz, response, order)[0]
+
+
+def polyreference_modes(hertz: Array, response: ComplexArray, order: int) -> tuple[ComplexArray, ComplexArray]:
+    """Poles as `polyreference` has them (k,), and the inputs' participations in each (k, inputs)."""
     _, outputs, inputs = response.shape
     period = 0.5 / float(hertz[-1])
     powers = np.exp(2j * np.pi * np.outer(hertz * period, np.arange(order + 1)))
@@ -119,9 +124,9 @@ def polyreference(hertz: Array, response: ComplexArray, order: int) -> ComplexAr
     companion = np.zeros((order * inputs, order * inputs))
     companion[inputs:, :-inputs] = np.eye((order - 1) * inputs)
     companion[:inputs] = -np.concatenate(list(coefficients[1:]), axis=1)
-    inverse = np.linalg.eigvals(companion).astype(complex)
-    inverse = inverse[np.abs(inverse) > 1e-12]
-    return -np.log(inverse) / period
+    inverse, vectors = (part.astype(complex) for part in np.linalg.eig(companion))
+    kept = np.abs(inverse) > 1e-12
+    return -np.log(inverse[kept]) / period, vectors[-inputs:, kept].T
 
 
 def residues(hertz: Array, response: ComplexArray, poles: ComplexArray) -> ComplexArray:

@@ -24,6 +24,7 @@ from ehamj.identification.residual import Failed, Residuals
 from ehamj.identification.results import identification_of
 from ehamj.identification.starts import begun
 from ehamj.identification.stepping import coarse, short_enough
+from ehamj.identification.tests.hammer import HammerTest
 from ehamj.identification.tests.record import RecordTest
 from ehamj.identification.tests.responses import ResponsesTest
 from ehamj.identification.tests.test import Context
@@ -97,7 +98,8 @@ def identify(
 def _read(file: IdentifyFile, measured: Mapping[str, Any]) -> dict[str, Any]:
     """Measurements by the test's name, those of files too: a record is read once, whoever asks for it."""
     context = Context(file.machine, (), tests=tuple(test.name for test in file.test), measured=measured)
-    own = {test.name: test.read(context) for test in file.test if isinstance(test, RecordTest | ResponsesTest)}
+    read = (RecordTest, ResponsesTest, HammerTest)
+    own = {test.name: test.read(context) for test in file.test if isinstance(test, read)}
     return {**measured, **own}
 
 

@@ -1,6 +1,6 @@
 """Channels that may be measured: their units, what of a file may be one, and what they are to a model."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from ehamj.control.channels import UPSTREAM, check_channel, valve_commands
 from ehamj.control.units import plain_unit, signal_units
@@ -8,8 +8,10 @@ from ehamj.errors import InputError, did_you_mean
 from ehamj.measured.measured import Role
 from ehamj.records.units import Kind, unit
 
-FORCE = "force"
+FORCE: Final = "force"
 """First word of the name of a measured force."""
+FELT: Final = "acceleration"
+"""The same of an accelerometer at a point."""
 
 
 class ChannelUnit(NamedTuple):
@@ -22,7 +24,8 @@ class ChannelUnit(NamedTuple):
 
 def unit_of(channel: str) -> ChannelUnit:
     """Of a channel, a valve's command or a force: SI, and mA of a spool."""
-    text = "N" if channel.split(" ")[0] == FORCE else signal_units((channel,))[0]
+    own = {FORCE: "N", FELT: "m/s²"}.get(channel.split(" ")[0])
+    text = own or signal_units((channel,))[0]
     found = unit(plain_unit(text))
     return ChannelUnit(text, found.kind, found.size)
 

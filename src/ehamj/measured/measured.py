@@ -14,7 +14,7 @@ Role = Literal["input", "output"]
 
 @dataclass(frozen=True)
 class ForcePlace:
-    """Where a measured force acts, and along what, of length one."""
+    """Where a measured force acts, or an accelerometer stands, and along what, of length one."""
 
     point: str | Vector3
     """A name in the scenario's points, ``cg``, or a place from the mount plane's centre [m]."""
@@ -26,7 +26,8 @@ class MeasuredChannel:
     """One channel of a test, in SI (a spool in mA)."""
 
     name: str
-    """As of `ehamj.control.channels`, ``valve_command MOUNT``, or ``force KEY`` with the key of its table."""
+    """As of `ehamj.control.channels`, ``valve_command MOUNT``, or ``force KEY`` and ``acceleration KEY`` with the
+    key of its table."""
     unit: str
     samples: Array = field(repr=False)
     """(n,)"""
@@ -34,7 +35,7 @@ class MeasuredChannel:
     component: str = ""
     """What the file calls it."""
     place: ForcePlace | None = None
-    """Of a force."""
+    """Of a force, or of an accelerometer at a point."""
     full_scale: float | None = None
     """Of its converter, where that is known."""
     resolution: float | None = None
@@ -108,3 +109,5 @@ class MeasuredResponses:
     places: tuple[ForcePlace | None, ...] = ()
     """Of the inputs that are forces, one per input."""
     notes: tuple[str, ...] = ()
+    felt: tuple[ForcePlace | None, ...] = ()
+    """Of the outputs that are accelerations at points, one per output."""

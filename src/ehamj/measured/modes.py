@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,15 +65,24 @@ class ModeTable:
     """How they were got."""
     places: Mapping[str, Place] = field(default_factory=dict)
     """Where the file itself says that sensors stood."""
+    mixing: Array | None = None
+    """Standard deviation of the coupling of each two (k, k) [Hz] (`ehamj.identification.modal.compared`); None: not
+    known."""
 
     def __post_init__(self) -> None:
         order = np.argsort(self.frequency, kind="stable")
         for name in COLUMNS:
             object.__setattr__(self, name, getattr(self, name)[order])
+        object.__setattr__(self, "mixing", _both(self.mixing, order))
 
     def of(self, kept: NDArray[np.bool_]) -> "ModeTable":
         """Some of them (k,)."""
-        return replace(self, **{name: getattr(self, name)[kept] for name in COLUMNS})
+        return replace(self, mixing=_both(self.mixing, kept), **{name: getattr(self, name)[kept] for name in COLUMNS})
+
+
+def _both(square: Array | None, kept: NDArray[Any]) -> Array | None:
+    """Some rows and columns, in their order."""
+    return None if square is None else square[kept][:, kept]
 
 
 def listed(entries: Sequence[ModeEntry], places: Mapping[str, Place], words: str) -> ModeTable:
@@ -127,6 +136,8 @@ class MeasuredModes:
     real: bool
     words: str
     notes: tuple[str, ...] = ()
+    mixing: Array | None = None
+    """As of `ModeTable`."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -136,7 +147,7 @@ class MeasuredModes:
     def without(self, left_out: NDArray[np.bool_]) -> "MeasuredModes":
         """The others."""
         kept = ~left_out
-        return replace(self, **{name: getattr(self, name)[kept] for name in COLUMNS})
+        return replace(self, mixing=_both(self.mixing, kept), **{name: getattr(self, name)[kept] for name in COLUMNS})
 
 
 def measured_modes(
@@ -186,6 +197,7 @@ def measured_modes(
         table.real,
         table.words,
         tuple(notes),
+        table.mixing,
     )
 
 

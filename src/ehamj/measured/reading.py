@@ -8,7 +8,7 @@ import numpy as np
 
 from ehamj.arrays import Array
 from ehamj.errors import InputError
-from ehamj.measured.channels import FORCE, ChannelUnit, check_measured, role_of, unit_of
+from ehamj.measured.channels import FELT, FORCE, ChannelUnit, check_measured, role_of, unit_of
 from ehamj.measured.doubts import faults, hum, resolution
 from ehamj.measured.measured import ForcePlace, Measured, MeasuredChannel, Role
 from ehamj.measured.resampling import resampled, usable_to
@@ -98,13 +98,14 @@ def wanted_of(measurement: Measurement, mounts: tuple[str, ...], key: str, label
 
 
 def channel_of(component: str, one: MeasuredComponent) -> str:
-    """Name of the channel that a component is: ``force KEY`` of a force."""
-    return one.channel or f"{FORCE} {component}"
+    """Name of the channel that a component is: ``force KEY`` of a force, ``acceleration KEY`` of an accelerometer."""
+    return one.channel or f"{FELT if one.force is None else FORCE} {component}"
 
 
 def place_of(said: MeasuredComponent) -> ForcePlace | None:
-    """Where a force acts; None of what is none."""
-    return None if said.force is None else ForcePlace(said.force.point, of_length_one(said.force.direction))
+    """Where a force acts or an accelerometer stands; None of what is neither."""
+    own = said.force or said.accelerometer
+    return None if own is None else ForcePlace(own.point, of_length_one(own.direction))
 
 
 def _channel(one: Wanted, series: Series, samples: Array) -> MeasuredChannel:

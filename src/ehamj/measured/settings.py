@@ -21,6 +21,14 @@ class MeasuredForce(Settings):
     direction: Direction = Field((0.0, 0.0, 1.0), description="along which it acts (any length)")
 
 
+class Accelerometer(Settings):
+    """An accelerometer anywhere on the machine."""
+
+    point: str | Vector3 = Field(description="where it stands: a name in [points], or a place from the mount plane's "
+                                             "centre [m]")  # fmt: skip
+    direction: Direction = Field((0.0, 0.0, 1.0), description="along which it measures (any length)")
+
+
 class MeasuredComponent(Settings):
     """What a component of the file is; its key in the table is its name in the file, unless ``component`` says it."""
 
@@ -29,6 +37,10 @@ class MeasuredComponent(Settings):
         description="channel of ehamj that it measured, such as 'stroke front-left', or 'valve_command front-left'",
     )
     force: MeasuredForce | None = Field(None, description="instead of a channel: a force on the machine, and its place")
+    accelerometer: Accelerometer | None = Field(
+        None,
+        description="instead of a channel: an accelerometer on the machine, and its place (of kind = 'hammer')",
+    )
     component: str | None = Field(None, description="name in the file, or number from 1; without: the table's key")
     role: Role | None = Field(
         None,
@@ -56,8 +68,8 @@ class MeasuredComponent(Settings):
 
     @model_validator(mode="after")
     def _is_something(self) -> Self:
-        if (self.channel is None) == (self.force is None):
-            raise ValueError("channel or force: one of them must say what it is")
+        if [self.channel, self.force, self.accelerometer].count(None) != 2:
+            raise ValueError("channel, force or accelerometer: one of them must say what it is")
         if self.scale == 0.0:
             raise ValueError("scale = 0 must not be zero")
         return self

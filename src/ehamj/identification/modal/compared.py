@@ -97,17 +97,24 @@ def seen(measured: MeasuredModes, computed: Computed, pairs: Pairs) -> Seen:
         values, basis, target = computed.poles[columns], shapes[:, columns], measured.shape[own].T
         turned = np.diag(values)
         if measured.sensors.names:
-            turn = np.linalg.lstsq(basis, target, rcond=None)[0]
-            shape[own] = (basis @ turn).T
-            if len(own) > 1:
-                unitary = _unitary(turn * np.linalg.norm(basis, axis=0)[:, None] / np.linalg.norm(target, axis=0))
-                turned = unitary.conj().T @ turned @ unitary
+            turned, nearest = turned_into(values, basis, target)
+            shape[own] = nearest.T
         eigen = np.diag(turned)
         frequency[own] = np.abs(eigen) / (2.0 * np.pi)
         ratio[own] = np.where(np.isnan(ratio[own]), np.nan, -eigen.real / np.abs(eigen))
         both[np.ix_(own, own)] = turned / (2.0 * np.pi)
     first, second = coupled(measured)
     return Seen(frequency, ratio, shape, both[first, second])
+
+
+def turned_into(values: ComplexArray, basis: ComplexArray, target: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues (k,) with shapes ``basis`` (n, k) as others' shapes (n, k) have them: the matrix G (k, k), whose
+    diagonal goes with theirs, and what of these shapes the basis has (n, k)."""
+    turn = np.linalg.lstsq(basis, target, rcond=None)[0]
+    if len(values) == 1:
+        return np.diag(values), basis @ turn
+    unitary = _unitary(turn * np.linalg.norm(basis, axis=0)[:, None] / np.linalg.norm(target, axis=0))
+    return unitary.conj().T @ np.diag(values) @ unitary, basis @ turn
 
 
 def _unitary(matrix: ComplexArray) -> ComplexArray:
@@ -129,6 +136,9 @@ def coupling_deviation(measured: MeasuredModes) -> Array:
     A shape that has ε of its neighbour couples both by half of ε times the distance of their eigenvalues.
     """
     found = []
+    if measured.mixing is not None:
+        first, second = coupled(measured)
+        return np.asarray(measured.mixing[first, second])
     hertz = measured.frequency
     ratio = np.where(np.isnan(measured.damping_ratio), 0.0, measured.damping_ratio)
     unsure = np.where(np.isnan(measured.damping_ratio), UNKNOWN_DAMPING, measured.damping_deviation)

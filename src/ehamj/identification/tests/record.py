@@ -12,7 +12,7 @@ from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.averaged import averaged
 from ehamj.identification.tests.driven import FADE, Driven, driven, entry_of
 from ehamj.identification.tests.linear import LinearResiduals, Port, check_linear
-from ehamj.identification.tests.test import Context, TestSettings
+from ehamj.identification.tests.test import Context, TestSettings, check_channels
 from ehamj.identification.tests.timed import Clock, Output, TimeResiduals
 from ehamj.identification.unknowns import Values
 from ehamj.measured.measured import Measured, MeasuredChannel
@@ -95,6 +95,7 @@ class RecordTest(Reading, TestSettings):
         if given is not None:
             assert isinstance(given, Measured)
             return given
+        check_channels(self.measurement, self.place(context))
         if self.file is None:
             raise InputError(
                 f"test {self.name!r}: file is missing, and no measurement was given in Python by this name"

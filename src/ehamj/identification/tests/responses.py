@@ -10,7 +10,7 @@ from ehamj.errors import InputError
 from ehamj.identification.machine import with_values
 from ehamj.identification.residual import Residuals
 from ehamj.identification.tests.linear import Line, LinearResiduals, Port, check_linear
-from ehamj.identification.tests.test import Context, TestSettings
+from ehamj.identification.tests.test import Context, TestSettings, check_channels
 from ehamj.identification.unknowns import Values
 from ehamj.measured.measured import ForcePlace, MeasuredResponses
 from ehamj.measured.reading import channel_of
@@ -66,6 +66,7 @@ class ResponsesTest(ResponseChoices, TestSettings):
         given = context.measured.get(self.name)
         if isinstance(given, MeasuredResponses):
             return given
+        check_channels(self.measurement, self.place(context))
         if given is not None or self.file is None:
             what = (
                 "file is missing, and no responses were" if given is None else "no MeasuredResponses, but others were"

@@ -7,7 +7,9 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from ehamj.errors import InputError
 from ehamj.identification.residual import Residuals
+from ehamj.measured.settings import Measurement
 from ehamj.scenario.load import otherwise
 from ehamj.scenario.model import Engine, Scenario
 from ehamj.settings import OVERRIDES, Settings
@@ -55,3 +57,17 @@ class TestSettings(Settings, ABC):
     def scenario(self, context: Context) -> Scenario:
         """The machine as it was in this test."""
         return otherwise(context.scenario, self.set, f"{self.place(context)}.set")
+
+
+def check_channels(measurement: Measurement, key: str) -> None:
+    """Refuse accelerometers at points, which these kinds of test do not compare.
+
+    Raises:
+        InputError: naming which.
+    """
+    for component, said in measurement.items():
+        if said.accelerometer is not None:
+            raise InputError(
+                f"{key}.measurement.{component}.accelerometer: is of kind = 'hammer' only; measure a foot's or the "
+                "machine's channel here, or leave it out"
+            )

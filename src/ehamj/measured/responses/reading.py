@@ -87,6 +87,7 @@ def read_responses(
         coherence,
         tuple(place_of(one.said) for one in inputs),
         tuple(notes),
+        tuple(place_of(one.said) for one in outputs),
     )
 
 
