@@ -192,6 +192,7 @@ def test_progress_tells_rate_time_left_and_the_best(tmp_path: Path) -> None:
     assert middle.left == pytest.approx(32 / middle.rate)
     assert 10.0 < middle.rate < 800.0
     assert middle.words.startswith("search: 32 of 64 designs, 3 failed, ")
+    assert Standing("named", 1, 3).words == "named: 1 of 3 designs, the scenario's own among them"
 
 
 @pytest.mark.parametrize("scheduler", ["threads:2", "processes:1"])

@@ -15,6 +15,8 @@ RECENT: Final = 60.0
 """Time over which a rate is counted, once there is so much [s]."""
 
 
+OWN: Final = "named"
+"""Stage of the scenario's own design and of those with names, which no plan counts."""
 SURE: Final = 8
 """Designs, and the hundredth of all, after which rate and time left are told."""
 
@@ -51,7 +53,8 @@ class Standing:
         """In one line."""
         if self.interrupted:
             return f"interrupted: {self.done:,} of {self.total:,} designs are stored; resumed, it goes on from there"
-        parts = [f"{self.stage}: {self.done:,} of {self.total:,} designs"]
+        beside = ", the scenario's own among them" if self.stage == OWN else ""
+        parts = [f"{self.stage}: {self.done:,} of {self.total:,} designs{beside}"]
         if self.failed:
             parts.append(f"{self.failed:,} failed")
         if self.rate and self.done - self.found >= max(SURE, self.total // 100):  # the first ones compile and find laws

@@ -13,6 +13,7 @@ from ehamj.arrays import Array
 from ehamj.campaign.best import best_of, front_of
 from ehamj.campaign.names import short_names, worded
 from ehamj.campaign.plans.plan import excess as bounds_excess
+from ehamj.campaign.standing import OWN
 from ehamj.campaign.store import cell_of
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ else:
 
 Row = dict[str, Any]
 """A design by the names of its columns."""
-SEARCH, NAMED, TOLERANCE, CONFIRM = "search", "named", "tolerance", "confirm"
+SEARCH, NAMED, TOLERANCE, CONFIRM = "search", OWN, "tolerance", "confirm"
 """Stages of a study's designs."""
 AS_IT_IS: Final = "as it is"
 """Name of the scenario's own design."""
