@@ -30,3 +30,11 @@ def test_of_a_front_the_one_between_the_ends_is_best_whatever_the_units() -> Non
     front = np.array([[0.0, 1.0], [0.2, 0.3], [1.0, 0.0], [0.9, 0.9]]) * [1e6, 1e-6]
     assert best_of(front, np.ones(4, bool), 3) == [1, 0, 2]
     assert best_of(front, np.array([False, False, False, True]), 3) == [3]
+
+
+def test_designs_that_lose_nothing_beside_a_named_one_come_first() -> None:
+    front, good = np.array([[0.0, 1.0], [0.2, 0.3], [1.0, 0.0], [0.7, 0.1]]), np.ones(4, bool)
+    assert best_of(front, good, 4) == [1, 3, 0, 2]
+    assert best_of(front, good, 4, np.array([[0.8, 0.2]])) == [3, 1, 0, 2]
+    assert best_of(front, good, 2, np.array([[0.8, 0.2], [np.nan, 0.0]])) == [3, 1]
+    assert best_of(front, good, 1, np.array([[0.1, 0.1]])) == [1]

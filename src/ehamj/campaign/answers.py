@@ -59,7 +59,7 @@ def _best(studied: Studied) -> Iterator[str]:
         yield (
             f"Of {good:,} designs{kept}, {len(studied.front):,} {'is' if len(studied.front) == 1 else 'are'} on the "
             f"Pareto front; design {row['number']} is the best compromise, nearest to the best of every objective at "
-            f"once: {merits}."
+            f"once{_of_those_ahead(studied)}: {merits}."
         )
     else:
         (way,) = studied.file.objectives.values()
@@ -70,6 +70,13 @@ def _best(studied: Studied) -> Iterator[str]:
             )
         yield f"Design {row['number']} is the best, its {merits} the {way} of {of}."
     yield f"Design {row['number']} has {values}."
+
+
+def _of_those_ahead(studied: Studied) -> str:
+    """That the best are chosen of those that lose nothing beside the designs with a name, where there are any."""
+    if not studied.ahead:
+        return ""
+    return f", of the {studied.ahead:,} that lose nothing beside {' and '.join(studied.file.named)}"
 
 
 def _against_named(studied: Studied) -> Iterator[str]:

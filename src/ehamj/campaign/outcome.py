@@ -144,7 +144,8 @@ def notes_of(studied: Studied, influences: Sequence[Influence], yields: Sequence
         )
     if studied.front:
         notes.append(
-            "The best compromise is nearest to the best value of each objective, counted in shares of the front."
+            "The best compromise is nearest to the best value of each objective, counted in shares of the front; those "
+            "come first that lose nothing beside a design that the file names."
         )
     return tuple(notes)
 

@@ -69,8 +69,9 @@ def chosen_of(file: StudyFile, store: "Store") -> list[Parent]:
     kept = store.merits(searched.start, searched.stop, list(file.limits))
     misses = [excess(kept[:, k], limit) for k, limit in enumerate(file.limits.values())]
     good = np.all([miss <= 0.0 for miss in misses], axis=0) if misses else np.ones(len(objectives), bool)
-    best = best_of(objectives * [sign for _, sign in goals.objectives], good, file.best)
-    own = range(1, 1 + len(file.named)) if file.named else range(1)
+    signs, own = [sign for _, sign in goals.objectives], range(1, 1 + len(file.named)) if file.named else range(1)
+    named = store.merits(1, 1 + len(file.named), list(file.objectives))
+    best = best_of(objectives * signs, good, file.best, named * signs)
     numbers = [*(searched.start + row for row in best), *own]
     return [(row.number, row.values) for number in numbers for row in store.rows(number, number + 1)]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ehamj.arrays import Array
-from ehamj.campaign.best import best_of, front_of
+from ehamj.campaign.best import best_of, front_of, losing_nothing
 from ehamj.campaign.names import short_names, worded
 from ehamj.campaign.plans.plan import excess as bounds_excess
 from ehamj.campaign.standing import OWN
@@ -86,7 +86,17 @@ class Studied:
     @cached_property
     def best(self) -> list[int]:
         """Rows of `search` of the best designs that keep all limits, the best first; none without objectives."""
-        return best_of(self.objectives(self.search), self.good(self.search), self.file.best)
+        return best_of(self.objectives(self.search), self.good(self.search), self.file.best, self._named_objectives)
+
+    @property
+    def _named_objectives(self) -> Array:
+        """Objectives of the designs that the file names, (named, objective)."""
+        return self.objectives(self.stage(NAMED).query("number > 0"))
+
+    @cached_property
+    def ahead(self) -> int:
+        """How many designs of the front lose nothing beside those that the file names; 0 where it names none."""
+        return int(losing_nothing(self.objectives(self.search.iloc[self.front]), self._named_objectives).sum())
 
     @cached_property
     def front(self) -> list[int]:
