@@ -94,6 +94,8 @@ def test_blows_tell_stiffness_inertia_and_centre_of_gravity(logs: Logs, tmp_path
         assert one.deviation is not None
         assert abs(one.value - value) < 3.5 * one.deviation, key
         assert one.deviation < 0.015 * value
+    (noisy,) = [note for note in found.notes if "makes all modes wrong together" in note]
+    assert noisy.startswith("test 'blows': force F at ")
     modes = found.tests[0].found
     assert "blows at 2 places, 10 motions" in modes["method"]
     paired = [pair for pair in modes["after"]["modes"] if pair["name"]]
@@ -120,6 +122,15 @@ def test_what_shows_no_blows_is_refused(logs: Logs, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is it the hammer's channel"):
         ehamj.identify(written(tmp_path, steady))
     asked = written(tmp_path, logs)
+    for key, value, said in (
+        ("point", "spindle-nos", r"hit\.1\.point = 'spindle-nos': did you mean 'spindle-nose'\? must be one of"),
+        ("point", [900.0, 600.0, 1500.0], r"test\.0\.hit\.1\.point"),
+        ("file", str(tmp_path / "z.csv"), r"test\.0\.hit\.1\.file = 'z.csv' cannot be read"),
+    ):
+        wrong = written(tmp_path, logs)
+        wrong["test"][0]["hit"][1][key] = value
+        with pytest.raises(InputError, match=said):
+            ehamj.identify(wrong)
     asked["test"] = [{"name": "r", "kind": "record", "file": str(tmp_path / "x.csv"),
                       "measurement": asked["test"][0]["measurement"]}]  # fmt: skip
     with pytest.raises(InputError, match=r"far x\.accelerometer: is of kind = 'hammer' only"):

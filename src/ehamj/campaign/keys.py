@@ -43,7 +43,7 @@ def check_known(scenario: Scenario, key: str, said: str = "vary") -> None:
     try:
         changed(scenario, changes_of(scenario, {key: 1.0}))
     except InputError as error:
-        if "unknown key" in str(error):
+        if "unknown key" in str(error) or "must be an index" in str(error):
             raise InputError(f"{said}: {str(error).replace(f'{key} = 1.0', key)}") from None
 
 

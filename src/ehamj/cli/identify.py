@@ -1,6 +1,7 @@
 """The command that finds parameters of a machine from measurements."""
 
 from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -157,7 +158,7 @@ def _fits(tests: tuple["TestFit", ...], held: bool) -> list[list[str]]:
             said = ["held out"] if held else []
             if channel.whiteness is not None and not channel.whiteness.white and not held:
                 said.append("errors are not white")
-            rows.append([test.name, channel.name, f"{channel.fit:.4g}", ", ".join(said)])
+            rows.append([test.name, channel.name, "" if isnan(channel.fit) else f"{channel.fit:.4g}", ", ".join(said)])
         rows += [
             [test.name, name, "", f"{one.value:.5g} ± {one.deviation:.2g}{_behind(one.unit)}"]
             for name, one in test.unknowns.items()

@@ -56,7 +56,7 @@ def print_run(results: Mapping[str, Result], folder: Path, spent: str) -> None:
         summary, scenario, "on the page" if (folder / "report.html").is_file() else f"in {folder / 'summary.json'}"
     )
     say(spent, "time: ")
-    _print_next(folder)
+    _print_next(folder, scenario)
 
 
 def _print_verdict(summary: Summary) -> None:
@@ -151,7 +151,7 @@ def _print_notes(summary: Summary, scenario: Scenario, more: str) -> None:
         say(f"and {hidden} more {more}", "notes: " if not left else "")
 
 
-def _print_next(folder: Path) -> None:
+def _print_next(folder: Path, scenario: "Scenario") -> None:
     """Where it is, and what to open next."""
     say(f"{folder}", "result: ", whole=True)
     there = {name: (folder / f"{name}.{ending}").is_file() for name, ending in (("report", "html"), ("replay", "rrd"))}
@@ -160,4 +160,7 @@ def _print_next(folder: Path) -> None:
     if there["replay"]:
         say(f"ehamj replay {folder}", "watch: ", whole=True)
     for name in [name for name, is_there in there.items() if not is_there]:
-        say(f"none; `ehamj {name} {folder}` writes it", f"{name}: ", whole=True)
+        way = f"`ehamj {name} {folder}` writes it"
+        if scenario.output.channels != ("*",):
+            way = f"of what output.channels leaves, `ehamj {name} {folder}` may not make it"
+        say(f"none; {way}", f"{name}: ", whole=True)

@@ -16,6 +16,7 @@ from ehamj.identification.file import IdentifyFile, load_identify
 from ehamj.identification.fit import Fitted, Told, fitted
 from ehamj.identification.held import following, held_values
 from ehamj.identification.misfit import misfits
+from ehamj.identification.modal.residuals import ModalResiduals
 from ehamj.identification.optional import neutral_of, places_of
 from ehamj.identification.outcome import Identification
 from ehamj.identification.parameters import parameters_of
@@ -86,6 +87,9 @@ def identify(
     outcome = identification_of(file, problem, tests, found, told, progress)
     seeming = doubts_at(found.at.tests, found.at.compared, doubted)
     notes = [*undriven(file.machine, read), *(f"test {one.test!r}: {one.channel} {one.said}" for one in doubted)]
+    notes += [
+        f"test {one.name!r}: {note}" for one in tests if isinstance(one, ModalResiduals) for note in one.measured.notes
+    ]
     notes += [f"test {one.test!r}, beside the machine that was found: {one.channel} {one.said}" for one in seeming]
     notes += [
         *outcome.notes,

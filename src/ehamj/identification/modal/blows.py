@@ -1,6 +1,7 @@
 """Blows of a hammer in records: from force and accelerations to modes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, Self
 
@@ -8,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ehamj.arrays import ComplexArray
-from ehamj.errors import InputError
+from ehamj.errors import InputError, did_you_mean
 from ehamj.identification.modal.files import ASSUMED
 from ehamj.identification.modal.responses import Mobilities, modes_in
 from ehamj.measured.hits import responses_of_hits
@@ -17,6 +18,7 @@ from ehamj.measured.modes import MeasuredModes, measured_modes
 from ehamj.measured.reading import read_measured
 from ehamj.measured.sensors import KINDS, Place
 from ehamj.measured.settings import MeasuredForce, Measurement
+from ehamj.plant.points import check_place
 from ehamj.records.choices import Reading
 from ehamj.scenario.model import Scenario
 from ehamj.settings import Band, Direction, FileName, Positive, Settings, Vector3
@@ -69,10 +71,7 @@ class Blows(Reading):
             return [read_measured(Path(self.file), self.measurement, mounts, self, key, name)]
         if not self.hit:
             raise InputError(f"{key}.hit is missing: state where the hammer hit, and the record of it")
-        return [
-            read_measured(Path(one.file), self._at(number, one), mounts, self, key, name)
-            for number, one in enumerate(self.hit)
-        ]
+        return [self._record(number, mounts, key, name) for number in range(len(self.hit))]
 
     def modes(self, records: Sequence[Measured], scenario: Scenario, key: str, name: str) -> MeasuredModes:
         """Modes of the machine in its responses to the blows, valves held.
@@ -80,9 +79,22 @@ class Blows(Reading):
         Raises:
             InputError: if blows or motions are not as they must be, or show no mode.
         """
-        measured = _mobilities(*responses_of_hits(records, self.band, self.length, key, name), scenario, key)
-        table = modes_in(measured)
-        return measured_modes(table, {}, ASSUMED, scenario.plant, scenario.points)
+        responses, errors = responses_of_hits(records, self.band, self.length, key, name)
+        for number, where in enumerate(responses.places):
+            at = f"{key}.hit.{number}" if self.hit else f"{key}.measurement: {responses.inputs[number]}"
+            if where is not None:
+                _point(where, scenario, at)
+        table = modes_in(_mobilities(responses, errors, scenario, key))
+        found = measured_modes(table, {}, ASSUMED, scenario.plant, scenario.points)
+        how_read = {note for record in records for note in record.notes}
+        return replace(found, notes=(*found.notes, *(note for note in responses.notes if note not in how_read)))
+
+    def _record(self, number: int, mounts: tuple[str, ...], key: str, name: str) -> Measured:
+        hit = self.hit[number]
+        try:
+            return read_measured(Path(hit.file), self._at(number, hit), mounts, self, key, name)
+        except InputError as error:
+            raise InputError(str(error).replace(f"{key}.file", f"{key}.hit.{number}.file")) from None
 
     def _at(self, number: int, hit: Hit) -> Measurement:
         """What the components of the record of a hit are: its force, by another name for each, acts there."""
@@ -104,7 +116,8 @@ def _mobilities(responses: MeasuredResponses, errors: ComplexArray, scenario: Sc
     for name, where in zip(responses.outputs, felt, strict=True):
         body, _, motion = name.split(" ")[0].rpartition("_")
         if where is not None:
-            places[name] = Place(point=_point(where, scenario, key, name), direction=where.direction)
+            at = f"{key}.measurement: {name}: accelerometer"
+            places[name] = Place(point=_point(where, scenario, at), direction=where.direction)
             orders.append(2)
         elif body in ("foot", "machine") and motion in KINDS:
             places[name] = Place(channel=name)
@@ -120,10 +133,16 @@ def _mobilities(responses: MeasuredResponses, errors: ComplexArray, scenario: Sc
     )  # fmt: skip
 
 
-def _point(where: ForcePlace, scenario: Scenario, key: str, name: str) -> Vector3:
-    if not isinstance(where.point, str):
-        return where.point
-    if where.point not in scenario.points:
-        known = ", ".join(scenario.points)
-        raise InputError(f"{key}.measurement: {name} stands at {where.point!r}: must be one of {known}, or [x, y, z]")
-    return scenario.points[where.point]
+def _point(where: ForcePlace, scenario: Scenario, key: str) -> Vector3:
+    """From the mount plane's centre [m]; ``key`` is of what says it."""
+    if isinstance(where.point, str):
+        if where.point not in scenario.points:
+            near = did_you_mean(where.point, scenario.points)
+            known = ", ".join(map(repr, scenario.points))
+            raise InputError(f"{key}.point = {where.point!r}: {near}must be one of {known}, or [x, y, z] in m")
+        return scenario.points[where.point]
+    try:
+        check_place(f"{key}.point", where.point, scenario.plant.machine)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    return where.point
